@@ -1,1 +1,8 @@
-//! placeholder
+//! Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
+//!
+//! The order of the `mod` lines is the layer order: a module imports only modules above it.
+
+pub mod output;
+pub mod provenance;
+pub mod measurement;
+pub mod plot;

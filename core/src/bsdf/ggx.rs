@@ -1,0 +1,83 @@
+//! GGX rough dielectric, reflection and transmission from both sides \[Walter2007; Sokolov eqs 1-3\].
+
+use super::half::HalfVector;
+use super::{Bsdf, Scatter, Scattered};
+use crate::direction::{Direction, Side};
+use crate::fresnel;
+use crate::math::Real;
+use crate::ndf::ggx::{d_of_vector, g1, sample_visible, shadow_sum};
+use crate::quantity::{Alpha, RelativeIor};
+
+/// A rough dielectric boundary with GGX facets, separable Smith shadowing and exact Fresnel factors.
+///
+/// `f = D G F / (4 |cos_i cos_o|)` in reflection and \[Walter2007, eq. 21\] in transmission, `G = G1 G1`.
+/// What it leaves out: light that meets a second facet (lost; see the energy table of `check`),
+/// polarisation, diffraction. With matched media (`eta` = 1) there is nothing to scatter: `eval` is 0
+/// and `sample` passes straight through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ggx<T> {
+    /// Width of the slope distribution.
+    pub alpha: Alpha<T>,
+    /// Index of the dielectric over that of the air.
+    pub eta: RelativeIor<T>,
+}
+
+impl<T: Real> Ggx<T> {
+    /// A boundary of a given width and index.
+    pub fn new(alpha: Alpha<T>, eta: RelativeIor<T>) -> Self {
+        Self { alpha, eta }
+    }
+}
+
+impl<T: Real> Scatter<T> for Ggx<T> {
+    /// Draws a visible normal, then reflects with probability `F`; the weight is `G1(wo)`.
+    ///
+    /// Takes three uniforms.
+    #[inline]
+    fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
+        let u = [uniform(), uniform()];
+        let choice = uniform();
+        let side = wi.side()?;
+        if self.eta.is_matched() {
+            return Some(Scattered { wo: wi.opposite(), weight: T::ONE });
+        }
+        let n = self.eta.get();
+        let (front, eta) = match side {
+            Side::Air => (wi, n),
+            Side::Dielectric => (wi.opposite(), T::ONE / n),
+        };
+        let m = sample_visible(self.alpha, front, u);
+        let reflected = fresnel::dielectric(m.dot(wi).abs(), eta).reflected;
+        let wo = if choice < reflected { wi.reflect(m) } else { wi.refract(m, eta)? };
+        let stays = wo.side()? == side;
+        // A facet may send a reflected ray down or a refracted one up: it would meet the surface again.
+        (stays == (choice < reflected)).then(|| Scattered { wo, weight: g1(self.alpha, wo) })
+    }
+}
+
+impl<T: Real> Bsdf<T> for Ggx<T> {
+    #[inline]
+    fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        let a = self.alpha.get();
+        match HalfVector::between(self.eta, wi, wo) {
+            Some(h) => {
+                let masked = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
+                d_of_vector(a, h.xy2, h.z2) * h.share * T::from_f64(4.0) / masked
+            }
+            None => T::ZERO,
+        }
+    }
+
+    #[inline]
+    fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        let a = self.alpha.get();
+        match HalfVector::between(self.eta, wi, wo) {
+            Some(h) => d_of_vector(a, h.xy2, h.z2) * h.share * T::TWO / shadow_sum(a, wi.xyz()),
+            None => T::ZERO,
+        }
+    }
+
+    fn slope(&self) -> T {
+        self.alpha.get()
+    }
+}

@@ -1,0 +1,53 @@
+//! Scattering laws of a boundary.
+//!
+//! A boundary has the air above (z > 0) and a dielectric of relative index `eta` below, or is opaque.
+//! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
+//! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
+
+mod ggx;
+mod half;
+mod normals;
+mod opaque;
+mod smooth;
+
+pub use ggx::Ggx;
+pub use normals::Normals;
+pub use opaque::OpaqueGgx;
+pub use smooth::Smooth;
+
+use crate::direction::Direction;
+use crate::math::Real;
+
+/// A scattered ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scattered<T: Real> {
+    /// Direction, away from the surface, on either side.
+    pub wo: Direction<T>,
+    /// `ars / pdf`: the flux the ray carries away for unit flux in, 0 to 1.
+    pub weight: T,
+}
+
+/// Something that sends a ray on its way: all that a ray method can promise.
+pub trait Scatter<T: Real> {
+    /// Scatters light that came from `wi`; `None` if the ray is lost (a facet sent it into the surface).
+    ///
+    /// `uniform` gives independent uniforms in [0, 1); how many are taken depends on the law.
+    fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>>;
+}
+
+/// A scattering law with a value.
+pub trait Bsdf<T: Real>: Scatter<T> {
+    /// The BSDF `f(wi, wo)` in 1/sr, without cosine; 0 if either direction lies in the surface.
+    fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T;
+
+    /// Angle-resolved scatter `f |cos theta_o|` in 1/sr: scattered flux per solid angle, for unit flux in.
+    fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        self.eval(wi, wo) * wo.z().abs()
+    }
+
+    /// Density of [`Scatter::sample`] at `wo`, per solid angle, in 1/sr.
+    fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T;
+
+    /// Typical slope of the facets: a length scale for quadrature, not a physical quantity.
+    fn slope(&self) -> T;
+}

@@ -1,0 +1,84 @@
+//! The `Normals` method: one facet at each hit, drawn from a density of normals \[Sokolov section 2.2\].
+
+use super::half::HalfVector;
+use super::{Bsdf, Scatter, Scattered};
+use crate::direction::{Direction, Side};
+use crate::fresnel;
+use crate::math::Real;
+use crate::ndf::normals::NormalDensity;
+use crate::quantity::RelativeIor;
+
+/// A rough dielectric boundary whose facet normal is drawn anew at each hit, with density `p(m)`.
+///
+/// `ars = p(m) / V(wi) * J * (F or 1 - F)`, where `V` is the share of normals that face `wi` (others are
+/// drawn again) and `J` the Jacobian of \[Walter2007, eqs 14 and 17\]. No masking and no interreflection:
+/// a facet is met in proportion to its number, not to its projected area, so the law is not reciprocal,
+/// and a ray sent back into the surface is lost. That is the published method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Normals<T, const N: usize = 256> {
+    /// Density of the facet normals.
+    pub density: NormalDensity<T, N>,
+    /// Index of the dielectric over that of the air.
+    pub eta: RelativeIor<T>,
+}
+
+impl<T: Real, const N: usize> Normals<T, N> {
+    /// A boundary with given facets and index.
+    pub fn new(density: NormalDensity<T, N>, eta: RelativeIor<T>) -> Self {
+        Self { density, eta }
+    }
+
+    /// How often a normal that faces away is drawn again before the ray counts as lost; at least half
+    /// of all normals face any direction, so this happens once in 2^64 rays.
+    const DRAWS: usize = 64;
+}
+
+impl<T: Real, const N: usize> Scatter<T> for Normals<T, N> {
+    /// Takes two uniforms for each normal drawn, and one to choose between reflection and refraction.
+    fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
+        let side = wi.side()?;
+        if self.eta.is_matched() {
+            return Some(Scattered { wo: wi.opposite(), weight: T::ONE });
+        }
+        let (above, eta) = match side {
+            Side::Air => (true, self.eta.get()),
+            Side::Dielectric => (false, T::ONE / self.eta.get()),
+        };
+        let m = (0..Self::DRAWS)
+            .map(|_| self.density.sample([uniform(), uniform()]))
+            .find(|m| if above { m.dot(wi) > T::ZERO } else { m.dot(wi) < T::ZERO })?;
+        let reflect = uniform() < fresnel::dielectric(m.dot(wi).abs(), eta).reflected;
+        let wo = if reflect { wi.reflect(m) } else { wi.refract(m, eta)? };
+        ((wo.side()? == side) == reflect).then_some(Scattered { wo, weight: T::ONE })
+    }
+}
+
+impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
+    fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        let cos = wo.z().abs();
+        // The law is finite, its quotient by a vanishing cosine need not be.
+        if cos > T::ZERO { (self.ars(wi, wo) / cos).min(T::MAX) } else { T::ZERO }
+    }
+
+    fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        match HalfVector::between(self.eta, wi, wo) {
+            Some(h) => {
+                let [x, y, z] = wi.xyz();
+                let visible = self.density.visible(z, (x * x + y * y).sqrt());
+                let facet = self.density.density(h.xy2.sqrt(), h.z2.sqrt());
+                // share / |wi.m|, with |wi.m| = ih / |h|
+                facet / visible * h.share * ((h.xy2 + h.z2).sqrt() / h.ih)
+            }
+            None => T::ZERO,
+        }
+    }
+
+    fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        self.ars(wi, wo)
+    }
+
+    fn slope(&self) -> T {
+        // tan would run away at pi/2; a width of the law is an angle, and small ones are slopes
+        self.density.law().delta().min(T::ONE) + self.density.law().centre()
+    }
+}

@@ -1,0 +1,96 @@
+//! Opaque GGX surface with a Lambert floor: what a reflection scan of a metal is fitted with.
+
+use super::{Bsdf, Scatter, Scattered};
+use crate::direction::{Direction, Side};
+use crate::math::Real;
+use crate::ndf::ggx::{d_of_vector, sample_visible, shadow_sum};
+use crate::quantity::Alpha;
+use crate::sampling::cosine_hemisphere;
+
+/// `f = gain D G / (4 |cos_i cos_o|) + lambert`, from the air side only; nothing is transmitted.
+///
+/// `gain` stands for the Fresnel reflectance of the metal, taken as constant. Both coefficients are the
+/// user's: `gain + pi lambert <= 1` conserves energy and [`OpaqueGgx::conserves_energy`] says whether
+/// it holds; a relative measurement may well give more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpaqueGgx<T> {
+    /// Width of the slope distribution.
+    pub alpha: Alpha<T>,
+    /// Reflectance of a facet, dimensionless, >= 0.
+    pub gain: T,
+    /// Lambert term, 1/sr, >= 0.
+    pub lambert: T,
+}
+
+impl<T: Real> OpaqueGgx<T> {
+    /// A surface; `None` unless both coefficients are finite and not negative.
+    pub fn new(alpha: Alpha<T>, gain: T, lambert: T) -> Option<Self> {
+        let fine = |x: T| x.is_finite() && x >= T::ZERO;
+        (fine(gain) && fine(lambert)).then_some(Self { alpha, gain, lambert })
+    }
+
+    /// Whether no incidence can reflect more than it receives: `gain + pi lambert <= 1`.
+    pub fn conserves_energy(&self) -> bool {
+        self.gain + T::PI * self.lambert <= T::ONE
+    }
+
+    /// Probability of sampling the facets rather than the floor.
+    fn facet_share(&self) -> T {
+        let total = self.gain + T::PI * self.lambert;
+        if total > T::ZERO { self.gain / total } else { T::ONE }
+    }
+
+    /// `D` and the two shadow sums, if both directions are in the air.
+    fn lobe(&self, wi: Direction<T>, wo: Direction<T>) -> Option<(T, T, T)> {
+        if wi.side()? != Side::Air || wo.side()? != Side::Air {
+            return None;
+        }
+        let (i, o) = (wi.xyz(), wo.xyz());
+        let [hx, hy, hz] = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
+        let a = self.alpha.get();
+        let d = d_of_vector(a, hx * hx + hy * hy, hz * hz);
+        Some((d, shadow_sum(a, i), shadow_sum(a, o)))
+    }
+}
+
+impl<T: Real> Scatter<T> for OpaqueGgx<T> {
+    /// Takes three uniforms.
+    fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
+        let u = [uniform(), uniform()];
+        let choice = uniform();
+        if wi.side()? != Side::Air {
+            return None;
+        }
+        let wo = if choice < self.facet_share() {
+            wi.reflect(sample_visible(self.alpha, wi, u))
+        } else {
+            cosine_hemisphere(u)
+        };
+        let density = self.pdf(wi, wo);
+        (wo.side()? == Side::Air && density > T::ZERO)
+            .then(|| Scattered { wo, weight: self.ars(wi, wo) / density })
+    }
+}
+
+impl<T: Real> Bsdf<T> for OpaqueGgx<T> {
+    fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        match self.lobe(wi, wo) {
+            Some((d, si, so)) => self.gain * d / (si * so) + self.lambert,
+            None => T::ZERO,
+        }
+    }
+
+    fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        match self.lobe(wi, wo) {
+            Some((d, si, _)) => {
+                let facets = self.facet_share();
+                facets * d / (T::TWO * si) + (T::ONE - facets) * wo.z() / T::PI
+            }
+            None => T::ZERO,
+        }
+    }
+
+    fn slope(&self) -> T {
+        self.alpha.get()
+    }
+}

@@ -1,0 +1,35 @@
+//! The error of a reconstruction \[Sokolov eq. 18\].
+
+use crate::math::Real;
+
+/// Root mean square deviation over all readings, divided by the largest measured one, times 100 (%).
+///
+/// Pairs beyond the shorter slice are ignored. `None` without pairs, or if the largest measured
+/// reading is not positive.
+pub fn rmsd_percent<T: Real>(measured: &[T], simulated: &[T]) -> Option<T> {
+    let mut sum = T::ZERO;
+    let mut largest = T::ZERO;
+    let mut count = 0_u32;
+    for (&m, &s) in measured.iter().zip(simulated) {
+        sum = sum + (m - s) * (m - s);
+        largest = largest.max(m);
+        count += 1;
+    }
+    (count > 0 && largest > T::ZERO).then(|| {
+        (sum / T::from_f64(f64::from(count))).sqrt() / largest * T::from_f64(100.0)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rmsd_percent;
+
+    #[test]
+    fn is_the_rms_deviation_over_the_largest_measured_reading() {
+        let error = rmsd_percent::<f64>(&[0.0, 2.0, 1.0, 0.0], &[0.0, 1.0, 1.0, 1.0]);
+        // sqrt(2/4) / 2
+        assert!((error.unwrap() - 35.355339059327378).abs() < 1e-12);
+        assert!(rmsd_percent::<f64>(&[], &[]).is_none());
+        assert!(rmsd_percent(&[0.0], &[1.0]).is_none());
+    }
+}

@@ -1,0 +1,5 @@
+//! Distributions of microfacet normals.
+
+pub mod ggx;
+pub mod law;
+pub mod normals;

@@ -1,0 +1,143 @@
+//! The sample: a parallel plate with one rough and one smooth face, all internal passes.
+//!
+//! Plate frame: +z points back to the light source; directions point away from the plate. The rough
+//! face has its own frame (+z into its air): the same one if it looks to the source, turned over about
+//! x if it looks to the detector. The thickness does not matter to angles, nor to fluxes.
+
+use crate::bsdf::{Scatter, Smooth};
+use crate::direction::{Direction, Side};
+use crate::math::Real;
+use crate::quantity::RelativeIor;
+
+/// Which way the rough face of a plate looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RoughSide {
+    /// The rough face looks towards the light source.
+    Source,
+    /// The rough face looks towards the detector of transmitted light, away from the source.
+    Detector,
+}
+
+/// A plate of a dielectric in air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plate<S, T> {
+    /// The rough face.
+    pub rough: S,
+    /// The other face.
+    pub smooth: Smooth<T>,
+    /// Which way the rough face looks.
+    pub rough_side: RoughSide,
+}
+
+/// A ray's flux that left the plate, by where it went; the three sum to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome<T> {
+    /// Flux that left towards the source.
+    pub reflected: T,
+    /// Flux that left away from the source.
+    pub transmitted: T,
+    /// Flux that a boundary lost or that was still inside after the last pass followed.
+    pub lost: T,
+}
+
+impl<S: Scatter<T>, T: Real> Plate<S, T> {
+    /// A plate of relative index `eta`.
+    pub fn new(rough: S, eta: RelativeIor<T>, rough_side: RoughSide) -> Self {
+        Self { rough, smooth: Smooth { eta }, rough_side }
+    }
+
+    /// Passes followed: light kept by total reflection leaves at the rough face, at a rate that makes
+    /// what is left after these a matter of rounding.
+    pub const MOST_PASSES: usize = 4096;
+
+    /// Follows one ray of unit flux from `wi` (towards the source, z > 0) through all internal passes.
+    ///
+    /// Each hit of the smooth face splits the ray, so that the part that leaves is counted exactly;
+    /// below a weight of 1/1000 what goes on is decided by roulette. `exit(wo, flux)` is called for
+    /// every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
+    pub fn trace(
+        &self,
+        wi: Direction<T>,
+        uniform: &mut impl FnMut() -> T,
+        exit: &mut impl FnMut(Direction<T>, T),
+    ) -> Outcome<T> {
+        let turned = |w: Direction<T>| match self.rough_side {
+            RoughSide::Source => w,
+            RoughSide::Detector => w.turned_over(),
+        };
+        let mut out = Outcome { reflected: T::ZERO, transmitted: T::ZERO, lost: T::ZERO };
+        let mut leave = |w: Direction<T>, flux: T, out: &mut Outcome<T>| {
+            exit(w, flux);
+            match w.side() {
+                Some(Side::Air) => out.reflected = out.reflected + flux,
+                _ => out.transmitted = out.transmitted + flux,
+            }
+        };
+        let mut flux = T::ONE;
+        // From here on `w` is where the light comes from, seen from the face it meets next.
+        let mut w = match self.rough_side {
+            RoughSide::Source => wi,
+            RoughSide::Detector => {
+                let f = self.smooth.fresnel(wi);
+                leave(self.smooth.reflect(wi), f.reflected, &mut out);
+                let Some(inside) = self.smooth.refract(wi) else { return out };
+                flux = f.transmitted;
+                // it arrives at the rough face from the dielectric, where the turned frame has z < 0
+                turned(inside.opposite())
+            }
+        };
+        for _ in 0..Self::MOST_PASSES {
+            let Some(s) = self.rough.sample(w, uniform) else {
+                out.lost = out.lost + flux;
+                return out;
+            };
+            // A weight below 1 is flux the facets kept from leaving this way.
+            out.lost = out.lost + flux * (T::ONE - s.weight);
+            flux = flux * s.weight;
+            if s.wo.side() == Some(Side::Air) {
+                leave(turned(s.wo), flux, &mut out);
+                return out;
+            }
+            // On to the smooth face. Seen from it the light comes from the opposite of where it goes.
+            let arriving = turned(s.wo).opposite();
+            let (share, gone) = self.through_the_smooth_face(arriving);
+            if let Some(gone) = gone {
+                leave(gone, flux * share, &mut out);
+            }
+            let kept = flux * (T::ONE - share);
+            let least = T::from_f64(1e-3);
+            if kept < least {
+                // The survivor carries what the others lose: right on average, and flux stays counted.
+                if kept <= T::ZERO || uniform() * least >= kept {
+                    out.lost = out.lost + kept;
+                    return out;
+                }
+                out.lost = out.lost - (least - kept);
+                flux = least;
+            } else {
+                flux = kept;
+            }
+            let [x, y, z] = arriving.xyz();
+            // mirrored at the smooth face, then seen from the rough face, whence it comes
+            w = turned(Direction::from_unit(-x, -y, z).opposite());
+        }
+        out.lost = out.lost + flux;
+        out
+    }
+
+    /// Transmitted fraction and direction at the smooth face for light from `w`, inside the plate
+    /// (plate frame, as seen from that face); none on total reflection.
+    pub fn through_the_smooth_face(&self, w: Direction<T>) -> (T, Option<Direction<T>>) {
+        // The smooth face's own air side is away from the rough face; its frame has the plate's x.
+        let own = match self.rough_side {
+            RoughSide::Source => w.turned_over(),
+            RoughSide::Detector => w,
+        };
+        let f = self.smooth.fresnel(own);
+        let gone = self.smooth.refract(own).map(|o| match self.rough_side {
+            RoughSide::Source => o.turned_over(),
+            RoughSide::Detector => o,
+        });
+        (if gone.is_some() { f.transmitted } else { T::ZERO }, gone)
+    }
+}

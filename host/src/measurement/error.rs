@@ -1,0 +1,258 @@
+//! What can be wrong with a scan file, and where: what, where and remedy in one or two lines.
+
+use std::fmt::{self, Display};
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::meta::HeaderFault;
+use super::select::SelectionFault;
+use super::{InvalidReading, ReadingFault};
+
+/// Largest file that is read, in bytes; a scan of the finest kind is a thousandth of this.
+pub(super) const MAX_BYTES: u64 = 512 << 20;
+/// How many names an error lists.
+const LISTED: usize = 20;
+/// How many characters of a file an error repeats.
+const EXCERPT: usize = 40;
+
+/// A scan file that cannot be used: the place and the fault.
+///
+/// Shown as `scan.csv:12, column reading: ...; remedy`.
+#[derive(Debug, Error)]
+#[error("{}{}: {fault}", path.display(), Place(*line, column.as_deref()))]
+pub struct ScanError {
+    /// The file.
+    pub path: PathBuf,
+    /// The line, counted from 1; `None` where the file as a whole is at fault.
+    pub line: Option<u64>,
+    /// The column by name or number, where one value is at fault.
+    pub column: Option<String>,
+    /// What is wrong.
+    pub fault: ScanFault,
+}
+
+/// What is wrong with a scan file.
+#[derive(Debug, Error)]
+pub enum ScanFault {
+    /// The path names nothing.
+    #[error("there is no such file; check the path")]
+    NoFile,
+    /// The path names a folder.
+    #[error("is a folder, not a file; name the CSV file inside it")]
+    Folder,
+    /// The file cannot be read.
+    #[error("cannot be read: {0}; check the permissions")]
+    Io(#[from] io::Error),
+    /// More than 512 MiB.
+    #[error("is larger than {} MiB, no scan is; check the path, or cut the file", MAX_BYTES >> 20)]
+    TooLarge,
+    /// Binary content, or text in another encoding.
+    #[error("is not UTF-8 text; save the scan as CSV with encoding UTF-8")]
+    NotText,
+    /// Nothing in it.
+    #[error("the file is empty; a scan has a line `sigma_deg,theta_deg,reading` and readings below")]
+    Empty,
+    /// No line with the names of the columns where one is expected.
+    #[error(
+        "expected the line `sigma_deg,theta_deg,reading`, found {}; \
+         for other columns say which is which with --columns", found.as_deref().unwrap_or("the end of the file")
+    )]
+    NoColumnLine {
+        /// The line found instead, in backquotes; `None` at the end of the file.
+        found: Option<String>,
+    },
+    /// No readings below the names of the columns.
+    #[error("there are no readings below the line with the column names; add one line per reading")]
+    NoRows,
+    /// A row with too few or too many fields.
+    #[error(
+        "expected 3 values (sigma_deg,theta_deg,reading), found {found}; write one reading a line, \
+         decimals with a point; for another layout use --columns"
+    )]
+    FieldCount {
+        /// The number of fields found.
+        found: usize,
+    },
+    /// A value that is no number.
+    #[error("`{0}` is not a number; write it like 1.25e-3, with a decimal point and no unit")]
+    NotANumber(String),
+    /// A number that is NaN or infinite, in a standard file.
+    #[error("`{0}` is not finite; delete the row where nothing was measured")]
+    NotFinite(String),
+    /// A header value that cannot be meant.
+    #[error(transparent)]
+    Header(#[from] HeaderFault),
+    /// A header key given twice.
+    #[error("the header key `{key}` was given in line {first_line} already; keep one of the two")]
+    RepeatedKey {
+        /// The key.
+        key: &'static str,
+        /// The line of the first of the two.
+        first_line: u64,
+    },
+    /// A header key below the names of the columns, where it might be overlooked.
+    #[error("the header key `{key}` stands among the readings; move it above the column names")]
+    LateKey {
+        /// The key.
+        key: &'static str,
+    },
+    /// The same point twice.
+    #[error(
+        "sigma {sigma_deg} deg, theta {theta_deg} deg was measured in line {first_line} already; \
+         average the two or keep one (--where chooses among several samples)"
+    )]
+    RepeatedPoint {
+        /// Angle of incidence in degrees.
+        sigma_deg: f64,
+        /// Angle of observation in degrees.
+        theta_deg: f64,
+        /// The line of the first of the two.
+        first_line: u64,
+    },
+    /// A reading that cannot be.
+    #[error(transparent)]
+    Reading(ReadingFault),
+    /// A column that a mapping names is not there.
+    #[error("there is no column `{column}`; the columns are {available}: correct --columns or --where")]
+    NoColumn {
+        /// The column asked for.
+        column: String,
+        /// The columns there are.
+        available: Names,
+    },
+    /// The column names of a mapped file stand in one field.
+    #[error(
+        "the line holds one column only; if values are separated by something else than \
+         `{delimiter}`, say so with --delimiter"
+    )]
+    OneColumn {
+        /// The delimiter in use.
+        delimiter: char,
+    },
+    /// A row of a mapped file ends before a column that is needed.
+    #[error("the row has {found} values, column {needed} is needed; complete or delete the row")]
+    ShortRow {
+        /// The number of values in the row.
+        found: usize,
+        /// The number of the column needed, counted from 1.
+        needed: usize,
+    },
+    /// A filter matches no row.
+    #[error("no row has `{value}` in column `{column}`; the values there are {available}: correct --where")]
+    NoMatch {
+        /// The column of the filter.
+        column: String,
+        /// The value asked for.
+        value: String,
+        /// The values there are.
+        available: Names,
+    },
+    /// Each filter matches some row, but none matches all.
+    #[error("no row passes all of --where together; leave one of them out")]
+    NoJointMatch,
+    /// A value of a mapped file is missing or not finite.
+    #[error(
+        "`{0}` where a measured value is needed; narrow --sigma-range or --theta-range, \
+         or leave such rows out with --skip-missing"
+    )]
+    Missing(String),
+    /// All rows that pass the filters are missing.
+    #[error("nothing is left: all {0} rows chosen hold no measured value; choose other rows or columns")]
+    AllMissing(usize),
+    /// The ranges leave nothing.
+    #[error(transparent)]
+    Selection(#[from] SelectionFault),
+    /// The CSV syntax itself is broken.
+    #[error("cannot be split into values: {0}; check the quotes, or save the file as plain CSV")]
+    Syntax(#[from] ::csv::Error),
+}
+
+impl ScanError {
+    pub(super) fn new(path: impl Into<PathBuf>, fault: impl Into<ScanFault>) -> Self {
+        Self { path: path.into(), line: None, column: None, fault: fault.into() }
+    }
+
+    pub(super) fn at(mut self, line: u64) -> Self {
+        self.line = Some(line);
+        self
+    }
+
+    pub(super) fn in_column(mut self, column: impl Into<String>) -> Self {
+        self.column = Some(column.into());
+        self
+    }
+
+    /// The error of readings that came from the lines `line_of(row)`.
+    pub(super) fn of_reading(
+        path: impl Into<PathBuf>,
+        error: InvalidReading,
+        line_of: impl Fn(usize) -> u64,
+    ) -> Self {
+        let fault = match error.fault {
+            ReadingFault::NoReadings => ScanFault::NoRows,
+            ReadingFault::Repeated { sigma_deg, theta_deg, first_row } => {
+                ScanFault::RepeatedPoint { sigma_deg, theta_deg, first_line: line_of(first_row) }
+            }
+            fault => ScanFault::Reading(fault),
+        };
+        let line = error.row.map(line_of);
+        Self { path: path.into(), line, column: None, fault }
+    }
+}
+
+/// Names in the order of a file, shown in backquotes, at most 20 of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Names(pub Vec<String>);
+
+impl Display for Names {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, name) in self.0.iter().take(LISTED).enumerate() {
+            write!(f, "{}`{}`", if index == 0 { "" } else { ", " }, excerpt(name))?;
+        }
+        match self.0.len().saturating_sub(LISTED) {
+            0 => Ok(()),
+            more => write!(f, " and {more} more"),
+        }
+    }
+}
+
+struct Place<'a>(Option<u64>, Option<&'a str>);
+
+impl Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |line| write!(f, ":{line}"))?;
+        self.1.map_or(Ok(()), |column| write!(f, ", column {}", excerpt(column)))
+    }
+}
+
+/// The beginning of a text, safe to print on one line.
+pub(super) fn excerpt(text: &str) -> String {
+    let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let mut shown: String = text.chars().take(EXCERPT).map(printable).collect();
+    if text.chars().nth(EXCERPT).is_some() {
+        shown.push_str("...");
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_one_line_whatever_the_file_holds() {
+        let text = format!("a\nb\u{1b}[2J{}", "x".repeat(100));
+        let error = ScanError::new("scan.csv", ScanFault::NotANumber(excerpt(&text)));
+        let message = error.at(7).in_column("reading").to_string();
+        assert!(message.starts_with("scan.csv:7, column reading: `a\u{fffd}b\u{fffd}[2J"), "{message}");
+        assert!(!message.contains(['\n', '\u{1b}']) && message.len() < 200, "{message}");
+    }
+
+    #[test]
+    fn long_lists_of_names_are_cut() {
+        let names = Names((0..23).map(|k| format!("c{k}")).collect()).to_string();
+        assert!(names.starts_with("`c0`, `c1`") && names.ends_with("`c19` and 3 more"), "{names}");
+    }
+}

@@ -1,0 +1,271 @@
+//! The header of a scan: what is known about the sample and the instrument.
+
+use std::fmt::{self, Display};
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use asperity_core::gonio::Geometry;
+use asperity_core::plate::RoughSide;
+
+/// Indices of refraction that a header may give, relative to air.
+const IOR: RangeInclusive<f64> = 0.2..=10.0;
+/// Full angles of a detector aperture that a header may give, in degrees; zero is excluded besides.
+const APERTURE_DEG: RangeInclusive<f64> = 0.0..=30.0;
+/// Wavelengths that a header may give, in nm: a number below 10 was meant in micrometres.
+const WAVELENGTH_NM: RangeInclusive<f64> = 10.0..=1e6;
+
+/// What a reading is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quantity {
+    /// Flux in the detector's aperture with the sample / flux of the beam without; dimensionless.
+    #[default]
+    Flux,
+    /// BSDF in 1/sr, without cosine.
+    Bsdf,
+}
+
+/// The header of a scan. What the file does not say is `None`: it is asked for, never guessed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Metadata {
+    /// Name of the sample.
+    pub sample: Option<String>,
+    /// Name of the instrument.
+    pub instrument: Option<String>,
+    /// On which side of the plate the detector moved.
+    pub geometry: Option<Geometry>,
+    /// Index of refraction of the plate relative to air, in 0.2..=10.
+    pub ior: Option<f64>,
+    /// Which way the rough face looked.
+    pub rough_side: Option<RoughSide>,
+    /// Full angle of the detector's aperture in degrees, above 0 to 30.
+    pub aperture_deg: Option<f64>,
+    /// Wavelength of the light in nm, in 10..=1e6.
+    pub wavelength_nm: Option<f64>,
+    /// How the readings were calibrated.
+    pub calibration: Option<String>,
+    /// Seed of the random numbers of a virtual scan.
+    pub seed: Option<u64>,
+    /// What the readings are; a standard file without it holds [`Quantity::Flux`].
+    pub quantity: Option<Quantity>,
+    /// RMS noise over all readings / largest reading x 100, where it is known.
+    pub noise_floor_percent: Option<f64>,
+    /// Keys that mean nothing to this program, in the order of the file; they are written back.
+    pub other: Vec<(String, String)>,
+}
+
+/// A header value that cannot be meant.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum HeaderFault {
+    /// Not one of the words allowed.
+    #[error("`{value}` is not a value of the header key `{key}`; write one of: {allowed}")]
+    Word {
+        /// The header key.
+        key: &'static str,
+        /// What the file says.
+        value: String,
+        /// The words allowed, separated by commas.
+        allowed: &'static str,
+    },
+    /// Not a number, or one that cannot be.
+    #[error("`{value}` is not a value of the header key `{key}`; write {allowed}")]
+    Number {
+        /// The header key.
+        key: &'static str,
+        /// What the file says.
+        value: String,
+        /// The values allowed.
+        allowed: &'static str,
+    },
+}
+
+impl Metadata {
+    /// The keys that mean something, in the order in which they are written.
+    pub const KEYS: [&'static str; 11] = [
+        "sample",
+        "instrument",
+        "geometry",
+        "ior",
+        "rough_side",
+        "aperture_deg",
+        "wavelength_nm",
+        "calibration",
+        "seed",
+        "quantity",
+        "noise_floor_percent",
+    ];
+
+    /// Takes over one `key: value` of a header. Keys are known by their lower-case form; an empty
+    /// value leaves a known key unset; an unknown key is added to [`other`](Self::other).
+    ///
+    /// # Errors
+    /// [`HeaderFault`] where the value cannot be meant.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<(), HeaderFault> {
+        let (key, value) = (key.trim(), value.trim());
+        let Some(known) = known_key(key) else {
+            self.other.push((key.to_owned(), value.to_owned()));
+            return Ok(());
+        };
+        if value.is_empty() {
+            return Ok(());
+        }
+        let text = Some(value.to_owned());
+        match known {
+            "sample" => self.sample = text,
+            "instrument" => self.instrument = text,
+            "geometry" => self.geometry = Some(word(known, value, &GEOMETRIES)?),
+            "ior" => {
+                let allowed = "the index relative to air, in 0.2..=10, such as 1.49";
+                self.ior = Some(number(known, value, allowed, |ior| IOR.contains(&ior))?);
+            }
+            "rough_side" => self.rough_side = Some(word(known, value, &ROUGH_SIDES)?),
+            "aperture_deg" => {
+                let allowed = "the full angle in degrees, above 0 and up to 30, such as 0.6";
+                let inside = |angle| angle > 0.0 && APERTURE_DEG.contains(&angle);
+                self.aperture_deg = Some(number(known, value, allowed, inside)?);
+            }
+            "wavelength_nm" => {
+                let allowed = "one wavelength in nm, in 10..=1e6, such as 550";
+                let inside = |length| WAVELENGTH_NM.contains(&length);
+                self.wavelength_nm = Some(number(known, value, allowed, inside)?);
+            }
+            "calibration" => self.calibration = text,
+            "seed" => self.seed = Some(number(known, value, "a whole number from 0", |_| true)?),
+            "quantity" => self.quantity = Some(word(known, value, &QUANTITIES)?),
+            _ => {
+                let allowed = "a percentage from 0";
+                let inside = |noise: f64| noise >= 0.0 && noise.is_finite();
+                self.noise_floor_percent = Some(number(known, value, allowed, inside)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// All keys that are set, in the order in which they are written: known ones, then others.
+    pub fn entries(&self) -> Vec<(String, String)> {
+        let text = |value: &Option<String>| value.clone();
+        let shown = |value: Option<f64>| value.map(|number| number.to_string());
+        let values = [
+            text(&self.sample),
+            text(&self.instrument),
+            self.geometry.map(|geometry| name(geometry, &GEOMETRIES)),
+            shown(self.ior),
+            self.rough_side.map(|side| name(side, &ROUGH_SIDES)),
+            shown(self.aperture_deg),
+            shown(self.wavelength_nm),
+            text(&self.calibration),
+            self.seed.map(|seed| seed.to_string()),
+            self.quantity.map(|quantity| quantity.to_string()),
+            shown(self.noise_floor_percent),
+        ];
+        let known = Self::KEYS.iter().zip(values);
+        let known = known.filter_map(|(key, value)| Some(((*key).to_owned(), value?)));
+        known.chain(self.other.iter().cloned()).collect()
+    }
+}
+
+impl Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Flux => "flux",
+            Self::Bsdf => "bsdf",
+        })
+    }
+}
+
+impl FromStr for Quantity {
+    type Err = HeaderFault;
+
+    /// Reads `flux` or `bsdf`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        word("quantity", text.trim(), &QUANTITIES)
+    }
+}
+
+/// The known key that `key` is, whatever its case.
+pub(super) fn known_key(key: &str) -> Option<&'static str> {
+    Metadata::KEYS.into_iter().find(|known| known.eq_ignore_ascii_case(key.trim()))
+}
+
+struct Words<T, const N: usize> {
+    values: [(&'static str, T); N],
+    allowed: &'static str,
+}
+
+const GEOMETRIES: Words<Geometry, 2> = Words {
+    values: [("transmission", Geometry::Transmission), ("reflection", Geometry::Reflection)],
+    allowed: "transmission, reflection",
+};
+const ROUGH_SIDES: Words<RoughSide, 2> = Words {
+    values: [("source", RoughSide::Source), ("detector", RoughSide::Detector)],
+    allowed: "source, detector",
+};
+const QUANTITIES: Words<Quantity, 2> = Words {
+    values: [("flux", Quantity::Flux), ("bsdf", Quantity::Bsdf)],
+    allowed: "flux, bsdf",
+};
+
+fn word<T: Copy, const N: usize>(
+    key: &'static str,
+    value: &str,
+    words: &Words<T, N>,
+) -> Result<T, HeaderFault> {
+    let found = words.values.iter().find(|(name, _)| name.eq_ignore_ascii_case(value));
+    let fault = || HeaderFault::Word { key, value: value.to_owned(), allowed: words.allowed };
+    found.map(|&(_, meaning)| meaning).ok_or_else(fault)
+}
+
+fn name<T: PartialEq, const N: usize>(value: T, words: &Words<T, N>) -> String {
+    let found = words.values.iter().find(|(_, meaning)| *meaning == value);
+    found.map(|&(name, _)| name.to_owned()).unwrap_or_default()
+}
+
+fn number<T: FromStr + Copy>(
+    key: &'static str,
+    value: &str,
+    allowed: &'static str,
+    inside: impl Fn(T) -> bool,
+) -> Result<T, HeaderFault> {
+    let fault = || HeaderFault::Number { key, value: value.to_owned(), allowed };
+    value.parse().ok().filter(|&number| inside(number)).ok_or_else(fault)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_are_what_was_set_in_the_order_of_the_contract() {
+        let values = ["a", "b", "reflection", "1.5", "detector", "0.6", "550", "c", "7", "bsdf", "0.1"];
+        let mut meta = Metadata::default();
+        meta.set("Pixel", "0.361").unwrap();
+        for (key, value) in Metadata::KEYS.iter().zip(values).rev() {
+            meta.set(&key.to_uppercase(), value).unwrap();
+        }
+        let written = meta.entries();
+        let expected = Metadata::KEYS.iter().zip(values).chain([(&"Pixel", "0.361")]);
+        assert!(written.iter().map(|(k, v)| (k.as_str(), v.as_str())).eq(expected.map(|(k, v)| (*k, v))));
+        let mut again = Metadata::default();
+        written.iter().for_each(|(key, value)| again.set(key, value).unwrap());
+        assert_eq!(again, meta);
+    }
+
+    #[test]
+    fn an_empty_value_is_no_value() {
+        let mut meta = Metadata::default();
+        meta.set("ior", " ").unwrap();
+        assert_eq!(meta, Metadata::default());
+    }
+
+    #[test]
+    fn the_limits_of_numbers_are_those_of_the_documentation() {
+        let accepts = |key, value| Metadata::default().set(key, value).is_ok();
+        assert!(accepts("ior", "0.2") && accepts("ior", "10") && !accepts("ior", "0.19"));
+        assert!(accepts("aperture_deg", "30") && !accepts("aperture_deg", "0"));
+        assert!(!accepts("wavelength_nm", "0.55") && !accepts("noise_floor_percent", "inf"));
+        assert!(accepts("seed", "18446744073709551615") && !accepts("seed", "-1"));
+    }
+}

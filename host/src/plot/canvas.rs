@@ -1,0 +1,211 @@
+//! The only file that knows kuva, which writes the SVG, sets the text and rasterises.
+//!
+//! Its own axes are not used: its legend would take the room of a panel, its rasteriser starts the dashes
+//! of a line anew at every point, so that a densely sampled line comes out solid, and each of its minor
+//! releases changed the interface. What is used here is its list of primitives.
+
+use std::fmt::Write as _;
+
+use kuva::backend::raster::RasterBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+
+use super::palette::{INK, Rgb, Stroke};
+use super::polyline::{Frame, Pixel, dashed};
+
+/// What is drawn on: the two formats take long lines differently.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Medium {
+    Svg,
+    Png,
+}
+
+/// Which point of a text its position is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A picture in the making. Later marks cover earlier ones.
+#[derive(Debug)]
+pub(super) struct Canvas {
+    scene: Scene,
+    medium: Medium,
+}
+
+impl Canvas {
+    pub(super) fn new(width: f64, height: f64, medium: Medium) -> Self {
+        let mut scene = Scene::new(width, height);
+        scene.font_family = Some(FONTS.into());
+        scene.add(Primitive::GroupStart {
+            transform: None,
+            title: None,
+            extra_attrs: Some("stroke-linejoin=\"round\"".into()),
+        });
+        Self { scene, medium }
+    }
+
+    /// Text with its baseline at `y`.
+    pub(super) fn text(&mut self, (x, y): Pixel, text: &str, size: u32, anchor: Anchor) {
+        self.write((x, y), text, size, anchor, None);
+    }
+
+    /// Text centred on a point and read upwards.
+    pub(super) fn upward_text(&mut self, center: Pixel, text: &str, size: u32) {
+        self.write(center, text, size, Anchor::Middle, Some(-90.0));
+    }
+
+    /// A filled rectangle. With whole numbers for its sides it is sharp in both formats.
+    pub(super) fn fill(&mut self, area: Frame, color: Rgb) {
+        self.scene.add(Primitive::Rect {
+            x: area.left,
+            y: area.top,
+            width: area.width,
+            height: area.height,
+            fill: paint(color),
+            stroke: None,
+            stroke_width: None,
+            opacity: None,
+        });
+    }
+
+    /// The border of a rectangle, outside it.
+    pub(super) fn outline(&mut self, area: Frame, color: Rgb, width: f64) {
+        let Frame { left, top, .. } = area;
+        let across = area.width + 2.0 * width;
+        for (left, top, width, height) in [
+            (left - width, top - width, across, width),
+            (left - width, area.bottom(), across, width),
+            (left - width, top, width, area.height),
+            (area.right(), top, width, area.height),
+        ] {
+            self.fill(
+                Frame {
+                    left,
+                    top,
+                    width,
+                    height,
+                },
+                color,
+            );
+        }
+    }
+
+    /// The runs of one curve.
+    pub(super) fn lines(&mut self, runs: &[Vec<Pixel>], stroke: Stroke) {
+        match self.medium {
+            Medium::Svg => self.path(runs, stroke),
+            Medium::Png => self.pieces(runs, stroke),
+        }
+    }
+
+    /// A disc, with a rim or without.
+    pub(super) fn disc(&mut self, (x, y): Pixel, radius: f64, color: Rgb, rim: Option<Rgb>) {
+        self.scene.add(Primitive::Circle {
+            cx: x,
+            cy: y,
+            r: radius,
+            fill: paint(color),
+            fill_opacity: None,
+            stroke: rim.map(paint),
+            stroke_width: rim.map(|_| 2.0),
+        });
+    }
+
+    /// The picture as SVG, which fills the width its page gives it and calls itself `name`.
+    pub(super) fn into_svg(mut self, name: &str) -> String {
+        self.scene.add(Primitive::GroupEnd);
+        let (width, height) = (self.scene.width, self.scene.height);
+        let svg = SvgBackend::new().render_scene(&self.scene);
+        let name = clean(name)
+            .replace('&', "&amp;")
+            .replace('<', "&lt;")
+            .replace('"', "&quot;");
+        let head =
+            format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\"");
+        svg.replacen("<svg", &head, 1)
+    }
+
+    /// The picture as PNG, one pixel of the layout to one of the image.
+    pub(super) fn into_png(mut self) -> Result<Vec<u8>, String> {
+        self.scene.add(Primitive::GroupEnd);
+        RasterBackend::new()
+            .with_scale(1.0)
+            .render_scene(&self.scene)
+    }
+
+    fn write(&mut self, (x, y): Pixel, text: &str, size: u32, anchor: Anchor, rotate: Option<f64>) {
+        self.scene.add(Primitive::Text {
+            x,
+            y,
+            // a dollar sign begins mathematics in kuva
+            content: clean(text).replace('$', "\\$"),
+            size,
+            anchor: match anchor {
+                Anchor::Start => TextAnchor::Start,
+                Anchor::Middle => TextAnchor::Middle,
+                Anchor::End => TextAnchor::End,
+            },
+            rotate,
+            bold: false,
+            color: Some(paint(INK)),
+        });
+    }
+
+    /// One path for all runs, dashed by the viewer: a third of the size of kuva's own polylines.
+    fn path(&mut self, runs: &[Vec<Pixel>], stroke: Stroke) {
+        let mut d = String::new();
+        for run in runs.iter().filter(|run| run.len() > 1) {
+            for (i, (x, y)) in run.iter().enumerate() {
+                let verb = match i {
+                    0 => "M",
+                    1 => "L",
+                    _ => " ",
+                };
+                // writing to a string cannot fail
+                let _ = write!(d, "{verb}{x:.1},{y:.1}");
+            }
+        }
+        if d.is_empty() {
+            return;
+        }
+        let dashes: Vec<String> = stroke.dashes.iter().map(ToString::to_string).collect();
+        self.scene.add(Primitive::Path(Box::new(PathData {
+            d,
+            fill: None,
+            stroke: paint(stroke.color),
+            stroke_width: stroke.width,
+            opacity: None,
+            stroke_dasharray: (!dashes.is_empty()).then(|| dashes.join(" ")),
+        })));
+    }
+
+    /// Dashes cut by us, each a line of its own.
+    fn pieces(&mut self, runs: &[Vec<Pixel>], stroke: Stroke) {
+        for points in runs.iter().flat_map(|run| dashed(run, stroke.dashes)) {
+            self.scene.add(Primitive::PolyLine {
+                points,
+                stroke: paint(stroke.color),
+                stroke_width: stroke.width,
+                stroke_dasharray: None,
+            });
+        }
+    }
+}
+
+/// Named, not embedded: the file would be 3 MB larger. The first is the one of the PNG.
+const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
+
+fn paint(Rgb(red, green, blue): Rgb) -> Color {
+    Color::Rgb(red, green, blue)
+}
+
+/// Without the control characters, most of which XML cannot even quote.
+fn clean(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect()
+}

@@ -1,0 +1,32 @@
+//! Plots of measured against fitted readings, as SVG and as PNG.
+//!
+//! [`sigma_panels`] turns readings into a [`Figure`], one panel an incidence; [`svg`] and [`png`] draw it:
+//!
+//! ```
+//! use asperity::plot::{Scale, sigma_panels, svg};
+//!
+//! let measured = vec![(0.0, vec![(-1.0, 0.1), (0.0, 0.4), (1.0, 0.1)])];
+//! let fits = vec![("GGX".to_owned(), vec![(0.0, vec![(-1.0, 0.2), (0.0, 0.3), (1.0, 0.2)])])];
+//! let picture = svg(&sigma_panels("sample 5", &measured, &fits, Scale::Linear))?;
+//! assert!(picture.contains("GGX"));
+//! # Ok::<(), asperity::plot::PlotError>(())
+//! ```
+//!
+//! The layout is ours and fixed, so that a reading is in the same place in both formats; the plotting
+//! library is known to one file, `canvas.rs`.
+
+mod figure;
+mod palette;
+mod polyline;
+mod axis;
+mod layout;
+mod canvas;
+mod render;
+mod sigma;
+
+pub use figure::{Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
+pub use render::{png, svg};
+pub use sigma::{AtSigma, sigma_panels};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,82 @@
+//! Colours and dashes. Every curve is told apart twice, so prints without colour stay readable.
+
+/// Red, green and blue, 0 to 255.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Rgb(pub(super) u8, pub(super) u8, pub(super) u8);
+
+/// Text, ticks and frames.
+pub(super) const INK: Rgb = Rgb(0x26, 0x26, 0x26);
+/// Grid lines.
+pub(super) const GRID: Rgb = Rgb(0xe6, 0xe6, 0xe6);
+/// The broad line of a densely measured curve: light enough for any fit to show on it.
+pub(super) const MEASURED_LINE: Rgb = Rgb(0xb4, 0xb4, 0xb4);
+/// The rim of a sparsely measured point.
+pub(super) const MEASURED_RIM: Rgb = Rgb(0x4d, 0x4d, 0x4d);
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stroke {
+    pub(super) color: Rgb,
+    /// In pixels.
+    pub(super) width: f64,
+    /// Lengths drawn and skipped in turn, in pixels; empty for a solid line.
+    pub(super) dashes: &'static [f64],
+}
+
+/// The broad line under the fits.
+pub(super) const MEASURED: Stroke = Stroke {
+    color: MEASURED_LINE,
+    width: 7.0,
+    dashes: &[],
+};
+
+/// Colours of Okabe and Ito (2008), distinct under all common colour deficiencies; black and yellow
+/// left out, one for the axes, the other too pale for a line.
+const COLORS: [Rgb; 6] = [
+    Rgb(0x00, 0x72, 0xb2), // blue
+    Rgb(0xd5, 0x5e, 0x00), // vermilion
+    Rgb(0x00, 0x9e, 0x73), // bluish green
+    Rgb(0xcc, 0x79, 0xa7), // reddish purple
+    Rgb(0xe6, 0x9f, 0x00), // orange
+    Rgb(0x56, 0xb4, 0xe9), // sky blue
+];
+
+const DASHES: [&[f64]; 6] = [
+    &[],
+    &[12.0, 5.0],
+    &[12.0, 4.0, 2.5, 4.0],
+    &[2.5, 4.0],
+    &[20.0, 5.0],
+    &[12.0, 4.0, 2.5, 4.0, 2.5, 4.0],
+];
+
+/// The line of the fit number `index`: 36 different ones, then they repeat.
+pub(super) fn fitted(index: usize) -> Stroke {
+    let round = index / COLORS.len();
+    Stroke {
+        color: COLORS[index % COLORS.len()],
+        width: 2.4,
+        dashes: DASHES[(index + round) % DASHES.len()],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_fits_differ_in_colour_and_in_dashes() {
+        for i in 0..6 {
+            for j in 0..i {
+                assert_ne!(fitted(i).color, fitted(j).color);
+                assert_ne!(fitted(i).dashes, fitted(j).dashes);
+            }
+        }
+    }
+
+    #[test]
+    fn a_colour_that_returns_has_other_dashes() {
+        assert_eq!(fitted(0).color, fitted(6).color);
+        assert_ne!(fitted(0).dashes, fitted(6).dashes);
+    }
+}
