@@ -151,7 +151,7 @@ mod tests {
                     &plate, sigma, &grid, 2000, &mut generator, &mut [0.0; 1801],
                 );
                 assert!((out.reflected + out.transmitted + out.lost - 1.0).abs() < 1e-10);
-                assert!(out.transmitted > 0.1 && out.lost > 0.0 && out.lost < 0.6, "{out:?}");
+                assert!(out.transmitted > 0.1 && out.lost > 0.0 && out.lost < 0.7, "{out:?}");
             }
         }
         let eta = RelativeIor::new(1.49_f32).unwrap();

@@ -52,7 +52,9 @@ pub enum ScanFault {
     #[error("is not UTF-8 text; save the scan as CSV with encoding UTF-8")]
     NotText,
     /// Nothing in it.
-    #[error("the file is empty; a scan has a line `sigma_deg,theta_deg,reading` and readings below")]
+    #[error(
+        "the file is empty; a scan has a line `sigma_deg,theta_deg,reading` and readings below"
+    )]
     Empty,
     /// No line with the names of the columns where one is expected.
     #[error(
@@ -115,7 +117,9 @@ pub enum ScanFault {
     #[error(transparent)]
     Reading(ReadingFault),
     /// A column that a mapping names is not there.
-    #[error("there is no column `{column}`; the columns are {available}: correct --columns or --where")]
+    #[error(
+        "there is no column `{column}`; the columns are {available}: correct --columns or --where"
+    )]
     NoColumn {
         /// The column asked for.
         column: String,
@@ -140,7 +144,9 @@ pub enum ScanFault {
         needed: usize,
     },
     /// A filter matches no row.
-    #[error("no row has `{value}` in column `{column}`; the values there are {available}: correct --where")]
+    #[error(
+        "no row has `{value}` in column `{column}`; the values there are {available}: correct --where"
+    )]
     NoMatch {
         /// The column of the filter.
         column: String,
@@ -159,7 +165,9 @@ pub enum ScanFault {
     )]
     Missing(String),
     /// All rows that pass the filters are missing.
-    #[error("nothing is left: all {0} rows chosen hold no measured value; choose other rows or columns")]
+    #[error(
+        "nothing is left: all {0} rows chosen hold no measured value; choose other rows or columns"
+    )]
     AllMissing(usize),
     /// The ranges leave nothing.
     #[error(transparent)]
@@ -171,7 +179,12 @@ pub enum ScanFault {
 
 impl ScanError {
     pub(super) fn new(path: impl Into<PathBuf>, fault: impl Into<ScanFault>) -> Self {
-        Self { path: path.into(), line: None, column: None, fault: fault.into() }
+        Self {
+            path: path.into(),
+            line: None,
+            column: None,
+            fault: fault.into(),
+        }
     }
 
     pub(super) fn at(mut self, line: u64) -> Self {
@@ -192,13 +205,24 @@ impl ScanError {
     ) -> Self {
         let fault = match error.fault {
             ReadingFault::NoReadings => ScanFault::NoRows,
-            ReadingFault::Repeated { sigma_deg, theta_deg, first_row } => {
-                ScanFault::RepeatedPoint { sigma_deg, theta_deg, first_line: line_of(first_row) }
-            }
+            ReadingFault::Repeated {
+                sigma_deg,
+                theta_deg,
+                first_row,
+            } => ScanFault::RepeatedPoint {
+                sigma_deg,
+                theta_deg,
+                first_line: line_of(first_row),
+            },
             fault => ScanFault::Reading(fault),
         };
         let line = error.row.map(line_of);
-        Self { path: path.into(), line, column: None, fault }
+        Self {
+            path: path.into(),
+            line,
+            column: None,
+            fault,
+        }
     }
 }
 
@@ -209,7 +233,12 @@ pub struct Names(pub Vec<String>);
 impl Display for Names {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, name) in self.0.iter().take(LISTED).enumerate() {
-            write!(f, "{}`{}`", if index == 0 { "" } else { ", " }, excerpt(name))?;
+            write!(
+                f,
+                "{}`{}`",
+                if index == 0 { "" } else { ", " },
+                excerpt(name)
+            )?;
         }
         match self.0.len().saturating_sub(LISTED) {
             0 => Ok(()),
@@ -223,7 +252,8 @@ struct Place<'a>(Option<u64>, Option<&'a str>);
 impl Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.map_or(Ok(()), |line| write!(f, ":{line}"))?;
-        self.1.map_or(Ok(()), |column| write!(f, ", column {}", excerpt(column)))
+        self.1
+            .map_or(Ok(()), |column| write!(f, ", column {}", excerpt(column)))
     }
 }
 
@@ -246,13 +276,22 @@ mod tests {
         let text = format!("a\nb\u{1b}[2J{}", "x".repeat(100));
         let error = ScanError::new("scan.csv", ScanFault::NotANumber(excerpt(&text)));
         let message = error.at(7).in_column("reading").to_string();
-        assert!(message.starts_with("scan.csv:7, column reading: `a\u{fffd}b\u{fffd}[2J"), "{message}");
-        assert!(!message.contains(['\n', '\u{1b}']) && message.len() < 200, "{message}");
+        assert!(
+            message.starts_with("scan.csv:7, column reading: `a\u{fffd}b\u{fffd}[2J"),
+            "{message}"
+        );
+        assert!(
+            !message.contains(['\n', '\u{1b}']) && message.len() < 200,
+            "{message}"
+        );
     }
 
     #[test]
     fn long_lists_of_names_are_cut() {
         let names = Names((0..23).map(|k| format!("c{k}")).collect()).to_string();
-        assert!(names.starts_with("`c0`, `c1`") && names.ends_with("`c19` and 3 more"), "{names}");
+        assert!(
+            names.starts_with("`c0`, `c1`") && names.ends_with("`c19` and 3 more"),
+            "{names}"
+        );
     }
 }

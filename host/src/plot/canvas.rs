@@ -48,14 +48,23 @@ impl Canvas {
         Self { scene, medium }
     }
 
-    /// Text with its baseline at `y`.
+    /// Text with its baseline at `y`. Always level: kuva's PNG darkens the edges of turned letters.
     pub(super) fn text(&mut self, (x, y): Pixel, text: &str, size: u32, anchor: Anchor) {
-        self.write((x, y), text, size, anchor, None);
-    }
-
-    /// Text centred on a point and read upwards.
-    pub(super) fn upward_text(&mut self, center: Pixel, text: &str, size: u32) {
-        self.write(center, text, size, Anchor::Middle, Some(-90.0));
+        self.scene.add(Primitive::Text {
+            x,
+            y,
+            // a dollar sign begins mathematics in kuva
+            content: clean(text).replace('$', "\\$"),
+            size,
+            anchor: match anchor {
+                Anchor::Start => TextAnchor::Start,
+                Anchor::Middle => TextAnchor::Middle,
+                Anchor::End => TextAnchor::End,
+            },
+            rotate: None,
+            bold: false,
+            color: Some(paint(INK)),
+        });
     }
 
     /// A filled rectangle. With whole numbers for its sides it is sharp in both formats.
@@ -135,24 +144,6 @@ impl Canvas {
         RasterBackend::new()
             .with_scale(1.0)
             .render_scene(&self.scene)
-    }
-
-    fn write(&mut self, (x, y): Pixel, text: &str, size: u32, anchor: Anchor, rotate: Option<f64>) {
-        self.scene.add(Primitive::Text {
-            x,
-            y,
-            // a dollar sign begins mathematics in kuva
-            content: clean(text).replace('$', "\\$"),
-            size,
-            anchor: match anchor {
-                Anchor::Start => TextAnchor::Start,
-                Anchor::Middle => TextAnchor::Middle,
-                Anchor::End => TextAnchor::End,
-            },
-            rotate,
-            bold: false,
-            color: Some(paint(INK)),
-        });
     }
 
     /// One path for all runs, dashed by the viewer: a third of the size of kuva's own polylines.

@@ -23,13 +23,13 @@ pub(super) struct Layout {
     pub(super) height: f64,
     /// The axes of each panel, row by row.
     pub(super) frames: Vec<Frame>,
-    /// Whether a panel begins a row.
+    /// How many of them make a row.
     pub(super) columns: usize,
     /// Left end, at half the height of the letters, of each entry of the legend.
     pub(super) legend: Vec<Pixel>,
     /// Baseline of the title.
     pub(super) title: f64,
-    /// Centre of the common label of the vertical axes, which is turned.
+    /// Start of the common label of the vertical axes, which lies above them.
     pub(super) y_label: Pixel,
     /// Centre of the common label of the horizontal axes.
     pub(super) x_label: Pixel,
@@ -41,19 +41,20 @@ impl Layout {
         let (rows, columns, frame_height) = grid(panels);
         let (legend, legend_bottom) = place_legend(legend);
         let between = if shared_y { 34.0 } else { TICKS_LEFT + 14.0 };
-        let left = LABEL_LEFT + TICKS_LEFT;
+        let left = TICKS_LEFT;
+        let top = legend_bottom + LABEL_ABOVE;
         let gaps = between * (columns - 1) as f64;
         let width = ((WIDTH - left - RIGHT - gaps) / columns as f64).floor();
         let row_height = CAPTION_ABOVE + frame_height + TICKS_BELOW;
         let frames: Vec<Frame> = (0..panels)
             .map(|i| Frame {
                 left: left + (i % columns) as f64 * (width + between),
-                top: legend_bottom + (i / columns) as f64 * row_height + CAPTION_ABOVE,
+                top: top + (i / columns) as f64 * row_height + CAPTION_ABOVE,
                 width,
                 height: frame_height,
             })
             .collect();
-        let bottom = legend_bottom + rows as f64 * row_height;
+        let bottom = top + rows as f64 * row_height;
         let right = left + columns as f64 * width + gaps;
         Self {
             height: bottom + LABEL_BELOW,
@@ -89,13 +90,14 @@ fn text_width(text: &str, size: u32) -> f64 {
     0.62 * f64::from(size) * text.chars().count() as f64
 }
 
-const LABEL_LEFT: f64 = 44.0;
-const TICKS_LEFT: f64 = 64.0;
+const LABEL_LEFT: f64 = 20.0;
+const TICKS_LEFT: f64 = 76.0;
 const RIGHT: f64 = 30.0;
 const TITLE_BASELINE: f64 = 44.0;
 const LEGEND_TOP: f64 = 66.0;
 const LEGEND_LINE: f64 = 36.0;
-const CAPTION_ABOVE: f64 = 42.0;
+const LABEL_ABOVE: f64 = 26.0;
+const CAPTION_ABOVE: f64 = 40.0;
 const TICKS_BELOW: f64 = 34.0;
 const LABEL_BELOW: f64 = 46.0;
 

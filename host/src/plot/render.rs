@@ -70,8 +70,8 @@ fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
         0 => figure.y_label.clone(),
         power => format!("{} (×10{})", figure.y_label, superscript(power)),
     };
-    let (y_label, y_size) = fitted(&y_label, size::LABEL, 14, layout.height - 80.0);
-    canvas.upward_text(layout.y_label, &y_label, y_size);
+    let (y_label, y_size) = fitted(&y_label, size::LABEL, 14, WIDTH - 60.0);
+    canvas.text(layout.y_label, &y_label, y_size, Anchor::Start);
     let (x_label, x_size) = fitted(&figure.x_label, size::LABEL, 14, WIDTH - 200.0);
     canvas.text(layout.x_label, &x_label, x_size, Anchor::Middle);
     Ok(canvas)

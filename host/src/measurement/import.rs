@@ -1,0 +1,504 @@
+//! Reading any CSV file whose columns are named by a [`ColumnMap`].
+//!
+//! Lines that begin with `#` are comments: the header of such a file is not ours to interpret, what
+//! is needed of it is given by flags. A file without headings is read by column numbers alone.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use ::csv::{ReaderBuilder, StringRecord, Trim};
+
+use super::columns::{Column, ColumnMap};
+use super::csv::{load, number, text};
+use super::error::{Names, ScanError, ScanFault, excerpt};
+use super::select::SelectionFault;
+use super::{Measurement, Metadata, Quantity, Reading, Selection};
+
+/// Words that stand for a value that was not measured, besides numbers that are not finite.
+const MISSING: [&str; 5] = ["", "na", "n/a", "null", "-"];
+
+/// How a foreign file becomes a measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Import {
+    /// Which column is what.
+    pub columns: ColumnMap,
+    /// What the reading is; a foreign file cannot say.
+    pub quantity: Quantity,
+    /// The angles used; rows outside are not even looked at.
+    pub selection: Selection,
+    /// Whether rows without a measured value (nothing, `nan`, `NA`, infinite) are left out; they
+    /// are an error otherwise.
+    pub skip_missing: bool,
+}
+
+/// What became of the rows of a foreign file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RowCounts {
+    /// All rows below the headings.
+    pub total: usize,
+    /// Rows that became readings.
+    pub kept: usize,
+    /// Rows that a filter left out.
+    pub filtered: usize,
+    /// Rows outside the selected angles.
+    pub out_of_range: usize,
+    /// Rows without a measured value, left out on request.
+    pub missing: usize,
+}
+
+impl Import {
+    /// Reads a foreign file. The header of the result holds the quantity and nothing else.
+    ///
+    /// # Errors
+    /// [`ScanError`] with the place and the remedy.
+    pub fn read(&self, path: impl AsRef<Path>) -> Result<(Measurement, RowCounts), ScanError> {
+        let path = path.as_ref();
+        self.parse(load(path)?, path)
+    }
+
+    /// Reads the content of a foreign file; `name` is the path that errors show.
+    ///
+    /// # Errors
+    /// [`ScanError`] with the place and the remedy.
+    pub fn parse(
+        &self,
+        bytes: impl AsRef<[u8]>,
+        name: impl AsRef<Path>,
+    ) -> Result<(Measurement, RowCounts), ScanError> {
+        let name = name.as_ref();
+        let text = text(bytes.as_ref(), name)?;
+        let table = Table::read(text, &self.columns, name)?;
+        table.check_filters()?;
+        let mut counts = RowCounts {
+            total: table.rows.len(),
+            ..RowCounts::default()
+        };
+        let (mut readings, mut rows, mut outside) = (Vec::new(), Vec::new(), Vec::new());
+        for (row, record) in table.rows.iter().enumerate() {
+            if !table.passes(record) {
+                counts.filtered += 1;
+                continue;
+            }
+            let [sigma, theta] = [
+                table.value(row, Role::Sigma)?,
+                table.value(row, Role::Theta)?,
+            ];
+            if let (Some(sigma), Some(theta)) = (sigma, theta)
+                && !self.selection.contains(sigma, theta)
+            {
+                counts.out_of_range += 1;
+                outside.push((sigma, theta));
+                continue;
+            }
+            let role = match (sigma, theta, table.value(row, Role::Reading)?) {
+                (Some(sigma_deg), Some(theta_deg), Some(value)) => {
+                    readings.push(Reading {
+                        sigma_deg,
+                        theta_deg,
+                        value,
+                    });
+                    rows.push(row);
+                    continue;
+                }
+                (None, ..) => Role::Sigma,
+                (_, None, _) => Role::Theta,
+                _ => Role::Reading,
+            };
+            if !self.skip_missing {
+                return Err(table.missing(row, role));
+            }
+            counts.missing += 1;
+        }
+        counts.kept = readings.len();
+        if counts.kept == 0 {
+            let fault = if counts.missing > 0 {
+                ScanFault::AllMissing(counts.missing)
+            } else if counts.out_of_range > 0 {
+                let covered = Selection::covering(outside.into_iter());
+                SelectionFault::Nothing {
+                    asked: self.selection,
+                    covered,
+                }
+                .into()
+            } else if counts.filtered > 0 {
+                ScanFault::NoJointMatch
+            } else {
+                ScanFault::NoRows
+            };
+            return Err(ScanError::new(name, fault));
+        }
+        let meta = Metadata {
+            quantity: Some(self.quantity),
+            ..Metadata::default()
+        };
+        let invalid = |error| ScanError::of_reading(name, error, |index| table.line(rows[index]));
+        Ok((Measurement::new(meta, readings).map_err(invalid)?, counts))
+    }
+}
+
+/// What a column is for; the number is its place in [`Table::indices`].
+#[derive(Clone, Copy)]
+enum Role {
+    Sigma,
+    Theta,
+    Reading,
+}
+
+/// The rows of a file and the positions of the columns in use.
+struct Table<'a> {
+    name: &'a Path,
+    text: &'a str,
+    map: &'a ColumnMap,
+    headings: StringRecord,
+    rows: Vec<StringRecord>,
+    /// sigma, theta, reading, then filters.
+    indices: Vec<usize>,
+}
+
+impl<'a> Table<'a> {
+    fn read(text: &'a str, map: &'a ColumnMap, name: &'a Path) -> Result<Self, ScanError> {
+        let mut reader = ReaderBuilder::new()
+            .delimiter(map.delimiter)
+            .comment(Some(b'#'))
+            .trim(Trim::All)
+            .flexible(true)
+            .has_headers(false)
+            .from_reader(text.as_bytes());
+        let rows: Result<Vec<_>, _> = reader.records().collect();
+        let mut rows = rows.map_err(|error| ScanError::new(name, error))?;
+        // numbers in the place of headings are readings already, if nothing is called by name
+        let is_data = |first: &StringRecord| match &map.sigma {
+            Column::Number(column) => first.get(column - 1).is_some_and(|x| number(x).is_ok()),
+            Column::Name(_) => false,
+        };
+        let with_headings = rows.first().is_some_and(|first| !is_data(first));
+        let headings = if with_headings {
+            rows.remove(0)
+        } else {
+            StringRecord::new()
+        };
+        let mut table = Self {
+            name,
+            text,
+            map,
+            headings,
+            rows,
+            indices: Vec::new(),
+        };
+        let angles_and_reading = [&map.sigma, &map.theta, &map.reading];
+        let filters = map.filters.iter().map(|(column, _)| column);
+        for column in angles_and_reading.into_iter().chain(filters) {
+            table.indices.push(table.index(column)?);
+        }
+        Ok(table)
+    }
+
+    fn fail(&self, fault: ScanFault) -> ScanError {
+        ScanError::new(self.name, fault)
+    }
+
+    fn index(&self, column: &Column) -> Result<usize, ScanError> {
+        let width = self
+            .rows
+            .first()
+            .map_or(0, StringRecord::len)
+            .max(self.headings.len());
+        let (found, asked) = match column {
+            Column::Name(name) => (
+                self.headings.iter().position(|head| head == name),
+                name.clone(),
+            ),
+            Column::Number(number) => (Some(number - 1).filter(|&k| k < width), number.to_string()),
+        };
+        found.ok_or_else(|| {
+            let headings = self.headings.iter().map(str::to_owned);
+            let numbers = (self.headings.len()..width).map(|index| (index + 1).to_string());
+            let available = Names(headings.chain(numbers).collect());
+            let line = line_of(
+                self.text,
+                self.headings.position().map_or(0, |place| place.byte()),
+            );
+            self.fail(if width == 1 {
+                ScanFault::OneColumn {
+                    delimiter: char::from(self.map.delimiter),
+                }
+            } else {
+                ScanFault::NoColumn {
+                    column: excerpt(&asked),
+                    available,
+                }
+            })
+            .at(line)
+        })
+    }
+
+    /// The line of a row, counted from 1.
+    fn line(&self, row: usize) -> u64 {
+        line_of(
+            self.text,
+            self.rows[row].position().map_or(0, |place| place.byte()),
+        )
+    }
+
+    fn filters(&self) -> impl Iterator<Item = (usize, &'a Column, &'a str)> {
+        let filters = self.indices[3..].iter().zip(&self.map.filters);
+        filters.map(|(&index, (column, value))| (index, column, value.as_str()))
+    }
+
+    fn passes(&self, record: &StringRecord) -> bool {
+        self.filters()
+            .all(|(index, _, value)| self.equal(record.get(index).unwrap_or(""), value))
+    }
+
+    fn equal(&self, found: &str, asked: &str) -> bool {
+        let number = |text: &str| self.number(text).ok();
+        found == asked || number(found).is_some_and(|found| number(asked) == Some(found))
+    }
+
+    /// A filter that matches nothing is a slip of the pen: say what there is.
+    fn check_filters(&self) -> Result<(), ScanError> {
+        for (index, column, value) in self.filters() {
+            let values = || self.rows.iter().filter_map(|record| record.get(index));
+            if self.rows.is_empty() || values().any(|found| self.equal(found, value)) {
+                continue;
+            }
+            let mut seen = HashSet::new();
+            let distinct = values()
+                .filter(|found| seen.insert(*found))
+                .map(str::to_owned);
+            let available = Names(distinct.collect());
+            let (column, value) = (excerpt(&column.to_string()), excerpt(value));
+            return Err(self.fail(ScanFault::NoMatch {
+                column,
+                value,
+                available,
+            }));
+        }
+        Ok(())
+    }
+
+    fn field(&self, row: usize, role: Role) -> Option<&str> {
+        self.rows[row].get(self.indices[role as usize])
+    }
+
+    /// A number of a row; `None` where it is missing.
+    fn value(&self, row: usize, role: Role) -> Result<Option<f64>, ScanError> {
+        let Some(field) = self.field(row, role) else {
+            let (found, needed) = (self.rows[row].len(), self.indices[role as usize] + 1);
+            return Err(self.fail_at(row, role, ScanFault::ShortRow { found, needed }));
+        };
+        if MISSING.iter().any(|word| field.eq_ignore_ascii_case(word)) {
+            return Ok(None);
+        }
+        match self.number(field) {
+            Ok(number) => Ok(Some(number)),
+            Err(ScanFault::NotFinite(_)) => Ok(None),
+            Err(fault) => Err(self.fail_at(row, role, fault)),
+        }
+    }
+
+    fn missing(&self, row: usize, role: Role) -> ScanError {
+        let shown = excerpt(self.field(row, role).unwrap_or_default());
+        self.fail_at(row, role, ScanFault::Missing(shown))
+    }
+
+    fn fail_at(&self, row: usize, role: Role, fault: ScanFault) -> ScanError {
+        let column = match role {
+            Role::Sigma => &self.map.sigma,
+            Role::Theta => &self.map.theta,
+            Role::Reading => &self.map.reading,
+        };
+        self.fail(fault)
+            .at(self.line(row))
+            .in_column(column.to_string())
+    }
+
+    fn number(&self, field: &str) -> Result<f64, ScanFault> {
+        if self.map.decimal_comma {
+            number(&field.replace(',', "."))
+        } else {
+            number(field)
+        }
+    }
+}
+
+/// The line of the record that begins at or after `byte`, where blank lines and comments may stand
+/// before it.
+fn line_of(text: &str, byte: u64) -> u64 {
+    let start = usize::try_from(byte).unwrap_or(usize::MAX).min(text.len());
+    let (before, after) = text.as_bytes().split_at(start);
+    let newlines = |bytes: &[u8]| bytes.iter().filter(|&&byte| byte == b'\n').count() as u64;
+    // a record may begin at the second half of a line end
+    let skipped = after
+        .split_inclusive(|&byte| byte == b'\n')
+        .take_while(|line| {
+            let line = line.trim_ascii();
+            line.is_empty() || line.starts_with(b"#")
+        });
+    newlines(before) + skipped.map(newlines).sum::<u64>() + 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::data_file;
+    use super::*;
+
+    fn import(columns: &str, filters: &[&str]) -> Import {
+        let map: ColumnMap = columns.parse().unwrap();
+        let columns = filters
+            .iter()
+            .fold(map, |map, filter| map.with_filter(filter).unwrap());
+        let selection = Selection::default();
+        Import {
+            columns,
+            quantity: Quantity::Bsdf,
+            selection,
+            skip_missing: false,
+        }
+    }
+
+    const FILE: &str = "# remark\r\nname,t,\"s, deg\",f\r\n\r\n# more\r\nA,1,0,2\r\nB,1,0,nan\r\n\
+                        # a remark\r\n\"A\",2,0,\r\nA,3,90,1\r\nA,4,10,dark\r\n";
+
+    #[test]
+    fn measured_aluminium_is_read() {
+        let Some(path) = data_file("scatter/jsss-mwir-brdf/inplane_radiance_brdf.csv") else {
+            return;
+        };
+        let map = "sigma=theta_i_deg,theta=theta_o_deg,reading=brdf_per_sr";
+        let mut import = import(map, &["surface=Alu sandgestrahlt"]);
+        import.selection.sigma = "5:75".parse().unwrap();
+        import.selection.theta = "-60:60".parse().unwrap();
+        let (scan, counts) = import.read(&path).unwrap();
+        assert_eq!((scan.readings().len(), scan.incidences().len()), (497, 71));
+        assert_eq!(scan.quantity(), Quantity::Bsdf);
+        assert_eq!(
+            (counts.total, counts.filtered, counts.out_of_range),
+            (10_800, 9_900, 403)
+        );
+        assert_eq!((counts.kept, counts.missing), (497, 0));
+        import.selection = Selection::default();
+        let error = import.read(&path).unwrap_err();
+        assert!(
+            error.line.is_some() && error.to_string().contains("--skip-missing"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn rows_are_filtered_counted_and_found_again() {
+        let mut import = import("sigma=s; deg,theta=2,reading=f", &["name=A"]);
+        import.columns.sigma = Column::Name("s, deg".to_owned());
+        import.skip_missing = true;
+        import.selection.sigma = "0:5".parse().unwrap();
+        let (scan, counts) = import.parse(FILE, "f.csv").unwrap();
+        assert_eq!(
+            scan.readings(),
+            [Reading {
+                sigma_deg: 0.0,
+                theta_deg: 1.0,
+                value: 2.0
+            }]
+        );
+        let expected = RowCounts {
+            total: 5,
+            kept: 1,
+            filtered: 1,
+            out_of_range: 2,
+            missing: 1,
+        };
+        assert_eq!(counts, expected);
+        import.skip_missing = false;
+        let error = import.parse(FILE, "f.csv").unwrap_err().to_string();
+        assert!(error.starts_with("f.csv:8, column f: ``"), "{error}");
+    }
+
+    #[test]
+    fn numbers_alone_read_a_file_without_headings() {
+        let mut import = import("sigma=2,theta=1,reading=3", &["4=0.50"]);
+        import.columns = import.columns.with_delimiter(";").unwrap();
+        import.columns.decimal_comma = true;
+        let (scan, _) = import.parse("1,5;0;2,5;0,5\n2;0;3;0,6\n", "f.csv").unwrap();
+        assert_eq!(
+            scan.readings(),
+            [Reading {
+                sigma_deg: 0.0,
+                theta_deg: 1.5,
+                value: 2.5
+            }]
+        );
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_line_and_remedy() {
+        let map = "sigma=3,theta=t,reading=f";
+        let cases: [(&str, &[&str], &str, &[&str]); 10] = [
+            (
+                "sigma=3,theta=t,reading=g",
+                &[],
+                FILE,
+                &["f.csv:2: ", "no column `g`", "`name`, `t`"],
+            ),
+            (
+                "sigma=3,theta=t,reading=9",
+                &[],
+                FILE,
+                &["f.csv:2: ", "no column `9`"],
+            ),
+            (
+                map,
+                &["name=C"],
+                FILE,
+                &["f.csv: ", "`C`", "`A`, `B`", "--where"],
+            ),
+            (map, &["name=B", "t=2"], FILE, &["all of --where together"]),
+            (
+                map,
+                &["name=B"],
+                FILE,
+                &[
+                    "f.csv:6, column f: `nan`",
+                    "--sigma-range",
+                    "--skip-missing",
+                ],
+            ),
+            (
+                map,
+                &["t=3"],
+                FILE,
+                &["f.csv:9: ", "incidence 90", "--sigma-range"],
+            ),
+            (map, &["t=4"], FILE, &["f.csv:10, column f: `dark`"]),
+            (
+                map,
+                &[],
+                "name;t;s;f\nA;1;2;3\n",
+                &["f.csv:1: ", "--delimiter"],
+            ),
+            (
+                map,
+                &[],
+                "n,t,s,f\nA,1,2,3\nA,1\n",
+                &["f.csv:3, column 3: ", "column 3 is needed"],
+            ),
+            (
+                map,
+                &[],
+                "n,t,s,f\n#x\nA,1,2,3\n\nB,1,2,3\n",
+                &["f.csv:5: ", "line 3", "--where"],
+            ),
+        ];
+        for (columns, filters, text, words) in cases {
+            let message = import(columns, filters)
+                .parse(text, "f.csv")
+                .unwrap_err()
+                .to_string();
+            for word in words {
+                assert!(
+                    message.contains(word),
+                    "{columns} {filters:?}: {word} is not in: {message}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,297 @@
+//! The noise floor of a measurement, from its readings alone.
+//!
+//! In the sense of the error figure \[Sokolov2022, eq. 18\]: RMS noise over all readings / largest
+//! reading x 100. No reconstruction, however good, can have a smaller error than that.
+//!
+//! Two estimates, because "noise" has two meanings here:
+//!
+//! **Fluctuation**: what readings do that no smooth curve could follow. Within an incidence,
+//! differences of order 3 to 8 remove whatever is locally a polynomial in theta; divided by the norm
+//! of their binomial coefficients they leave the RMS of the independent part. Neighbouring readings
+//! see nearly the same light where apertures overlap, and so does their noise: differences are taken
+//! between readings more than one aperture apart. Of all orders and of two lags the smallest figure
+//! counts, since what a too-low order leaves of the signal can only add. All differences enter, dark
+//! and bright, so that noise which grows with the signal counts as it does in eq. (18).
+//! It *overestimates* where a lobe is as narrow as a few apertures, or steps are coarse against the
+//! lobe: what turns within one lag looks like noise. And it *includes* the sample's own grain
+//! (speckle, single facets and caustics under a narrow beam), which is repeatable: the floor for a
+//! model with a smooth BSDF, but not for one that follows the measured surface itself.
+//! Without an aperture in the header it takes neighbouring readings, and then *underestimates* a scan
+//! whose apertures overlap.
+//!
+//! **Counting**: where readings are whole numbers of photons, or of traced rays, times a quantum,
+//! their variance is quantum x reading (Poisson), whatever the grain of the sample. That readings are
+//! counts is believed only if the readings bear it out: none is below zero, and where few counts are
+//! expected they scatter as counts do. Grain hides neither.
+
+use super::{Incidence, Measurement, Reading};
+
+/// Orders of the differences.
+const ORDERS: std::ops::RangeInclusive<usize> = 3..=8;
+/// Fewer differences than this say nothing.
+const MIN_DIFFERENCES: usize = 30;
+/// Positions are equidistant up to this fraction of a step.
+const STEP_TOLERANCE: f64 = 0.02;
+/// More counts than this in one reading cannot be told from rounding to ten digits.
+const MAX_COUNT: f64 = 1e7;
+/// A count is a whole number up to this.
+const COUNT_TOLERANCE: f64 = 0.02;
+/// Pairs of readings with at most so many counts together are "few".
+const FEW: f64 = 20.0;
+/// Variance / mean of few counts, 1 for Poisson: from here, rounding of a smooth curve gives less ...
+const DISPERSION_MIN: f64 = 0.7;
+/// ... and noise of electronics more than this. Fixed on virtual scans, which give 1.0 to 1.5.
+const DISPERSION_MAX: f64 = 2.0;
+
+/// The noise floor, each figure as RMS over all readings / largest reading x 100.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseEstimate {
+    /// Everything a smooth curve cannot follow, grain of the sample included.
+    pub fluctuation_percent: f64,
+    /// Order of the differences that gave it.
+    pub order: usize,
+    /// Shot noise alone; `None` where the readings are not counts.
+    pub counting_percent: Option<f64>,
+}
+
+impl NoiseEstimate {
+    /// The floor of a reconstruction that may follow the grain of the sample: shot noise where the
+    /// readings are counts, all fluctuation otherwise.
+    pub fn floor_percent(&self) -> f64 {
+        let counting = self.counting_percent.unwrap_or(f64::INFINITY);
+        self.fluctuation_percent.min(counting)
+    }
+}
+
+/// Estimates the noise floor; `None` where too few readings stand at equal steps (fewer than 30
+/// differences of order 3 beyond the aperture).
+pub fn estimate(scan: &Measurement) -> Option<NoiseEstimate> {
+    let runs: Vec<Run> = scan
+        .by_incidence()
+        .flat_map(|incidence| runs(scan, &incidence))
+        .collect();
+    let candidates = ORDERS.flat_map(|order| [0, 1].map(|more| (order, more)));
+    let figures =
+        candidates.filter_map(|(order, more)| Some((order, fluctuation(&runs, order, more)?)));
+    let (order, rms) = figures.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let percent = |rms: f64| 100.0 * rms / scan.largest_reading();
+    Some(NoiseEstimate {
+        fluctuation_percent: percent(rms),
+        order,
+        counting_percent: counting(scan, &runs).map(percent),
+    })
+}
+
+/// Readings of one incidence at equal steps.
+struct Run<'a> {
+    readings: &'a [Reading],
+    /// The smallest number of steps that separates two apertures.
+    lag: usize,
+}
+
+fn runs<'a>(scan: &Measurement, incidence: &Incidence<'a>) -> Vec<Run<'a>> {
+    let spacing = |pair: &[Reading]| pair[1].theta_deg - pair[0].theta_deg;
+    let mut spacings: Vec<f64> = incidence.readings.windows(2).map(spacing).collect();
+    spacings.sort_by(f64::total_cmp);
+    let Some(&step) = spacings.get(spacings.len() / 2) else {
+        return Vec::new();
+    };
+    let aperture = scan.meta.aperture_deg.unwrap_or(0.0);
+    // one step more than the aperture: its edge is never sharp
+    let lag = (aperture / step * (1.0 + 1e-9)).floor() as usize + 1;
+    let regular = |a: &Reading, b: &Reading| {
+        (b.theta_deg - a.theta_deg - step).abs() <= STEP_TOLERANCE * step
+    };
+    incidence
+        .readings
+        .chunk_by(regular)
+        .map(|readings| Run { readings, lag })
+        .collect()
+}
+
+/// RMS of the differences of one order, normalised so that independent noise gives its own RMS.
+fn fluctuation(runs: &[Run], order: usize, more: usize) -> Option<f64> {
+    let mut coefficients = vec![1.0];
+    for k in 0..order {
+        let last: f64 = coefficients[k];
+        coefficients.push(-last * (order - k) as f64 / (k + 1) as f64);
+    }
+    let norm: f64 = coefficients.iter().map(|c| c * c).sum();
+    let (mut sum, mut count) = (0.0, 0);
+    for run in runs {
+        let lag = run.lag + more;
+        for window in run.readings.windows(order * lag + 1) {
+            let values = window.iter().step_by(lag).map(|reading| reading.value);
+            let difference: f64 = values.zip(&coefficients).map(|(value, c)| value * c).sum();
+            sum += difference * difference / norm;
+            count += 1;
+        }
+    }
+    (count >= MIN_DIFFERENCES).then(|| (sum / count as f64).sqrt())
+}
+
+/// RMS of the shot noise, if the readings are counts: each incidence with its own quantum, since
+/// each may be divided by its own beam.
+fn counting(scan: &Measurement, runs: &[Run]) -> Option<f64> {
+    if scan.readings().iter().any(|reading| reading.value < 0.0) {
+        return None;
+    }
+    let mut variance = 0.0;
+    // squared differences and sums of pairs, of few counts and of more
+    let (mut few, mut many) = ([0.0; 2], [0.0; 2]);
+    let mut pairs = 0;
+    for incidence in scan.by_incidence() {
+        let quantum = quantum(incidence.readings)?;
+        variance += incidence
+            .readings
+            .iter()
+            .map(|reading| quantum * reading.value)
+            .sum::<f64>();
+        let sigma_deg = incidence.sigma_deg;
+        let same = |run: &&Run| run.readings[0].sigma_deg.total_cmp(&sigma_deg).is_eq();
+        for run in runs.iter().filter(same) {
+            for (a, b) in run.readings.iter().zip(run.readings.iter().skip(run.lag)) {
+                let [a, b] = [a, b].map(|reading| reading.value / quantum);
+                let part = if a + b <= FEW { &mut few } else { &mut many };
+                part[0] += (a - b) * (a - b);
+                part[1] += a + b;
+                pairs += usize::from(a + b > 0.5 && a + b <= FEW);
+            }
+        }
+    }
+    let dispersion = |part: [f64; 2]| part[0] / part[1];
+    let poisson = pairs >= MIN_DIFFERENCES
+        && (DISPERSION_MIN..=DISPERSION_MAX).contains(&dispersion(few))
+        && (many[1] <= 0.0 || dispersion(many) >= DISPERSION_MIN);
+    poisson.then(|| (variance / scan.readings().len() as f64).sqrt())
+}
+
+/// The number of which all readings are whole multiples, found upwards from the smallest gap.
+fn quantum(readings: &[Reading]) -> Option<f64> {
+    let mut values: Vec<f64> = readings.iter().map(|reading| reading.value).collect();
+    values.push(0.0);
+    values.sort_by(f64::total_cmp);
+    let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut quantum = gaps.filter(|&gap| gap > 0.0).fold(f64::INFINITY, f64::min);
+    let positive = || values.iter().filter(|&&value| value > 0.0);
+    for value in positive() {
+        let count = (value / quantum).round();
+        if !(1.0..=MAX_COUNT).contains(&count) {
+            return None;
+        }
+        // each larger reading knows the quantum better
+        quantum = value / count;
+    }
+    let whole = |value: f64| (value / quantum - (value / quantum).round()).abs() <= COUNT_TOLERANCE;
+    positive().all(|&value| whole(value)).then_some(quantum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Metadata, csv, data_file};
+    use super::*;
+
+    /// Uniform in [0, 1), the same on every machine.
+    fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    /// A lobe of `width_deg` (standard deviation) with values changed by `disturb`, step 0.1 deg.
+    fn lobe(width_deg: f64, mut disturb: impl FnMut(f64) -> f64) -> Measurement {
+        let reading = |k: i32| {
+            let theta_deg = f64::from(k) / 10.0;
+            let clean = (-0.5 * (theta_deg / width_deg).powi(2)).exp();
+            Reading {
+                sigma_deg: 0.0,
+                theta_deg,
+                value: disturb(clean),
+            }
+        };
+        let meta = Metadata {
+            aperture_deg: Some(0.6),
+            ..Metadata::default()
+        };
+        Measurement::new(meta, (-900..=900).map(reading).collect()).unwrap()
+    }
+
+    #[test]
+    fn shot_noise_of_the_virtual_samples_is_found() {
+        for (name, percent) in [("scan5", 0.12), ("scan8", 0.17)] {
+            let Some(path) = data_file(&format!("samples/{name}.csv")) else {
+                return;
+            };
+            let noise = estimate(&csv::read(path).unwrap()).unwrap();
+            let floor = noise.floor_percent();
+            assert!((floor / percent - 1.0).abs() < 0.1, "{name}: {noise:?}");
+            // a map of 0.4 mm side is grainy
+            assert!(noise.fluctuation_percent > 3.0 * floor, "{name}: {noise:?}");
+        }
+    }
+
+    #[test]
+    fn noise_that_grows_with_the_signal_counts_as_rms() {
+        let mut uniform = uniforms(1);
+        let noise = |clean: f64| 0.02 * clean.sqrt();
+        // uniform in +-sqrt(3) has unit variance
+        let scan = lobe(8.0, |clean| {
+            clean + noise(clean) * (2.0 * uniform() - 1.0) * 3_f64.sqrt()
+        });
+        let clean = lobe(8.0, |clean| clean);
+        let square = |reading: &Reading| noise(reading.value).powi(2);
+        let mean = clean.readings().iter().map(square).sum::<f64>() / 1801.0;
+        let expected = 100.0 * mean.sqrt() / scan.largest_reading();
+        let found = estimate(&scan).unwrap();
+        assert_eq!(found.counting_percent, None);
+        let ratio = found.floor_percent() / expected;
+        assert!(
+            (0.85..1.1).contains(&ratio),
+            "{found:?}, expected {expected}"
+        );
+    }
+
+    #[test]
+    fn a_smooth_lobe_has_hardly_noise_and_a_narrow_one_is_overestimated() {
+        let percent = |width| {
+            estimate(&lobe(width, |clean| clean))
+                .unwrap()
+                .floor_percent()
+        };
+        assert!(
+            percent(8.0) < 1e-5 && percent(4.0) < 1e-2,
+            "{} {}",
+            percent(8.0),
+            percent(4.0)
+        );
+        assert!(percent(1.0) > 1.0, "{}", percent(1.0));
+    }
+
+    #[test]
+    fn rounded_readings_are_not_taken_for_counts() {
+        let rounded = lobe(8.0, |clean| (clean * 1000.0).round() / 1000.0);
+        assert_eq!(estimate(&rounded).unwrap().counting_percent, None);
+        let mut uniform = uniforms(2);
+        // an offset keeps the noise of the electronics above zero
+        let noisy = lobe(8.0, |clean| {
+            (clean * 4096.0 + 20.0 + 40.0 * uniform()).round() / 4096.0
+        });
+        assert_eq!(estimate(&noisy).unwrap().counting_percent, None);
+    }
+
+    #[test]
+    fn a_few_readings_or_uneven_steps_have_no_estimate() {
+        let reading = |k: i32| Reading {
+            sigma_deg: 0.0,
+            theta_deg: f64::from(k * k) / 20.0,
+            value: 1.0,
+        };
+        let scan = Measurement::new(Metadata::default(), (0..40).map(reading).collect()).unwrap();
+        assert_eq!(estimate(&scan), None);
+        let point = Measurement::new(Metadata::default(), vec![reading(0)]).unwrap();
+        assert_eq!(estimate(&point), None);
+    }
+}
