@@ -5,4 +5,6 @@
 pub mod output;
 pub mod provenance;
 pub mod measurement;
+pub mod boundary;
+pub mod forward;
 pub mod plot;

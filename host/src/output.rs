@@ -245,7 +245,7 @@ mod tests {
     fn a_dropped_file_leaves_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let mut file = AtomicFile::create(folder.path().join("scan.csv")).unwrap();
-        file.write_all(&[0; 100_000]).unwrap();
+        file.write_all(&vec![0; 100_000]).unwrap();
         assert_eq!(entries(folder.path()).len(), 1);
         drop(file);
         assert!(entries(folder.path()).is_empty());

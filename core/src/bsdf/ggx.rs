@@ -1,7 +1,7 @@
 //! GGX rough dielectric, reflection and transmission from both sides \[Walter2007; Sokolov eqs 1-3\].
 
 use super::half::HalfVector;
-use super::{Bsdf, Scatter, Scattered};
+use super::{Bsdf, Lobe, Scatter, Scattered, facet_ray};
 use crate::direction::{Direction, Side};
 use crate::fresnel;
 use crate::math::Real;
@@ -29,6 +29,19 @@ impl<T: Real> Ggx<T> {
     }
 }
 
+impl<T: Real> Ggx<T> {
+    /// A facet normal visible from `wi`, and the index of the far medium over that of `wi`'s.
+    #[inline(always)]
+    fn facet(&self, wi: Direction<T>, u: [T; 2]) -> Option<(Direction<T>, T)> {
+        let n = self.eta.get();
+        let (front, eta) = match wi.side()? {
+            Side::Air => (wi, n),
+            Side::Dielectric => (wi.opposite(), T::ONE / n),
+        };
+        Some((sample_visible(self.alpha, front, u), eta))
+    }
+}
+
 impl<T: Real> Scatter<T> for Ggx<T> {
     /// Draws a visible normal, then reflects with probability `F`; the weight is `G1(wo)`.
     ///
@@ -37,21 +50,14 @@ impl<T: Real> Scatter<T> for Ggx<T> {
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
         let u = [uniform(), uniform()];
         let choice = uniform();
-        let side = wi.side()?;
         if self.eta.is_matched() {
             return Some(Scattered { wo: wi.opposite(), weight: T::ONE });
         }
-        let n = self.eta.get();
-        let (front, eta) = match side {
-            Side::Air => (wi, n),
-            Side::Dielectric => (wi.opposite(), T::ONE / n),
-        };
-        let m = sample_visible(self.alpha, front, u);
+        let (m, eta) = self.facet(wi, u)?;
         let reflected = fresnel::dielectric(m.dot(wi).abs(), eta).reflected;
-        let wo = if choice < reflected { wi.reflect(m) } else { wi.refract(m, eta)? };
-        let stays = wo.side()? == side;
-        // A facet may send a reflected ray down or a refracted one up: it would meet the surface again.
-        (stays == (choice < reflected)).then(|| Scattered { wo, weight: g1(self.alpha, wo) })
+        let lobe = if choice < reflected { Lobe::Reflection } else { Lobe::Transmission };
+        let ray = facet_ray(wi, m, eta, lobe)?;
+        Some(Scattered { wo: ray.wo, weight: g1(self.alpha, ray.wo) })
     }
 }
 
@@ -75,6 +81,16 @@ impl<T: Real> Bsdf<T> for Ggx<T> {
             Some(h) => d_of_vector(a, h.xy2, h.z2) * h.share * T::TWO / shadow_sum(a, wi.xyz()),
             None => T::ZERO,
         }
+    }
+
+    fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
+        if self.eta.is_matched() {
+            let wo = wi.opposite();
+            return (lobe == Lobe::Transmission).then_some(Scattered { wo, weight: T::ONE });
+        }
+        let (m, eta) = self.facet(wi, u)?;
+        let ray = facet_ray(wi, m, eta, lobe)?;
+        Some(Scattered { wo: ray.wo, weight: ray.weight * g1(self.alpha, ray.wo) })
     }
 
     fn slope(&self) -> T {

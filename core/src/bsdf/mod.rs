@@ -27,12 +27,39 @@ pub struct Scattered<T: Real> {
     pub weight: T,
 }
 
+/// One of the two ways to leave a boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lobe {
+    /// Back to the side the light came from.
+    Reflection,
+    /// Through to the other side.
+    Transmission,
+}
+
 /// Something that sends a ray on its way: all that a ray method can promise.
 pub trait Scatter<T: Real> {
     /// Scatters light that came from `wi`; `None` if the ray is lost (a facet sent it into the surface).
     ///
     /// `uniform` gives independent uniforms in [0, 1); how many are taken depends on the law.
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>>;
+}
+
+/// A ray sent by one facet of unit normal `m`, with the Fresnel share of the lobe as its weight.
+///
+/// `None` if the facet cannot: total reflection, or a ray that would meet the surface again.
+fn facet_ray<T: Real>(
+    wi: Direction<T>,
+    m: Direction<T>,
+    eta: T,
+    lobe: Lobe,
+) -> Option<Scattered<T>> {
+    let fresnel = crate::fresnel::dielectric(m.dot(wi).abs(), eta);
+    let (wo, weight) = match lobe {
+        Lobe::Reflection => (wi.reflect(m), fresnel.reflected),
+        Lobe::Transmission => (wi.refract(m, eta)?, fresnel.transmitted),
+    };
+    let same_side = wo.side()? == wi.side()?;
+    (same_side == (lobe == Lobe::Reflection)).then_some(Scattered { wo, weight })
 }
 
 /// A scattering law with a value.
@@ -47,6 +74,12 @@ pub trait Bsdf<T: Real>: Scatter<T> {
 
     /// Density of [`Scatter::sample`] at `wo`, per solid angle, in 1/sr.
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T;
+
+    /// Draws a ray into one lobe from two uniforms in [0, 1), smoothly: no choice of a path is made.
+    ///
+    /// The weight carries the Fresnel share, so its mean over the uniforms is the flux of the lobe.
+    /// `None` is a weight of zero. For rules that integrate over the uniforms.
+    fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>>;
 
     /// Typical slope of the facets: a length scale for quadrature, not a physical quantity.
     fn slope(&self) -> T;

@@ -1,7 +1,7 @@
 //! The `Normals` method: one facet at each hit, drawn from a density of normals \[Sokolov section 2.2\].
 
 use super::half::HalfVector;
-use super::{Bsdf, Scatter, Scattered};
+use super::{Bsdf, Lobe, Scatter, Scattered, facet_ray};
 use crate::direction::{Direction, Side};
 use crate::fresnel;
 use crate::math::Real;
@@ -31,6 +31,20 @@ impl<T: Real, const N: usize> Normals<T, N> {
     /// How often a normal that faces away is drawn again before the ray counts as lost; at least half
     /// of all normals face any direction, so this happens once in 2^64 rays.
     const DRAWS: usize = 64;
+
+    /// Whether normals face this side with a positive cosine, and the far index over the near one.
+    fn near_side(&self, side: Side) -> (bool, T) {
+        match side {
+            Side::Air => (true, self.eta.get()),
+            Side::Dielectric => (false, T::ONE / self.eta.get()),
+        }
+    }
+
+    /// The share of the normals that face `w`.
+    fn visible(&self, w: Direction<T>) -> T {
+        let [x, y, z] = w.xyz();
+        self.density.visible(z, (x * x + y * y).sqrt())
+    }
 }
 
 impl<T: Real, const N: usize> Scatter<T> for Normals<T, N> {
@@ -40,16 +54,14 @@ impl<T: Real, const N: usize> Scatter<T> for Normals<T, N> {
         if self.eta.is_matched() {
             return Some(Scattered { wo: wi.opposite(), weight: T::ONE });
         }
-        let (above, eta) = match side {
-            Side::Air => (true, self.eta.get()),
-            Side::Dielectric => (false, T::ONE / self.eta.get()),
-        };
+        let (above, eta) = self.near_side(side);
         let m = (0..Self::DRAWS)
             .map(|_| self.density.sample([uniform(), uniform()]))
-            .find(|m| if above { m.dot(wi) > T::ZERO } else { m.dot(wi) < T::ZERO })?;
+            .find(|m| (m.dot(wi) > T::ZERO) == above)?;
         let reflect = uniform() < fresnel::dielectric(m.dot(wi).abs(), eta).reflected;
-        let wo = if reflect { wi.reflect(m) } else { wi.refract(m, eta)? };
-        ((wo.side()? == side) == reflect).then_some(Scattered { wo, weight: T::ONE })
+        let lobe = if reflect { Lobe::Reflection } else { Lobe::Transmission };
+        let ray = facet_ray(wi, m, eta, lobe)?;
+        Some(Scattered { wo: ray.wo, weight: T::ONE })
     }
 }
 
@@ -63,8 +75,7 @@ impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
     fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         match HalfVector::between(self.eta, wi, wo) {
             Some(h) => {
-                let [x, y, z] = wi.xyz();
-                let visible = self.density.visible(z, (x * x + y * y).sqrt());
+                let visible = self.visible(wi);
                 let facet = self.density.density(h.xy2.sqrt(), h.z2.sqrt());
                 // share / |wi.m|, with |wi.m| = ih / |h|
                 facet / visible * h.share * ((h.xy2 + h.z2).sqrt() / h.ih)
@@ -75,6 +86,21 @@ impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
 
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         self.ars(wi, wo)
+    }
+
+    fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
+        if self.eta.is_matched() {
+            let wo = wi.opposite();
+            return (lobe == Lobe::Transmission).then_some(Scattered { wo, weight: T::ONE });
+        }
+        let (above, eta) = self.near_side(wi.side()?);
+        let m = self.density.sample(u);
+        // Normals that face away are not drawn again, but weighted: zero for them, 1 / V for the rest.
+        if (m.dot(wi) > T::ZERO) != above {
+            return None;
+        }
+        let ray = facet_ray(wi, m, eta, lobe)?;
+        Some(Scattered { wo: ray.wo, weight: ray.weight / self.visible(wi) })
     }
 
     fn slope(&self) -> T {

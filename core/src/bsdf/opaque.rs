@@ -1,6 +1,6 @@
 //! Opaque GGX surface with a Lambert floor: what a reflection scan of a metal is fitted with.
 
-use super::{Bsdf, Scatter, Scattered};
+use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::math::Real;
 use crate::ndf::ggx::{d_of_vector, sample_visible, shadow_sum};
@@ -40,6 +40,21 @@ impl<T: Real> OpaqueGgx<T> {
         if total > T::ZERO { self.gain / total } else { T::ONE }
     }
 
+    /// A ray off the facets or off the floor; the weight is that of the mixture.
+    fn draw(&self, wi: Direction<T>, u: [T; 2], facets: bool) -> Option<Scattered<T>> {
+        if wi.side()? != Side::Air {
+            return None;
+        }
+        let wo = if facets {
+            wi.reflect(sample_visible(self.alpha, wi, u))
+        } else {
+            cosine_hemisphere(u)
+        };
+        let density = self.pdf(wi, wo);
+        (wo.side()? == Side::Air && density > T::ZERO)
+            .then(|| Scattered { wo, weight: self.ars(wi, wo) / density })
+    }
+
     /// `D` and the two shadow sums, if both directions are in the air.
     fn lobe(&self, wi: Direction<T>, wo: Direction<T>) -> Option<(T, T, T)> {
         if wi.side()? != Side::Air || wo.side()? != Side::Air {
@@ -57,18 +72,7 @@ impl<T: Real> Scatter<T> for OpaqueGgx<T> {
     /// Takes three uniforms.
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
         let u = [uniform(), uniform()];
-        let choice = uniform();
-        if wi.side()? != Side::Air {
-            return None;
-        }
-        let wo = if choice < self.facet_share() {
-            wi.reflect(sample_visible(self.alpha, wi, u))
-        } else {
-            cosine_hemisphere(u)
-        };
-        let density = self.pdf(wi, wo);
-        (wo.side()? == Side::Air && density > T::ZERO)
-            .then(|| Scattered { wo, weight: self.ars(wi, wo) / density })
+        self.draw(wi, u, uniform() < self.facet_share())
     }
 }
 
@@ -87,6 +91,19 @@ impl<T: Real> Bsdf<T> for OpaqueGgx<T> {
                 facets * d / (T::TWO * si) + (T::ONE - facets) * wo.z() / T::PI
             }
             None => T::ZERO,
+        }
+    }
+
+    fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
+        if lobe == Lobe::Transmission {
+            return None;
+        }
+        // One uniform serves twice: which part, then where in it.
+        let share = self.facet_share();
+        if u[1] < share {
+            self.draw(wi, [u[0], u[1] / share], true)
+        } else {
+            self.draw(wi, [u[0], (u[1] - share) / (T::ONE - share)], false)
         }
     }
 

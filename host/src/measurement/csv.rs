@@ -85,13 +85,8 @@ pub fn parse(bytes: impl AsRef<[u8]>, name: impl AsRef<Path>) -> Result<Measurem
 /// The text of a file without its byte order mark.
 pub(super) fn text<'a>(bytes: &'a [u8], name: &Path) -> Result<&'a str, ScanError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let not_text = |offset: usize| {
-        let newlines = bytes[..offset]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count();
-        ScanError::new(name, ScanFault::NotText).at(newlines as u64 + 1)
-    };
+    let not_text =
+        |offset: usize| ScanError::new(name, ScanFault::NotText).at(newlines(&bytes[..offset]) + 1);
     let text = std::str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))?;
     if let Some(offset) = text.find('\0') {
         return Err(not_text(offset));
@@ -100,6 +95,11 @@ pub(super) fn text<'a>(bytes: &'a [u8], name: &Path) -> Result<&'a str, ScanErro
         return Err(ScanError::new(name, ScanFault::Empty));
     }
     Ok(text)
+}
+
+/// The number of line ends in `bytes`.
+pub(super) fn newlines(bytes: &[u8]) -> u64 {
+    bytes.split(|&byte| byte == b'\n').count() as u64 - 1
 }
 
 #[derive(Debug)]

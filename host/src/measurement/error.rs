@@ -30,7 +30,7 @@ pub struct ScanError {
     /// The column by name or number, where one value is at fault.
     pub column: Option<String>,
     /// What is wrong.
-    pub fault: ScanFault,
+    pub fault: Box<ScanFault>,
 }
 
 /// What is wrong with a scan file.
@@ -183,7 +183,7 @@ impl ScanError {
             path: path.into(),
             line: None,
             column: None,
-            fault: fault.into(),
+            fault: Box::new(fault.into()),
         }
     }
 
@@ -221,7 +221,7 @@ impl ScanError {
             path: path.into(),
             line,
             column: None,
-            fault,
+            fault: Box::new(fault),
         }
     }
 }

@@ -54,6 +54,7 @@ pub struct Metadata {
     /// RMS noise over all readings / largest reading x 100, where it is known.
     pub noise_floor_percent: Option<f64>,
     /// Keys that mean nothing to this program, in the order of the file; they are written back.
+    /// Filled by [`set`](Self::set), which keeps the known keys out of it.
     pub other: Vec<(String, String)>,
 }
 
@@ -151,9 +152,9 @@ impl Metadata {
         let values = [
             text(&self.sample),
             text(&self.instrument),
-            self.geometry.map(|geometry| name(geometry, &GEOMETRIES)),
+            self.geometry.map(|geometry| name(&geometry, &GEOMETRIES)),
             shown(self.ior),
-            self.rough_side.map(|side| name(side, &ROUGH_SIDES)),
+            self.rough_side.map(|side| name(&side, &ROUGH_SIDES)),
             shown(self.aperture_deg),
             shown(self.wavelength_nm),
             text(&self.calibration),
@@ -233,8 +234,8 @@ fn word<T: Copy, const N: usize>(
     found.map(|&(_, meaning)| meaning).ok_or_else(fault)
 }
 
-fn name<T: PartialEq, const N: usize>(value: T, words: &Words<T, N>) -> String {
-    let found = words.values.iter().find(|(_, meaning)| *meaning == value);
+fn name<T: PartialEq, const N: usize>(value: &T, words: &Words<T, N>) -> String {
+    let found = words.values.iter().find(|(_, meaning)| meaning == value);
     found.map(|&(name, _)| name.to_owned()).unwrap_or_default()
 }
 
@@ -292,9 +293,9 @@ mod tests {
                 .eq(expected.map(|(k, v)| (*k, v)))
         );
         let mut again = Metadata::default();
-        written
-            .iter()
-            .for_each(|(key, value)| again.set(key, value).unwrap());
+        for (key, value) in &written {
+            again.set(key, value).unwrap();
+        }
         assert_eq!(again, meta);
     }
 

@@ -20,6 +20,7 @@ pub mod select;
 pub mod error;
 pub mod csv;
 pub mod columns;
+mod table;
 pub mod import;
 pub mod write;
 pub mod noise;

@@ -74,7 +74,7 @@ impl Axis {
     pub(super) fn reading_ticks(self, exponent: i32) -> Vec<Tick> {
         match self {
             Self::Linear { lo, hi } => self.multiples(round_step((hi - lo) / 4.5), exponent),
-            Self::Log { lo, hi } => self.decades(lo, hi),
+            Self::Log { lo, hi } => decades(lo, hi),
         }
     }
 
@@ -95,32 +95,6 @@ impl Axis {
                 }
             })
             .collect()
-    }
-
-    fn decades(self, lo: f64, hi: f64) -> Vec<Tick> {
-        let every = ((hi - lo) / 6.0).ceil().max(1.0) as i32;
-        let few = hi - lo < 1.5;
-        let mut ticks = Vec::new();
-        for decade in lo.floor() as i32..=hi.ceil() as i32 {
-            for digit in 1..=9 {
-                let place = f64::from(decade) + f64::from(digit).log10();
-                if place < lo - 1e-9 || place > hi + 1e-9 || (digit > 1 && every > 1) {
-                    continue;
-                }
-                let label = match digit {
-                    1 if decade.rem_euclid(every) == 0 => {
-                        Some(format!("10{}", superscript(decade)))
-                    }
-                    2 | 5 if few => Some(format!("{digit}×10{}", superscript(decade))),
-                    _ => None,
-                };
-                ticks.push(Tick {
-                    at: (place - lo) / (hi - lo),
-                    label,
-                });
-            }
-        }
-        ticks
     }
 }
 
@@ -151,6 +125,31 @@ pub(super) fn signed(number: &str) -> String {
     } else {
         number.replace('-', "−")
     }
+}
+
+/// Ticks at the powers of ten and their multiples between two decadic logarithms.
+fn decades(lo: f64, hi: f64) -> Vec<Tick> {
+    let every = ((hi - lo) / 6.0).ceil().max(1.0) as i32;
+    let few = hi - lo < 1.5;
+    let mut ticks = Vec::new();
+    for decade in lo.floor() as i32..=hi.ceil() as i32 {
+        for digit in 1..=9 {
+            let place = f64::from(decade) + f64::from(digit).log10();
+            if place < lo - 1e-9 || place > hi + 1e-9 || (digit > 1 && every > 1) {
+                continue;
+            }
+            let label = match digit {
+                1 if decade.rem_euclid(every) == 0 => Some(format!("10{}", superscript(decade))),
+                2 | 5 if few => Some(format!("{digit}×10{}", superscript(decade))),
+                _ => None,
+            };
+            ticks.push(Tick {
+                at: (place - lo) / (hi - lo),
+                label,
+            });
+        }
+    }
+    ticks
 }
 
 /// 1, 2 or 5 times a power of ten near `rough`.

@@ -40,7 +40,7 @@ impl Layout {
     pub(super) fn new(panels: usize, legend: &[String], shared_y: bool) -> Self {
         let (rows, columns, frame_height) = grid(panels);
         let (legend, legend_bottom) = place_legend(legend);
-        let between = if shared_y { 34.0 } else { TICKS_LEFT + 14.0 };
+        let between = if shared_y { 52.0 } else { TICKS_LEFT + 14.0 };
         let left = TICKS_LEFT;
         let top = legend_bottom + LABEL_ABOVE;
         let gaps = between * (columns - 1) as f64;
@@ -62,10 +62,7 @@ impl Layout {
             columns,
             legend,
             title: TITLE_BASELINE,
-            y_label: (
-                LABEL_LEFT - 14.0,
-                0.5 * (legend_bottom + CAPTION_ABOVE + bottom - TICKS_BELOW),
-            ),
+            y_label: (LABEL_LEFT, top),
             x_label: (0.5 * (left + right), bottom + LABEL_BELOW - 18.0),
         }
     }

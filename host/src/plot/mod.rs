@@ -21,6 +21,7 @@ mod polyline;
 mod axis;
 mod layout;
 mod canvas;
+mod legend;
 mod render;
 mod sigma;
 

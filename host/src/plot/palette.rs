@@ -26,7 +26,7 @@ pub(super) struct Stroke {
 /// The broad line under the fits.
 pub(super) const MEASURED: Stroke = Stroke {
     color: MEASURED_LINE,
-    width: 7.0,
+    width: 6.0,
     dashes: &[],
 };
 

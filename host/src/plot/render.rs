@@ -3,8 +3,9 @@
 use super::axis::{Axis, Tick, common_exponent, superscript};
 use super::canvas::{Anchor, Canvas, Medium};
 use super::figure::{Curve, CurveStyle, Figure, Panel, PlotError, Scale};
-use super::layout::{Layout, SAMPLE, WIDTH, fitted, size};
-use super::palette::{self, GRID, INK, MEASURED, MEASURED_RIM, Rgb};
+use super::layout::{Layout, WIDTH, fitted, size};
+use super::legend::{Legend, baseline, marker};
+use super::palette::{self, GRID, INK};
 use super::polyline::{Frame, Pixel, visible_runs};
 
 /// The figure as SVG, 1600 units wide. Fonts are named, not embedded.
@@ -75,84 +76,6 @@ fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
     let (x_label, x_size) = fitted(&figure.x_label, size::LABEL, 14, WIDTH - 200.0);
     canvas.text(layout.x_label, &x_label, x_size, Anchor::Middle);
     Ok(canvas)
-}
-
-/// The curves by name, and how each is drawn.
-struct Legend {
-    entries: Vec<Entry>,
-    /// Whether the measured points are few enough to be drawn one by one.
-    sparse: bool,
-}
-
-struct Entry {
-    label: String,
-    style: CurveStyle,
-    /// Which fit, from 0.
-    index: usize,
-}
-
-impl Legend {
-    fn of(figure: &Figure) -> Self {
-        let mut entries: Vec<Entry> = Vec::new();
-        for style in [CurveStyle::Measured, CurveStyle::Fitted] {
-            let first = entries.len();
-            for curve in figure.curves().filter(|curve| curve.style == style) {
-                if !entries[first..]
-                    .iter()
-                    .any(|entry| entry.label == curve.label)
-                {
-                    let index = entries.len() - first;
-                    entries.push(Entry {
-                        label: curve.label.clone(),
-                        style,
-                        index,
-                    });
-                }
-            }
-        }
-        let measured = figure
-            .curves()
-            .filter(|curve| curve.style == CurveStyle::Measured);
-        Self {
-            entries,
-            sparse: measured.map(|c| c.points.len()).max() <= Some(MOST_MARKERS),
-        }
-    }
-
-    fn labels(&self) -> Vec<String> {
-        self.entries
-            .iter()
-            .map(|entry| fitted(&entry.label, size::LEGEND, size::LEGEND, LONGEST_LABEL).0)
-            .collect()
-    }
-
-    fn stroke(&self, curve: &Curve) -> palette::Stroke {
-        let same = |entry: &&Entry| entry.style == curve.style && entry.label == curve.label;
-        match (curve.style, self.entries.iter().find(same)) {
-            (CurveStyle::Fitted, Some(entry)) => palette::fitted(entry.index),
-            _ => MEASURED,
-        }
-    }
-
-    fn draw_entry(&self, canvas: &mut Canvas, entry: &Entry, (left, middle): Pixel) {
-        match (entry.style, self.sparse) {
-            (CurveStyle::Measured, true) => marker(canvas, (left + 0.5 * SAMPLE, middle)),
-            (CurveStyle::Measured, false) => {
-                canvas.lines(&[vec![(left, middle), (left + SAMPLE, middle)]], MEASURED);
-            }
-            (CurveStyle::Fitted, _) => {
-                let line = vec![(left, middle), (left + SAMPLE, middle)];
-                canvas.lines(&[line], palette::fitted(entry.index));
-            }
-        }
-        let (label, letters) = fitted(&entry.label, size::LEGEND, size::LEGEND, LONGEST_LABEL);
-        canvas.text(
-            (left + SAMPLE + 12.0, baseline(middle, letters)),
-            &label,
-            letters,
-            Anchor::Start,
-        );
-    }
 }
 
 /// One pair of axes on the picture.
@@ -328,21 +251,6 @@ fn shared_exponent(figure: &Figure) -> i32 {
     }
 }
 
-fn marker(canvas: &mut Canvas, place: Pixel) {
-    canvas.disc(place, 5.5, Rgb(0xff, 0xff, 0xff), Some(MEASURED_RIM));
-}
-
-/// Where letters stand whose digits are centred on `middle`.
-fn baseline(middle: f64, letters: u32) -> f64 {
-    middle + 0.36 * f64::from(letters)
-}
-
-/// Measured points a curve that are still drawn one by one.
-const MOST_MARKERS: usize = 60;
-
 /// Room for fits beyond the data: twice their height, or two decades above their peak.
 const FIT_ROOM_LINEAR: f64 = 2.0;
 const FIT_ROOM_LOG: f64 = 100.0;
-
-/// Pixels a name may take in the legend.
-const LONGEST_LABEL: f64 = 640.0;

@@ -32,7 +32,7 @@ pub fn sigma_panels(
         title,
         x_label: "observation angle θ (°)".into(),
         y_label: "reading".into(),
-        x_range: angle_range(&panels),
+        x_range: angle_range(measured),
         scale,
         shared_y: true,
         panels,
@@ -66,13 +66,13 @@ fn panel((sigma, points): &AtSigma, fits: &[(String, Vec<AtSigma>)]) -> Panel {
 /// Incidences closer than this, in degrees, are the same one written differently.
 const SAME_SIGMA: f64 = 1e-3;
 
-/// The half circle, unless the readings fill less than a third of it; then what they fill.
-fn angle_range(panels: &[Panel]) -> (f64, f64) {
-    let angles = panels
+/// The half circle, unless the measured readings fill less than a third of it or leave it: then
+/// what they fill.
+fn angle_range(measured: &[AtSigma]) -> (f64, f64) {
+    let angles = measured
         .iter()
-        .flat_map(|p| &p.curves)
-        .flat_map(|c| &c.points)
-        .map(|p| p.0);
+        .flat_map(|(_, points)| points)
+        .map(|point| point.0);
     let (lo, hi) = angles
         .filter(|angle| angle.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), angle| {

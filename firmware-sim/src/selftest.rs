@@ -1,0 +1,269 @@
+//! The power-on self test: every evaluator on seeded input, summed up in one checksum a section.
+//!
+//! A workstation and a microcontroller must agree in every bit, in debug and release; what an
+//! instrument computes is then what the laboratory can recompute. A section that disagrees says where to
+//! look, and the first one is the place to start.
+//! Double precision is software on a Cortex-M4F, some fifty times slower, so its sections are small.
+
+use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx, Scatter, Smooth};
+use asperity_core::direction::Direction;
+use asperity_core::gonio::{AngleGrid, Geometry, Goniophotometer, Scan};
+use asperity_core::math::Real;
+use asperity_core::metric::rmsd_percent;
+use asperity_core::ndf::law::{Law, Profile};
+use asperity_core::ndf::normals::NormalDensity;
+use asperity_core::plate::{Plate, RoughSide};
+use asperity_core::quantity::{Alpha, RelativeIor};
+use rand_pcg::Pcg32;
+
+use crate::digest::Digest;
+
+/// The number of sections.
+pub const COUNT: usize = 10;
+
+/// A name and the function that computes the checksum.
+pub type Section = (&'static str, fn() -> u64);
+
+/// The sections, in the order in which they build upon one another.
+pub const SECTIONS: [Section; COUNT] = [
+    ("math-f32", || functions::<f32>(500)),
+    ("math-f64", || functions::<f64>(60)),
+    ("smooth-f32", || smooth::<f32>(500)),
+    ("ggx-f32", || ggx::<f32>(400)),
+    ("ggx-f64", || ggx::<f64>(60)),
+    ("opaque-f32", || opaque::<f32>(400)),
+    ("normals-f32", || normals::<f32>(300)),
+    ("plate-f32", || plate::<f32>(300)),
+    ("scan-f32", || scan::<f32>(2000)),
+    ("scan-f64", || scan::<f64>(200)),
+];
+
+/// The checksum of every section.
+pub fn sections() -> [(&'static str, u64); COUNT] {
+    SECTIONS.map(|(name, run)| (name, run()))
+}
+
+/// The checksum of all sections.
+pub fn digest() -> u64 {
+    combine(&sections())
+}
+
+/// The checksum of checksums already computed.
+pub fn combine(sections: &[(&str, u64)]) -> u64 {
+    let mut all = Digest::new();
+    for &(_, section) in sections {
+        all.word(section);
+    }
+    all.finish()
+}
+
+/// Seeded source of uniforms and directions.
+struct Source(Pcg32);
+
+impl Source {
+    fn new(stream: u64) -> Self {
+        Self(Pcg32::new(0x5eed, stream))
+    }
+
+    fn uniform<T: Real>(&mut self) -> T {
+        T::uniform(&mut self.0)
+    }
+
+    /// Polar angles are even in `u`, so both poles and grazing angles come up; every eighth direction
+    /// is within 1e-3 of the tangent plane.
+    fn direction<T: Real>(&mut self, k: usize) -> Direction<T> {
+        let (u, v): (T, T) = (self.uniform(), self.uniform());
+        let theta = match k % 8 {
+            0 => T::PI * T::HALF + (u - T::HALF) * T::from_f64(1e-3),
+            _ => T::PI * u,
+        };
+        Direction::from_angles(theta, T::TWO * T::PI * v)
+    }
+}
+
+/// A polymer plate's index; every number here is inside its domain, as `all_quantities_exist` checks.
+fn ior<T: Real>() -> Option<RelativeIor<T>> {
+    RelativeIor::new(T::from_f64(1.49)).ok()
+}
+
+fn rough<T: Real>(alpha: f64) -> Option<Ggx<T>> {
+    Some(Ggx::new(Alpha::new(T::from_f64(alpha)).ok()?, ior()?))
+}
+
+fn facets<T: Real, const N: usize>(profile: Profile, n: f64) -> Option<Normals<T, N>> {
+    let law = Law::new(profile, T::from_f64(0.15), T::from_f64(n), T::ZERO).ok()?;
+    Some(Normals::new(NormalDensity::new(law), ior()?))
+}
+
+/// The elementary functions on seeded arguments of either sign.
+fn functions<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(1));
+    for _ in 0..count {
+        let (u, v): (T, T) = (source.uniform(), source.uniform());
+        let x = (u - T::HALF) * T::from_f64(40.0);
+        let (s, c) = x.sin_cos();
+        d.reals(&[s, c, x.tan(), x.exp(), x.cbrt(), x.floor(), x.atan2(v)]);
+        d.reals(&[u.sqrt(), u.ln(), u.asin(), u.acos(), u.pow(x)]);
+    }
+    d.finish()
+}
+
+/// Fresnel factors, Snell's law and rays of the smooth face.
+fn smooth<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(2));
+    if let Some(eta) = ior::<T>() {
+        let face = Smooth { eta };
+        for k in 0..count {
+            let wi = source.direction(k);
+            let f = face.fresnel(wi);
+            d.reals(&[f.reflected, f.transmitted]);
+            d.direction(Some(face.reflect(wi)));
+            d.direction(face.refract(wi));
+            ray(&face, wi, &mut source, &mut d);
+        }
+    }
+    d.finish()
+}
+
+/// One sampled ray.
+fn ray<T: Real, S: Scatter<T>>(law: &S, wi: Direction<T>, source: &mut Source, d: &mut Digest) {
+    let scattered = law.sample(wi, &mut || source.uniform());
+    d.direction(scattered.map(|s| s.wo));
+    d.real(scattered.map_or(T::ZERO, |s| s.weight));
+}
+
+/// Values, density and a ray at seeded pairs of directions, both sides.
+fn law<T: Real, B: Bsdf<T>>(law: Option<B>, count: usize, source: &mut Source, d: &mut Digest) {
+    if let Some(law) = law {
+        for k in 0..count {
+            let (wi, wo) = (source.direction(k), source.direction(k / 8));
+            d.reals(&[law.eval(wi, wo), law.ars(wi, wo), law.pdf(wi, wo)]);
+            ray(&law, wi, source, d);
+        }
+    }
+}
+
+fn ggx<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(3));
+    for alpha in [0.01, 0.3, 1.5] {
+        law(rough::<T>(alpha), count / 3, &mut source, &mut d);
+    }
+    d.finish()
+}
+
+fn opaque<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(4));
+    let alpha = Alpha::new(T::from_f64(0.25)).ok();
+    let metal = alpha.and_then(|a| OpaqueGgx::new(a, T::from_f64(0.8), T::from_f64(0.05)));
+    law(metal, count, &mut source, &mut d);
+    d.finish()
+}
+
+fn normals<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(5));
+    law(
+        facets::<T, 64>(Profile::Gauss, 2.0),
+        count / 2,
+        &mut source,
+        &mut d,
+    );
+    law(
+        facets::<T, 64>(Profile::Cauchy, 2.5),
+        count / 2,
+        &mut source,
+        &mut d,
+    );
+    d.finish()
+}
+
+/// Rays through the plate, both ways round, every exit counted.
+fn plate<T: Real>(rays: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(6));
+    if let (Some(rough), Some(eta)) = (rough::<T>(0.5), ior::<T>()) {
+        for side in [RoughSide::Source, RoughSide::Detector] {
+            let plate = Plate::new(rough, eta, side);
+            for k in 0..rays / 2 {
+                let w: Direction<T> = source.direction(k);
+                let wi = Direction::from_unit(w.x(), w.y(), w.z().abs());
+                let out = plate.trace(wi, &mut || source.uniform(), &mut |wo, flux| {
+                    d.direction(Some(wo));
+                    d.real(flux);
+                });
+                d.reals(&[out.reflected, out.transmitted, out.lost]);
+            }
+        }
+    }
+    d.finish()
+}
+
+/// Two Monte Carlo scans of 181 angles, and the error of one against the other.
+fn scan<T: Real>(rays: u32) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(7));
+    if let (Some(rough), Some(eta)) = (rough::<T>(0.2), ior::<T>()) {
+        let grid = AngleGrid {
+            start_deg: T::from_f64(-90.0),
+            step_deg: T::ONE,
+            count: 181,
+        };
+        let plate = Plate::new(rough, eta, RoughSide::Source);
+        let mut measure = |geometry| -> Scan<T, 181> {
+            let aperture_deg = T::from_f64(3.0);
+            let instrument = Goniophotometer {
+                aperture_deg,
+                geometry,
+            };
+            instrument.scan(&plate, T::from_f64(30.0), grid, rays, &mut source.0)
+        };
+        let (through, back) = (
+            measure(Geometry::Transmission),
+            measure(Geometry::Reflection),
+        );
+        d.reals(through.readings());
+        d.reals(back.readings());
+        d.real(rmsd_percent(through.readings(), back.readings()).unwrap_or(T::ZERO));
+    }
+    d.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Profile, Source, combine, facets, ior, rough, scan, sections};
+
+    #[test]
+    fn all_quantities_exist() {
+        assert!(
+            ior::<f32>().is_some() && rough::<f32>(0.01).is_some() && rough::<f64>(1.5).is_some()
+        );
+        assert!(facets::<f32, 64>(Profile::Gauss, 2.0).is_some());
+        assert!(facets::<f32, 64>(Profile::Cauchy, 2.5).is_some());
+    }
+
+    #[test]
+    fn sections_differ_from_one_another_and_repeat() {
+        let first = sections();
+        assert_eq!(first, sections());
+        for (i, a) in first.iter().enumerate() {
+            assert!(
+                first.iter().skip(i + 1).all(|b| a.1 != b.1 && a.0 != b.0),
+                "{}",
+                a.0
+            );
+        }
+        let mut other = first;
+        other[3].1 ^= 1;
+        assert_ne!(combine(&first), combine(&other));
+    }
+
+    #[test]
+    fn a_scan_that_sees_no_light_would_be_no_test() {
+        assert_ne!(scan::<f32>(0), scan::<f32>(200));
+    }
+
+    #[test]
+    fn directions_cover_both_sides_and_the_tangent_plane() {
+        let mut source = Source::new(0);
+        let z = core::array::from_fn::<f32, 64, _>(|k| source.direction::<f32>(k).z());
+        assert!(z.iter().any(|&z| z > 0.5) && z.iter().any(|&z| z < -0.5));
+        assert!(z.iter().filter(|z| z.abs() < 1e-3).count() >= 8);
+    }
+}

@@ -1,0 +1,106 @@
+//! The legend: which curves there are, and how each of them is drawn wherever it appears.
+
+use super::canvas::{Anchor, Canvas};
+use super::figure::{Curve, CurveStyle, Figure};
+use super::layout::{SAMPLE, fitted, size};
+use super::palette::{self, MEASURED, MEASURED_RIM, Rgb};
+use super::polyline::Pixel;
+
+/// The curves by name, and how each is drawn.
+pub(super) struct Legend {
+    pub(super) entries: Vec<Entry>,
+    /// Whether the measured points are few enough to be drawn one by one.
+    pub(super) sparse: bool,
+}
+
+/// One name.
+pub(super) struct Entry {
+    label: String,
+    style: CurveStyle,
+    /// Which of its style, from 0.
+    index: usize,
+}
+
+impl Legend {
+    /// Every name once, the measured ones first, else in the order of their appearance.
+    pub(super) fn of(figure: &Figure) -> Self {
+        let mut entries: Vec<Entry> = Vec::new();
+        for style in [CurveStyle::Measured, CurveStyle::Fitted] {
+            let first = entries.len();
+            for curve in figure.curves().filter(|curve| curve.style == style) {
+                if !entries[first..]
+                    .iter()
+                    .any(|entry| entry.label == curve.label)
+                {
+                    let index = entries.len() - first;
+                    entries.push(Entry {
+                        label: curve.label.clone(),
+                        style,
+                        index,
+                    });
+                }
+            }
+        }
+        let measured = figure
+            .curves()
+            .filter(|curve| curve.style == CurveStyle::Measured);
+        Self {
+            entries,
+            sparse: measured.map(|c| c.points.len()).max() <= Some(MOST_MARKERS),
+        }
+    }
+
+    /// The names as they are written, for the layout.
+    pub(super) fn labels(&self) -> Vec<String> {
+        self.entries
+            .iter()
+            .map(|entry| fitted(&entry.label, size::LEGEND, size::LEGEND, LONGEST_LABEL).0)
+            .collect()
+    }
+
+    /// The line of a curve.
+    pub(super) fn stroke(&self, curve: &Curve) -> palette::Stroke {
+        let same = |entry: &&Entry| entry.style == curve.style && entry.label == curve.label;
+        match (curve.style, self.entries.iter().find(same)) {
+            (CurveStyle::Fitted, Some(entry)) => palette::fitted(entry.index),
+            _ => MEASURED,
+        }
+    }
+
+    /// Draws a sample and the name, starting at `left`, around the height `middle`.
+    pub(super) fn draw_entry(&self, canvas: &mut Canvas, entry: &Entry, (left, middle): Pixel) {
+        match (entry.style, self.sparse) {
+            (CurveStyle::Measured, true) => marker(canvas, (left + 0.5 * SAMPLE, middle)),
+            (CurveStyle::Measured, false) => {
+                canvas.lines(&[vec![(left, middle), (left + SAMPLE, middle)]], MEASURED);
+            }
+            (CurveStyle::Fitted, _) => {
+                let line = vec![(left, middle), (left + SAMPLE, middle)];
+                canvas.lines(&[line], palette::fitted(entry.index));
+            }
+        }
+        let (label, letters) = fitted(&entry.label, size::LEGEND, size::LEGEND, LONGEST_LABEL);
+        canvas.text(
+            (left + SAMPLE + 12.0, baseline(middle, letters)),
+            &label,
+            letters,
+            Anchor::Start,
+        );
+    }
+}
+
+/// A measured point of a sparse curve.
+pub(super) fn marker(canvas: &mut Canvas, place: Pixel) {
+    canvas.disc(place, 5.5, Rgb(0xff, 0xff, 0xff), Some(MEASURED_RIM));
+}
+
+/// Where letters stand whose digits are centred on `middle`.
+pub(super) fn baseline(middle: f64, letters: u32) -> f64 {
+    middle + 0.36 * f64::from(letters)
+}
+
+/// Measured points a curve that are still drawn one by one.
+const MOST_MARKERS: usize = 60;
+
+/// Pixels a name may take in the legend.
+const LONGEST_LABEL: f64 = 640.0;
