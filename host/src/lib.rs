@@ -7,4 +7,6 @@ pub mod provenance;
 pub mod measurement;
 pub mod boundary;
 pub mod forward;
+pub mod method;
+pub mod fit;
 pub mod plot;

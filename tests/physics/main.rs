@@ -1,1 +1,18 @@
-//! placeholder
+//! Physics of the evaluators and the plate, against textbook formulas, reference data and brute force.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests and their helpers; tables are shown with --nocapture"
+)]
+
+mod common;
+mod harness;
+mod fresnel;
+mod ggx;
+mod normals;
+mod energy;
+mod reciprocity;
+mod sampling;
+mod extremes;
+mod plate;

@@ -49,6 +49,8 @@ impl<T: Real> Goniophotometer<T> {
         let theta = x.atan2(z.abs()) * degrees;
         // tan^2 delta = (sin^2 a - sin^2 psi) / cos^2 a
         let reach = ((s2 - y2) / (T::ONE - s2)).sqrt_positive().atan2(T::ONE) * degrees;
+        // the rim counts, also where rounding puts an undeviated beam just outside of it
+        let reach = reach + reach * T::EPSILON * T::from_f64(1024.0);
         let range = grid.within(theta - reach, theta + reach);
         if !range.is_empty() {
             hit(range);

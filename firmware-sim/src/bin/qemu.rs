@@ -12,13 +12,14 @@ mod device {
     use asperity_core::direction::Direction;
     use asperity_core::quantity::{Alpha, RelativeIor};
     use asperity_firmware_sim::selftest;
+    use cortex_m::asm;
     use cortex_m::peripheral::SYST;
     use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m_rt::entry;
     use cortex_m_semihosting::{debug, hprintln};
     use panic_semihosting as _;
 
-    /// SysTick counts the board's 25 MHz; with `-icount shift=0` QEMU takes 1 ns an instruction.
+    /// `SysTick` counts the board's 25 MHz; with `-icount shift=0` QEMU takes 1 ns an instruction.
     const INSTRUCTIONS_PER_TICK: u32 = 40;
 
     /// The counter is 24 bits wide and counts down.
@@ -26,11 +27,17 @@ mod device {
 
     #[entry]
     fn main() -> ! {
-        let Some(mut peripherals) = cortex_m::Peripherals::take() else {
-            debug::exit(debug::EXIT_FAILURE);
-            loop {}
-        };
-        let timer = &mut peripherals.SYST;
+        debug::exit(match report() {
+            Some(()) => debug::EXIT_SUCCESS,
+            None => debug::EXIT_FAILURE,
+        });
+        loop {
+            asm::wfi();
+        }
+    }
+
+    fn report() -> Option<()> {
+        let timer = &mut cortex_m::Peripherals::take()?.SYST;
         timer.set_clock_source(SystClkSource::Core);
         timer.set_reload(RELOAD);
         timer.clear_current();
@@ -43,13 +50,9 @@ mod device {
             *slot = (name, digest);
         }
         hprintln!("digest {:016x}", selftest::combine(&done));
-        if let Some(instructions) = ggx_eval() {
-            hprintln!("ggx-eval-f32 {}", instructions);
-            hprintln!("ok");
-            debug::exit(debug::EXIT_SUCCESS);
-        }
-        debug::exit(debug::EXIT_FAILURE);
-        loop {}
+        hprintln!("ggx-eval-f32 {}", ggx_eval()?);
+        hprintln!("ok");
+        Some(())
     }
 
     /// Runs `work`; the instructions are right up to 671 million, where the counter has gone round.

@@ -10,52 +10,64 @@ use asperity_core::fresnel;
 
 use super::optics::{Entry, View};
 
-/// Rays of the rule; a power of two.
-const RAYS: usize = 128;
 /// Hits of the rough face followed after the first.
-const MOST_HITS: usize = 16;
+const MOST_HITS: usize = 64;
 /// Flux below which the rest is neglected, as a fraction of the beam's.
-const ENOUGH: f64 = 1e-5;
+const ENOUGH: f64 = 2e-4;
+/// Flux below which one ray of the rule is dropped, as a fraction of an even share.
+const NOTHING: f64 = 1e-4;
 
 /// Flux per solid angle, seen from each view, and what was left out.
 #[derive(Debug)]
 pub(super) struct Passes {
     /// One value a view, for a beam of unit flux.
     pub(super) density: Vec<f64>,
-    /// Flux still inside the plate when it was left alone, as a fraction of the beam's.
+    /// Flux that was not followed further, as a fraction of the beam's.
     pub(super) neglected: f64,
+    /// The largest density that the last hit gave, for unit flux that met it, 1/sr.
+    pub(super) peak: f64,
 }
 
-/// Follows the light of an entry from its second hit on. `eta` is that of the plate.
+/// Follows the light of an entry from its second hit on, as `count` rays. `eta` is that of the plate.
 pub(super) fn passes<B: Bsdf<f64>>(
     boundary: &B,
     eta: f64,
     entry: &Entry,
     views: &[Option<View>],
+    count: usize,
 ) -> Passes {
-    let mut density = vec![0.0; views.len()];
-    let mut rays: Vec<(Direction<f64>, f64)> = vec![(entry.w, entry.flux / RAYS as f64); RAYS];
-    let mut neglected = 0.0;
+    let mut found = Passes { density: vec![0.0; views.len()], neglected: 0.0, peak: 0.0 };
+    let mut rays: Vec<(Direction<f64>, f64)> = vec![(entry.w, entry.flux / count as f64); count];
+    let least = NOTHING / count as f64;
     for hit in 0..=MOST_HITS {
+        let before: f64 = rays.iter().map(|r| r.1).sum();
+        if before < ENOUGH || hit == MOST_HITS {
+            found.neglected += before;
+            break;
+        }
         if hit > 0 {
-            for (sum, view) in density.iter_mut().zip(views) {
+            found.peak = 0.0;
+            for (sum, view) in found.density.iter_mut().zip(views) {
                 let Some(view) = view else { continue };
                 let seen: f64 =
                     rays.iter().map(|(w, flux)| flux * boundary.ars(*w, view.towards)).sum();
                 *sum += seen * view.factor;
+                found.peak = found.peak.max(seen * view.factor / before);
             }
         }
-        neglected = 0.0;
         for (k, (w, flux)) in rays.iter_mut().enumerate() {
-            (*w, *flux) = onward(boundary, eta, *w, *flux, point(hit, k)).unwrap_or((*w, 0.0));
-            neglected += *flux;
+            let u = point(hit, k, count);
+            (*w, *flux) = onward(boundary, eta, *w, *flux, u).unwrap_or((*w, 0.0));
         }
-        rays.retain(|(_, flux)| *flux > 0.0);
-        if neglected < ENOUGH {
-            break;
-        }
+        rays.retain(|(_, flux)| {
+            let dropped = *flux < least;
+            if dropped {
+                found.neglected += flux;
+            }
+            !dropped
+        });
     }
-    Passes { density, neglected }
+    found
 }
 
 /// From one hit of the rough face by way of the smooth one to the next: where from, and flux.
@@ -75,8 +87,8 @@ fn onward<B: Bsdf<f64>>(
 
 /// Point `k` of the rule for a hit: the additive recurrence of the plastic number, its order permuted
 /// from hit to hit so that the hits are independent of each other.
-fn point(hit: usize, k: usize) -> [f64; 2] {
+fn point(hit: usize, k: usize, count: usize) -> [f64; 2] {
     const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    let index = (k * (2 * hit + 1) * 17 + 41 * hit) % RAYS;
+    let index = (k * (2 * hit + 1) * 17 + 41 * hit) % count;
     STEP.map(|s| (0.5 + s * index as f64).fract())
 }

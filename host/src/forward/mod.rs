@@ -10,7 +10,7 @@ mod quadrature;
 mod monte_carlo;
 
 pub use monte_carlo::{MonteCarlo, Rays, monte_carlo};
-pub use quadrature::{Readings, quadrature};
+pub use quadrature::{Effort, Neglected, Readings, quadrature};
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;

@@ -12,83 +12,194 @@ use super::optics::{Entry, View, enter, look};
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
 use crate::measurement::Quantity;
 
+/// How much work a simulation may cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// First hits only: for the coarse search of a fit.
+    Draft,
+    /// Internal passes included: what a result is computed with.
+    Full,
+}
+
 /// Readings of a scan, in the order of its plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     /// The readings.
     pub values: Vec<f64>,
-    /// Flux left inside the plate where the internal passes were cut off, as a fraction of the beam's:
-    /// the largest over the incidences. No reading can be short of more.
-    pub neglected: f64,
+    /// Light that was left inside the plate where the internal passes were cut off.
+    pub neglected: Neglected,
+}
+
+/// What the cut-off of the internal passes leaves out; the largest over the incidences.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Neglected {
+    /// As a fraction of the beam's flux: the sum of all that is missing from anywhere cannot be more.
+    pub flux: f64,
+    /// Bound of the part missing from a single reading, in the unit of the readings: the neglected
+    /// flux times the highest density the last hit followed gave, times the detector's solid angle.
+    pub reading: f64,
+}
+
+impl Neglected {
+    fn or_more(self, other: Self) -> Self {
+        Self { flux: self.flux.max(other.flux), reading: self.reading.max(other.reading) }
+    }
 }
 
 /// Simulates a scan of `boundary` in a `setup`.
 ///
 /// First hit of the rough face: integrated over each detector's cone in closed form along one
-/// coordinate. Internal passes: a fixed low-discrepancy rule, until less than 1e-5 of the beam is left.
-pub fn quadrature<B: Bsdf<f64> + Sync>(boundary: &B, setup: &Setup, plan: &Plan) -> Readings {
-    let parts: Vec<(Vec<f64>, f64)> = plan
+/// coordinate. Internal passes: a fixed low-discrepancy rule, until less than 2e-4 of the beam is left.
+pub fn quadrature<B: Bsdf<f64> + Sync>(
+    boundary: &B,
+    setup: &Setup,
+    plan: &Plan,
+    effort: Effort,
+) -> Readings {
+    let parts: Vec<(Vec<f64>, Neglected)> = plan
         .incidences
         .par_iter()
-        .map(|incidence| one_incidence(boundary, setup, incidence))
+        .map(|incidence| OneIncidence::new(boundary, setup, incidence, effort).readings())
         .collect();
     Readings {
-        neglected: parts.iter().map(|p| p.1).fold(0.0, f64::max),
+        neglected: parts.iter().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
         values: parts.into_iter().flat_map(|p| p.0).collect(),
     }
 }
 
-fn one_incidence<B: Bsdf<f64>>(
-    boundary: &B,
-    setup: &Setup,
-    incidence: &Incidence,
-) -> (Vec<f64>, f64) {
-    let sigma = incidence.sigma_deg.to_radians();
-    let entry = enter(setup, sigma);
-    let scale = lobe_width(boundary.slope(), setup);
-    let half_angle = 0.5 * setup.aperture_deg.to_radians();
-    if setup.quantity == Quantity::Bsdf && half_angle <= 0.0 {
-        return point_values(boundary, setup, &entry, incidence, scale);
+/// All that the readings of one incidence need.
+struct OneIncidence<'a, B> {
+    boundary: &'a B,
+    setup: &'a Setup,
+    incidence: &'a Incidence,
+    effort: Effort,
+    sigma: f64,
+    entry: Entry,
+    /// Width of the lobe, rad.
+    scale: f64,
+    warp: Warp,
+}
+
+impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
+    fn new(boundary: &'a B, setup: &'a Setup, incidence: &'a Incidence, effort: Effort) -> Self {
+        let sigma = incidence.sigma_deg.to_radians();
+        let scale = lobe_width(boundary.slope(), setup);
+        let cells_per_unit = match effort {
+            Effort::Draft => 6.0,
+            Effort::Full => 16.0,
+        };
+        let warp = Warp::new(sigma, scale, cells_per_unit);
+        Self { boundary, setup, incidence, effort, sigma, entry: enter(setup, sigma), scale, warp }
     }
 
-    let warp = Warp::new(sigma, scale);
-    let lines = lines(half_angle, scale);
-    // A lobe wider than the cone looks the same on all lines for what was scattered twice.
-    let wide = lines.len() == 2;
-    let mut values = vec![0.0; incidence.theta_deg.len()];
-    let mut neglected = 0.0_f64;
-    let mut inner = Vec::new();
-    for (k, line) in lines.iter().enumerate() {
-        if k == 0 || !wide {
-            (inner, neglected) = internal_density(boundary, setup, &entry, &warp, line.psi);
+    fn readings(&self) -> (Vec<f64>, Neglected) {
+        let half_angle = 0.5 * self.setup.aperture_deg.to_radians();
+        if self.setup.quantity == Quantity::Bsdf && half_angle <= 0.0 {
+            return self.point_values();
         }
-        let density: Vec<f64> = (0..=2 * warp.cells())
-            .zip(&inner)
-            .map(|(half, inner)| {
-                let (theta, slope) = warp.node(half);
-                (first_hit(boundary, setup, &entry, theta, line.psi) + inner) * slope
+        let lines = lines(half_angle, self.scale);
+        // A lobe wider than the cone looks the same on all lines for what was scattered twice.
+        let wide = lines.len() == 2;
+        let solid_angle = solid_angle(self.setup.aperture_deg);
+        let mut values = vec![0.0; self.incidence.theta_deg.len()];
+        let mut neglected = Neglected::default();
+        let mut inner = Vec::new();
+        for (k, line) in lines.iter().enumerate() {
+            if k == 0 || !wide {
+                let missing;
+                (inner, missing) = self.internal_density(line.psi);
+                neglected = neglected
+                    .or_more(Neglected { reading: missing.reading * solid_angle, ..missing });
+            }
+            let density: Vec<f64> = (0..=2 * self.warp.cells())
+                .zip(&inner)
+                .map(|(half, inner)| {
+                    let (theta, slope) = self.warp.node(half);
+                    (self.first_hit(theta, line.psi) + inner) * slope
+                })
+                .collect();
+            let integral = Integral::new(&self.warp, &density);
+            for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
+                *value += integral.reading(&self.warp, line, theta.to_radians());
+            }
+        }
+        for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
+            let theta = theta.to_radians();
+            // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
+            if self.entry.mirrored > 0.0 && (theta - self.sigma).abs() <= half_angle * (1.0 + 1e-9) {
+                *value += self.entry.mirrored;
+            }
+            if self.setup.quantity == Quantity::Bsdf {
+                let cosine = theta.cos();
+                *value = if cosine > 1e-9 { *value / (solid_angle * cosine) } else { 0.0 };
+            }
+        }
+        (values, neglected)
+    }
+
+    fn view(&self, theta: f64, psi: f64) -> Option<View> {
+        // The horizon itself receives nothing, and is where rounding decides the side.
+        if FRAC_PI_2 - theta.abs() < 1e-9 {
+            return None;
+        }
+        look(self.setup, observation(self.setup.geometry, theta, psi))
+    }
+
+    /// Flux per solid angle after one hit of the rough face.
+    fn first_hit(&self, theta: f64, psi: f64) -> f64 {
+        self.view(theta, psi).map_or(0.0, |v| {
+            self.entry.flux * v.factor * self.boundary.ars(self.entry.w, v.towards)
+        })
+    }
+
+    /// Internal passes on a line, at half cells: computed at every fourth cell, a cubic between.
+    ///
+    /// `Neglected::reading` of the result is a density, 1/sr.
+    fn internal_density(&self, psi: f64) -> (Vec<f64>, Neglected) {
+        const STRIDE: usize = 8; // half cells
+        let fine = 2 * self.warp.cells() + 1;
+        let eta = match self.setup.sample {
+            Sample::Plate { eta, .. } if self.effort == Effort::Full => eta.get(),
+            _ => return (vec![0.0; fine], Neglected::default()),
+        };
+        let views: Vec<Option<View>> =
+            (0..fine).step_by(STRIDE).map(|half| self.view(self.warp.node(half).0, psi)).collect();
+        // Seen from the front, half of what a clear plate returns has been inside.
+        let count = match self.setup.geometry {
+            Geometry::Transmission => 128,
+            Geometry::Reflection => 2048,
+        };
+        let found = passes(self.boundary, eta, &self.entry, &views, count);
+        let at = |k: isize| {
+            let last = found.density.len() as isize - 1;
+            found.density[k.clamp(0, last) as usize]
+        };
+        let values = (0..fine)
+            .map(|half| {
+                let (k, t) = ((half / STRIDE) as isize, (half % STRIDE) as f64 / STRIDE as f64);
+                catmull_rom([at(k - 1), at(k), at(k + 1), at(k + 2)], t).max(0.0)
             })
             .collect();
-        let integral = Integral::new(&warp, &density);
-        for (value, theta) in values.iter_mut().zip(&incidence.theta_deg) {
-            *value += integral.reading(&warp, line, theta.to_radians());
-        }
+        (values, Neglected { flux: found.neglected, reading: found.neglected * found.peak })
     }
-    for (value, theta) in values.iter_mut().zip(&incidence.theta_deg) {
-        // The beam mirrored by a smooth front face is narrower than any cone.
-        if entry.mirrored > 0.0 && (theta.to_radians() - sigma).abs() <= half_angle {
-            *value += entry.mirrored;
-        }
-        if setup.quantity == Quantity::Bsdf {
-            let cosine = theta.to_radians().cos();
-            *value = if cosine > 1e-9 {
-                *value / (solid_angle(setup.aperture_deg) * cosine)
-            } else {
-                0.0
-            };
-        }
+
+    /// The BSDF at single directions: `ars / cos` without a detector.
+    fn point_values(&self) -> (Vec<f64>, Neglected) {
+        let (inner, neglected) = self.internal_density(0.0);
+        let value = |theta: f64| {
+            let cosine = theta.cos();
+            if cosine < 1e-9 {
+                return 0.0;
+            }
+            (self.first_hit(theta, 0.0) + self.warp.interpolate(&inner, theta)) / cosine
+        };
+        (self.incidence.theta_deg.iter().map(|t| value(t.to_radians())).collect(), neglected)
     }
-    (values, neglected)
+}
+
+/// Cubic through `b` and `c` with the slopes of their neighbours.
+fn catmull_rom([a, b, c, d]: [f64; 4], t: f64) -> f64 {
+    b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
 }
 
 /// Angular half width of the lobe outside the plate, rad: a scale for the warp, not a result.
@@ -98,93 +209,4 @@ fn lobe_width(slope: f64, setup: &Setup) -> f64 {
         _ => 2.0,
     };
     (slope * gain).clamp(1e-8, 0.5)
-}
-
-fn view(setup: &Setup, theta: f64, psi: f64) -> Option<View> {
-    look(setup, observation(setup.geometry, theta, psi))
-}
-
-/// Flux per solid angle after one hit of the rough face.
-fn first_hit<B: Bsdf<f64>>(
-    boundary: &B,
-    setup: &Setup,
-    entry: &Entry,
-    theta: f64,
-    psi: f64,
-) -> f64 {
-    // The horizon itself receives nothing, and is where rounding decides the side.
-    if FRAC_PI_2 - theta.abs() < 1e-9 {
-        return 0.0;
-    }
-    view(setup, theta, psi)
-        .map_or(0.0, |v| entry.flux * v.factor * boundary.ars(entry.w, v.towards))
-}
-
-/// Internal passes on a line: computed at every fourth cell, a cubic between.
-fn internal_density<B: Bsdf<f64>>(
-    boundary: &B,
-    setup: &Setup,
-    entry: &Entry,
-    warp: &Warp,
-    psi: f64,
-) -> (Vec<f64>, f64) {
-    let fine = 2 * warp.cells() + 1;
-    let Sample::Plate { eta, .. } = setup.sample else {
-        return (vec![0.0; fine], 0.0);
-    };
-    const STRIDE: usize = 8; // half cells
-    let views: Vec<Option<View>> = (0..fine)
-        .step_by(STRIDE)
-        .map(|half| {
-            let theta = warp.node(half).0;
-            if FRAC_PI_2 - theta.abs() < 1e-9 { None } else { view(setup, theta, psi) }
-        })
-        .collect();
-    let found = passes(boundary, eta.get(), entry, &views);
-    let at = |k: isize| {
-        let last = found.density.len() as isize - 1;
-        found.density[k.clamp(0, last) as usize]
-    };
-    let values = (0..fine)
-        .map(|half| {
-            let (k, t) = ((half / STRIDE) as isize, (half % STRIDE) as f64 / STRIDE as f64);
-            let [a, b, c, d] = [at(k - 1), at(k), at(k + 1), at(k + 2)];
-            // Catmull-Rom, kept from undershooting zero
-            let cubic = b
-                + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
-            cubic.max(0.0)
-        })
-        .collect();
-    (values, found.neglected)
-}
-
-/// The BSDF at single directions: `ars / cos` without a detector.
-fn point_values<B: Bsdf<f64>>(
-    boundary: &B,
-    setup: &Setup,
-    entry: &Entry,
-    incidence: &Incidence,
-    scale: f64,
-) -> (Vec<f64>, f64) {
-    let warp = Warp::new(incidence.sigma_deg.to_radians(), scale);
-    let opaque = setup.sample == Sample::Opaque;
-    let (inner, neglected) = if opaque {
-        (Vec::new(), 0.0)
-    } else {
-        internal_density(boundary, setup, entry, &warp, 0.0)
-    };
-    let values = incidence
-        .theta_deg
-        .iter()
-        .map(|theta| {
-            let theta = theta.to_radians();
-            let cosine = theta.cos();
-            if cosine < 1e-9 {
-                return 0.0;
-            }
-            let first = first_hit(boundary, setup, entry, theta, 0.0);
-            (first + if opaque { 0.0 } else { warp.interpolate(&inner, theta) }) / cosine
-        })
-        .collect();
-    (values, neglected)
 }

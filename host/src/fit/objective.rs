@@ -1,0 +1,99 @@
+//! What a fit minimises.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A measure of the distance between measured and simulated readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Objective {
+    /// Eq. (18): rms of the differences over the largest reading, in %.
+    #[default]
+    Rmsd,
+    /// Rms of the relative differences, in %; readings below 1/1000 of the largest are taken as that.
+    Relative,
+    /// Rms of the differences of natural logarithms; both readings are lifted by 1e-4 of the largest.
+    Log,
+}
+
+impl Objective {
+    /// Residuals whose mean square the fit minimises, dimensionless; `largest` is the largest reading.
+    pub fn residual(self, measured: f64, simulated: f64, largest: f64) -> f64 {
+        match self {
+            Self::Rmsd => (simulated - measured) / largest,
+            Self::Relative => (simulated - measured) / measured.max(1e-3 * largest),
+            Self::Log => {
+                // a measured reading may be negative by noise
+                let lift = 1e-4 * largest;
+                ((simulated.max(0.0) + lift) / (measured.max(0.0) + lift)).ln()
+            }
+        }
+    }
+
+    /// Square of the weight of a reading in a linear problem.
+    pub fn weight2(self, measured: f64, largest: f64) -> f64 {
+        let w = match self {
+            Self::Rmsd => largest,
+            Self::Relative => measured.max(1e-3 * largest),
+            Self::Log => measured.max(0.0) + 1e-4 * largest,
+        };
+        1.0 / (w * w)
+    }
+
+    /// Root mean square of residuals, in the unit of the objective.
+    pub fn of_mean_square(self, mean_square: f64) -> f64 {
+        match self {
+            Self::Rmsd | Self::Relative => 100.0 * mean_square.sqrt(),
+            Self::Log => mean_square.sqrt(),
+        }
+    }
+
+    /// Unit of the value.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Rmsd | Self::Relative => "%",
+            Self::Log => "(natural log)",
+        }
+    }
+}
+
+impl fmt::Display for Objective {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Rmsd => "rmsd",
+            Self::Relative => "relative",
+            Self::Log => "log",
+        })
+    }
+}
+
+impl FromStr for Objective {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        match s {
+            "rmsd" => Ok(Self::Rmsd),
+            "relative" => Ok(Self::Relative),
+            "log" => Ok(Self::Log),
+            _ => Err(format!("`{s}` is no objective; choose rmsd, relative or log")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Objective;
+
+    #[test]
+    fn residuals_are_what_their_names_say() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        near(Objective::Rmsd.residual(1.0, 1.5, 2.0), 0.25);
+        near(Objective::Relative.residual(1.0, 1.5, 2.0), 0.5);
+        near(Objective::Relative.residual(0.0, 0.002, 2.0), 1.0);
+        near(Objective::Log.residual(1.0, 1.0, 2.0), 0.0);
+        assert!(Objective::Log.residual(-0.1, 0.0, 2.0).is_finite());
+        for name in ["rmsd", "relative", "log"] {
+            assert_eq!(name.parse::<Objective>().unwrap().to_string(), name);
+        }
+        assert!("least".parse::<Objective>().is_err());
+    }
+}

@@ -1,0 +1,238 @@
+//! The fit as a function of numbers: from values to readings to one cost.
+
+use std::borrow::Cow;
+
+use crate::boundary::{Boundary, with_boundary};
+use crate::fit::{FitOptions, Objective};
+use crate::forward::{Effort, Plan, Readings, Sample, Setup, quadrature};
+use crate::measurement::Measurement;
+use crate::method::{BuildError, Method, Parameter, Scale, Surface};
+
+/// A method, a measurement, and what is free.
+pub(super) struct Problem<'a> {
+    method: &'a dyn Method,
+    options: &'a FitOptions,
+    setup: Setup,
+    plan: Plan,
+    measured: Cow<'a, [f64]>,
+    largest: f64,
+    parameters: Vec<Parameter>,
+}
+
+const IOR: Parameter = Parameter {
+    name: "ior",
+    unit: "",
+    bounds: (1.05, 4.0),
+    scale: Scale::Linear,
+    starts: &[],
+};
+const GAIN: Parameter = Parameter {
+    name: "gain",
+    unit: "",
+    bounds: (1e-3, 1e3),
+    scale: Scale::Log,
+    starts: &[],
+};
+
+/// Readings an incidence that a draft needs.
+const DRAFT_READINGS: usize = 240;
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        method: &'a dyn Method,
+        measurement: &Measurement,
+        setup: &Setup,
+        options: &'a FitOptions,
+    ) -> Self {
+        let mut parameters = method.parameters().to_vec();
+        if options.fit_ior && options.surface != Surface::Opaque {
+            parameters.push(IOR);
+        }
+        if options.fit_gain && options.surface != Surface::Opaque {
+            parameters.push(GAIN);
+        }
+        Self {
+            method,
+            options,
+            setup: *setup,
+            plan: Plan::of(measurement),
+            measured: measurement.readings().iter().map(|r| r.value).collect(),
+            largest: measurement.largest_reading(),
+            parameters,
+        }
+    }
+
+    /// The same with fewer readings: evenly thinned, each incidence's largest kept.
+    pub(super) fn thinned(&self) -> Self {
+        let mut plan = Plan::default();
+        let mut measured = Vec::new();
+        let mut from = 0;
+        for incidence in &self.plan.incidences {
+            let n = incidence.theta_deg.len();
+            let values = &self.measured[from..from + n];
+            from += n;
+            let stride = n.div_ceil(DRAFT_READINGS).max(1);
+            let peak = (0..n).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
+            let kept = |k: &usize| k % stride == peak % stride;
+            let mut part = incidence.clone();
+            part.theta_deg = (0..n).filter(kept).map(|k| incidence.theta_deg[k]).collect();
+            measured.extend((0..n).filter(kept).map(|k| values[k]));
+            plan.incidences.push(part);
+        }
+        Self {
+            plan,
+            measured: measured.into(),
+            parameters: self.parameters.clone(),
+            ..*self
+        }
+    }
+
+    pub(super) fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    pub(super) fn objective(&self) -> Objective {
+        self.options.objective
+    }
+
+    pub(super) fn measured(&self) -> &[f64] {
+        &self.measured
+    }
+
+    pub(super) fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Whether what is not fitted makes sense.
+    pub(super) fn check_fixed(&self) -> Result<(), BuildError> {
+        match self.options.surface {
+            Surface::Dielectric { .. } => self.options.surface.eta().map(|_| ()),
+            Surface::Opaque => Ok(()),
+        }
+    }
+
+    fn named(&self, values: &[f64], name: &str) -> Option<f64> {
+        let own = self.method.parameters().len();
+        let common = self.parameters.iter().zip(values).skip(own);
+        common.into_iter().find(|(p, _)| p.name == name).map(|(_, v)| *v)
+    }
+
+    /// The boundary for values, and the body it bounds.
+    pub(super) fn boundary(&self, values: &[f64]) -> Result<(Boundary, Surface), BuildError> {
+        let surface = match self.named(values, "ior") {
+            Some(ior) => Surface::Dielectric { ior },
+            None => self.options.surface,
+        };
+        let own = &values[..self.method.parameters().len().min(values.len())];
+        Ok((self.method.boundary(own, surface)?, surface))
+    }
+
+    /// Readings for values.
+    pub(super) fn simulate(&self, values: &[f64], effort: Effort) -> Result<Readings, BuildError> {
+        let (boundary, surface) = self.boundary(values)?;
+        let mut setup = self.setup;
+        if let (Sample::Plate { eta, .. }, Surface::Dielectric { .. }) =
+            (&mut setup.sample, surface)
+        {
+            *eta = surface.eta()?;
+        }
+        let mut readings =
+            with_boundary!(&boundary, b => quadrature(b, &setup, &self.plan, effort));
+        if let Some(gain) = self.named(values, "gain") {
+            readings.values.iter_mut().for_each(|r| *r *= gain);
+        }
+        Ok(readings)
+    }
+
+    /// The objective for simulated readings; not finite if any of them is not.
+    pub(super) fn cost_of(&self, simulated: &[f64]) -> f64 {
+        let objective = self.objective();
+        let sum: f64 = self
+            .measured
+            .iter()
+            .zip(simulated)
+            .map(|(&m, &s)| objective.residual(m, s, self.largest).powi(2))
+            .sum();
+        objective.of_mean_square(sum / self.measured.len() as f64)
+    }
+
+    /// Points to start from: all combinations of the parameters' starts, the linear ones solved for.
+    pub(super) fn starts(&self) -> Vec<Vec<f64>> {
+        let mut points = vec![Vec::new()];
+        for p in &self.parameters {
+            let starts: Vec<f64> = match (p.name, self.options.surface) {
+                ("ior", Surface::Dielectric { ior }) => vec![ior.clamp(1.06, 3.9)],
+                _ if p.starts.is_empty() => vec![1.0],
+                _ => p.starts.to_vec(),
+            };
+            points = points
+                .iter()
+                .flat_map(|point: &Vec<f64>| {
+                    starts.iter().map(move |s| [point.as_slice(), &[*s]].concat())
+                })
+                .collect();
+        }
+        for point in &mut points {
+            self.solve_linear(point);
+        }
+        points
+    }
+
+    /// Sets `gain` and `lambert`, in which the readings are linear, to their least-squares values.
+    fn solve_linear(&self, point: &mut [f64]) {
+        let index = |name| self.parameters.iter().position(|p| p.name == name);
+        let Some(gain) = index("gain") else { return };
+        let lambert = index("lambert");
+        let readings = |gain_value: f64, lambert_value: f64| {
+            let mut probe = point.to_vec();
+            probe[gain] = gain_value;
+            if let Some(l) = lambert {
+                probe[l] = lambert_value;
+            }
+            self.simulate(&probe, Effort::Draft).map(|r| r.values)
+        };
+        let Ok(a) = readings(1.0, 0.0) else { return };
+        let b = match lambert {
+            Some(_) => match readings(0.0, 1.0) {
+                Ok(b) => b,
+                Err(_) => return,
+            },
+            None => vec![0.0; a.len()],
+        };
+        let (mut aa, mut ab, mut bb, mut am, mut bm) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for ((&a, &b), &m) in a.iter().zip(&b).zip(self.measured.iter()) {
+            let w = self.objective().weight2(m, self.largest);
+            aa += w * a * a;
+            ab += w * a * b;
+            bb += w * b * b;
+            am += w * a * m;
+            bm += w * b * m;
+        }
+        let determinant = aa * bb - ab * ab;
+        let (mut g, mut l) = if determinant > 1e-9 * aa * bb {
+            ((am * bb - bm * ab) / determinant, (bm * aa - am * ab) / determinant)
+        } else {
+            (am / aa, 0.0)
+        };
+        // Where the free solution is negative, the other one alone.
+        if l < 0.0 {
+            (g, l) = (am / aa, 0.0);
+        } else if g < 0.0 {
+            (g, l) = (0.0, bm / bb);
+        }
+        let set = |point: &mut [f64], k: usize, value: f64| {
+            let (lo, hi) = self.parameters[k].bounds;
+            if value.is_finite() {
+                point[k] = value.clamp(lo * 1.01, hi * 0.99);
+            }
+        };
+        set(point, gain, g);
+        if let Some(k) = lambert {
+            set(point, k, l.max(1e-3 * self.largest.min(1.0)));
+        }
+    }
+}

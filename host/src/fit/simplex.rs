@@ -1,0 +1,142 @@
+//! Nelder-Mead through argmin, guarded: no infinite or undefined cost ever reaches it.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use argmin::core::{CostFunction, Error, Executor, State, TerminationReason, TerminationStatus};
+use argmin::solver::neldermead::NelderMead;
+
+use super::problem::Problem;
+use crate::forward::Effort;
+
+/// The cost of values that give no finite error; larger than any that do.
+pub(super) const IMPOSSIBLE: f64 = 1e9;
+
+/// The user asked to stop.
+#[derive(Debug)]
+pub(super) struct Stopped;
+
+/// Where a search ended.
+#[derive(Debug)]
+pub(super) struct End {
+    pub(super) values: Vec<f64>,
+    pub(super) cost: f64,
+    pub(super) converged: bool,
+}
+
+/// Counts evaluations and remembers the best values over several searches.
+pub(super) struct Search<'a> {
+    stop: &'a AtomicBool,
+    progress: &'a (dyn Fn(u64) + Sync),
+    budget: u64,
+    evaluations: AtomicU64,
+    best: Mutex<Option<(f64, Vec<f64>)>>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        stop: &'a AtomicBool,
+        progress: &'a (dyn Fn(u64) + Sync),
+        budget: u64,
+    ) -> Self {
+        Self { stop, progress, budget, evaluations: AtomicU64::new(0), best: Mutex::new(None) }
+    }
+
+    pub(super) fn evaluations(&self) -> u64 {
+        self.evaluations.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// The best values of the search under way, or others.
+    pub(super) fn best_or(&self, others: Vec<f64>) -> Vec<f64> {
+        match self.best.lock() {
+            Ok(best) => best.as_ref().map_or(others, |(_, values)| values.clone()),
+            Err(_) => others,
+        }
+    }
+
+    /// Minimises from a start until the costs of the simplex differ by less than `tolerance` times the
+    /// best of them.
+    pub(super) fn minimise(
+        &mut self,
+        problem: &Problem<'_>,
+        start: &[f64],
+        effort: Effort,
+        tolerance: f64,
+    ) -> Result<End, Stopped> {
+        if let Ok(mut best) = self.best.lock() {
+            *best = None;
+        }
+        let parameters = problem.parameters();
+        let first: Vec<f64> =
+            parameters.iter().zip(start).map(|(p, &v)| p.to_free(v)).collect();
+        let mut simplex = vec![first.clone()];
+        for (k, p) in parameters.iter().enumerate() {
+            let mut corner = first.clone();
+            // A start found by a draft is good: a smaller simplex keeps it.
+            let size = if effort == Effort::Full { 0.2 } else { 1.0 };
+            corner[k] += size * p.step(start[k]);
+            simplex.push(corner);
+        }
+        let target = Target { search: self, problem, effort };
+        let at_start = target.cost(&first).map_err(|_| Stopped)?;
+        let iterations = self.budget.saturating_sub(self.evaluations()).min(400);
+        let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(1e-6))
+        else {
+            return Ok(End { values: start.to_vec(), cost: at_start, converged: false });
+        };
+        let run =
+            Executor::new(target, solver).configure(|state| state.max_iters(iterations)).run();
+        let Ok(run) = run else { return Err(Stopped) };
+        let converged = matches!(
+            run.state().get_termination_status(),
+            TerminationStatus::Terminated(
+                TerminationReason::SolverConverged | TerminationReason::TargetCostReached
+            )
+        );
+        let (cost, free) = match run.state().get_best_param() {
+            Some(free) => (run.state().get_best_cost(), free.clone()),
+            None => (at_start, first),
+        };
+        let values = parameters.iter().zip(&free).map(|(p, &f)| p.to_bounded(f)).collect();
+        Ok(End { values, cost, converged })
+    }
+}
+
+/// The cost as argmin wants it.
+struct Target<'a, 'b> {
+    search: &'a Search<'b>,
+    problem: &'a Problem<'a>,
+    effort: Effort,
+}
+
+impl CostFunction for Target<'_, '_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, free: &Vec<f64>) -> Result<f64, Error> {
+        if self.search.interrupted() {
+            return Err(Error::msg("interrupted"));
+        }
+        let done = self.search.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
+        (self.search.progress)(done);
+        let parameters = self.problem.parameters();
+        let values: Vec<f64> =
+            parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect();
+        let cost = self
+            .problem
+            .simulate(&values, self.effort)
+            .map_or(IMPOSSIBLE, |r| self.problem.cost_of(&r.values));
+        // NaN compares false: it becomes impossible too.
+        let cost = if cost < IMPOSSIBLE { cost } else { IMPOSSIBLE };
+        if let Ok(mut best) = self.search.best.lock()
+            && best.as_ref().is_none_or(|(least, _)| cost < *least)
+        {
+            *best = Some((cost, values));
+        }
+        Ok(cost)
+    }
+}

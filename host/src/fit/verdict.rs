@@ -1,0 +1,73 @@
+//! Whether a converged fit describes the measurement at all.
+
+use asperity_core::metric::rmsd_percent;
+
+use super::{Fit, Termination};
+use crate::forward::Plan;
+
+/// Error of eq. (18) taken over one incidence alone, in %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IncidenceError {
+    /// Angle of incidence, degrees.
+    pub sigma_deg: f64,
+    /// Rms deviation at this incidence over its own largest reading, %; `None` if that is zero.
+    pub rmsd_percent: Option<f64>,
+}
+
+/// Largest error of a single incidence that still counts as a description, %.
+///
+/// Eq. (18) over all incidences is blind to an incidence whose readings are small beside the largest
+/// of all: a mirror-like surface may have 2 % over all and 40 % at normal incidence. Surfaces with one
+/// lobe stay below 10 %, those without exceed 20 %.
+pub const MISFIT_PERCENT: f64 = 15.0;
+
+/// The error of every incidence.
+pub(super) fn by_incidence(plan: &Plan, measured: &[f64], simulated: &[f64]) -> Vec<IncidenceError> {
+    let mut from = 0;
+    plan.incidences
+        .iter()
+        .map(|incidence| {
+            let range = from..from + incidence.theta_deg.len();
+            from = range.end;
+            IncidenceError {
+                sigma_deg: incidence.sigma_deg,
+                rmsd_percent: rmsd_percent(&measured[range.clone()], &simulated[range]),
+            }
+        })
+        .collect()
+}
+
+impl Fit {
+    /// The incidence described worst.
+    pub fn worst_incidence(&self) -> Option<(f64, f64)> {
+        self.incidences
+            .iter()
+            .filter_map(|i| i.rmsd_percent.map(|e| (i.sigma_deg, e)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Why the answer is no, in plain words; `None` if the fit converged and describes the data.
+    ///
+    /// `most_percent` is the largest error of a single incidence that counts as described.
+    pub fn refusal(&self, most_percent: f64) -> Option<String> {
+        match self.termination {
+            Termination::Converged => {}
+            Termination::MaxEvaluations => {
+                return Some(format!(
+                    "not converged after {} evaluations at {:.3} %; raise --max-evaluations",
+                    self.evaluations, self.rmsd_percent
+                ));
+            }
+            Termination::Interrupted => return Some("interrupted; the best values so far".into()),
+        }
+        let (sigma, error) = self.worst_incidence()?;
+        let undescribed = !(error <= most_percent);
+        undescribed.then(|| {
+            format!(
+                "the model does not describe this surface: at sigma {sigma} deg it is off by \
+                 {error:.1} % of that incidence's largest reading (limit {most_percent} %); one lobe of \
+                 this shape does not fit it"
+            )
+        })
+    }
+}

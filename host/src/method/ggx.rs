@@ -1,0 +1,104 @@
+//! Method `ggx`: Walter's microfacet model with the GGX distribution \[Walter2007; Sokolov eqs 1-3\].
+//!
+//! One parameter, the width `alpha`, closed form throughout: the fastest method. It neglects light that
+//! meets more than one facet, and knows one shape of lobe only. On an opaque body the facets get a
+//! constant reflectance `gain` and a Lambert floor `lambert`, both fitted.
+
+use asperity_core::bsdf::{Ggx, OpaqueGgx};
+
+use super::{BuildError, Method, Parameter, Scale, Surface, alpha};
+use crate::boundary::Boundary;
+
+/// The method, for a clear or an opaque body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GgxMethod {
+    opaque: bool,
+}
+
+impl GgxMethod {
+    /// For a body.
+    pub fn new(surface: Surface) -> Self {
+        Self { opaque: surface == Surface::Opaque }
+    }
+}
+
+const ALPHA: Parameter = Parameter {
+    name: "alpha",
+    unit: "",
+    bounds: (1e-4, 5.0),
+    scale: Scale::Log,
+    starts: &[0.004, 0.02, 0.08, 0.25, 0.8],
+};
+const GAIN: Parameter = Parameter {
+    name: "gain",
+    unit: "",
+    bounds: (1e-6, 100.0),
+    scale: Scale::Log,
+    starts: &[0.5],
+};
+const LAMBERT: Parameter = Parameter {
+    name: "lambert",
+    unit: "1/sr",
+    bounds: (1e-6, 100.0),
+    scale: Scale::Log,
+    starts: &[0.03],
+};
+
+impl Method for GgxMethod {
+    fn name(&self) -> &'static str {
+        "ggx"
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["Walter2007", "Sokolov eqs 1-3"]
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        if self.opaque { &[ALPHA, GAIN, LAMBERT] } else { &[ALPHA] }
+    }
+
+    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
+        let mut values = values.iter().copied();
+        let mut next = |name| values.next().ok_or(BuildError::Missing(name));
+        let width = alpha(next("alpha")?)?;
+        if !self.opaque {
+            return Ok(Boundary::Ggx(Ggx::new(width, surface.eta()?)));
+        }
+        let (gain, lambert) = (next("gain")?, next("lambert")?);
+        let refused = |name, value| BuildError::OutOfDomain {
+            name,
+            value,
+            least: 0.0,
+            most: f64::MAX,
+            unit: "",
+        };
+        if !(gain.is_finite() && gain >= 0.0) {
+            return Err(refused("gain", gain));
+        }
+        OpaqueGgx::new(width, gain, lambert)
+            .map(Boundary::Opaque)
+            .ok_or_else(|| refused("lambert", lambert))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BuildError, GgxMethod, Method, Surface};
+
+    #[test]
+    fn values_outside_the_domain_are_refused_by_name() {
+        let surface = Surface::Dielectric { ior: 1.49 };
+        let method = GgxMethod::new(surface);
+        assert!(method.boundary(&[0.2], surface).is_ok());
+        for (values, name) in [(vec![], "alpha"), (vec![-1.0], "alpha"), (vec![f64::NAN], "alpha")] {
+            let text = method.boundary(&values, surface).unwrap_err().to_string();
+            assert!(text.contains(name), "{text}");
+        }
+        let bad = Surface::Dielectric { ior: 0.0 };
+        assert!(matches!(method.boundary(&[0.2], bad), Err(BuildError::Ior(_))));
+        let opaque = GgxMethod::new(Surface::Opaque);
+        assert!(opaque.boundary(&[0.2, 0.5, 0.0], Surface::Opaque).is_ok());
+        assert!(opaque.boundary(&[0.2, 0.5, -0.1], Surface::Opaque).is_err());
+        assert!(opaque.boundary(&[0.2, -0.5, 0.1], Surface::Opaque).is_err());
+    }
+}

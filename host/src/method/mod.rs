@@ -1,0 +1,104 @@
+//! The methods: each turns a few parameters into a rough boundary; all else is shared.
+//!
+//! | method | file | engine |
+//! |---|---|---|
+//! | `ggx` | [`ggx`] | closed form in `asperity_core::bsdf` |
+//! | `normals` | [`normals`] | density of normals in `asperity_core::ndf` |
+
+mod parameter;
+pub mod ggx;
+pub mod normals;
+
+pub use ggx::GgxMethod;
+pub use normals::NormalsMethod;
+pub use parameter::{Parameter, Scale};
+
+use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};
+
+use crate::boundary::Boundary;
+
+/// Why parameters do not make a boundary. The text says what is allowed.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// A parameter is missing.
+    #[error("parameter `{0}` is missing; the method needs it")]
+    Missing(&'static str),
+    /// A parameter is outside its domain.
+    #[error("parameter `{name}` = {value} is outside its domain, {least} to {most} {unit}")]
+    OutOfDomain {
+        /// Its name.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// Smallest value.
+        least: f64,
+        /// Largest value.
+        most: f64,
+        /// Unit of all three.
+        unit: &'static str,
+    },
+    /// The refractive index is outside its domain, or missing.
+    #[error("{0}")]
+    Ior(String),
+}
+
+/// The body that has the rough surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Surface {
+    /// A clear dielectric of this refractive index relative to air.
+    Dielectric {
+        /// Index of the dielectric over that of air.
+        ior: f64,
+    },
+    /// An opaque body, seen in reflection only.
+    Opaque,
+}
+
+impl Surface {
+    /// The checked index.
+    ///
+    /// # Errors
+    /// If it is outside the domain, or there is none.
+    pub fn eta(&self) -> Result<RelativeIor<f64>, BuildError> {
+        match *self {
+            Self::Dielectric { ior } => RelativeIor::new(ior).map_err(|e| {
+                BuildError::Ior(format!(
+                    "refractive index {ior} is {e}; give one from {} to {}",
+                    RelativeIor::<f64>::LEAST,
+                    RelativeIor::<f64>::MOST
+                ))
+            }),
+            Self::Opaque => Err(BuildError::Ior("an opaque body has no refractive index".into())),
+        }
+    }
+}
+
+/// One way to describe a rough boundary by a few numbers.
+pub trait Method: Send + Sync {
+    /// Name in files and on the command line.
+    fn name(&self) -> &'static str;
+    /// Works to cite, printed with every result.
+    fn references(&self) -> &'static [&'static str];
+    /// The parameters, in the order of the values.
+    fn parameters(&self) -> &[Parameter];
+    /// The boundary for values in the units of the parameters.
+    ///
+    /// # Errors
+    /// [`BuildError`] names the value outside its domain.
+    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError>;
+    /// The shape of the law, for methods that have one.
+    fn law(&self) -> Option<&'static str> {
+        None
+    }
+}
+
+/// Checks a GGX width.
+fn alpha(value: f64) -> Result<Alpha<f64>, BuildError> {
+    Alpha::new(value).map_err(|_: QuantityError| BuildError::OutOfDomain {
+        name: "alpha",
+        value,
+        least: Alpha::<f64>::LEAST,
+        most: Alpha::<f64>::MOST,
+        unit: "",
+    })
+}

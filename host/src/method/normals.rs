@@ -1,0 +1,110 @@
+//! Method `normals`: a fitted density of facet normals, one facet at each hit \[Sokolov section 2.2\].
+//!
+//! `delta` and the exponent `n` shape the law, `theta0` (0 unless asked) puts its maximum off the normal.
+//! It fits more shapes of lobe than `ggx`, but has no masking, no shadowing and no interreflection, so it
+//! is not reciprocal and grows wrong towards grazing incidence.
+
+use asperity_core::bsdf::Normals;
+use asperity_core::ndf::law::{Law, LawError, Profile};
+use asperity_core::ndf::normals::NormalDensity;
+
+use super::{BuildError, Method, Parameter, Scale, Surface};
+use crate::boundary::Boundary;
+
+/// The method with one of the two laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NormalsMethod {
+    /// Shape of the law.
+    pub profile: Profile,
+    /// Whether `theta0` is a parameter, or zero.
+    pub centre: bool,
+}
+
+const DELTA: Parameter = Parameter {
+    name: "delta",
+    unit: "deg",
+    bounds: (0.005, 90.0),
+    scale: Scale::Log,
+    starts: &[0.3, 2.0, 8.0, 25.0],
+};
+const N: Parameter = Parameter {
+    name: "n",
+    unit: "",
+    bounds: (0.5, 64.0),
+    scale: Scale::Log,
+    starts: &[2.0],
+};
+const THETA0: Parameter = Parameter {
+    name: "theta0",
+    unit: "deg",
+    bounds: (0.0, 60.0),
+    scale: Scale::Linear,
+    starts: &[1.0],
+};
+
+impl Method for NormalsMethod {
+    fn name(&self) -> &'static str {
+        "normals"
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["Sokolov section 2.2, eqs 4-5 with corrected signs"]
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        if self.centre { &[DELTA, N, THETA0] } else { &[DELTA, N] }
+    }
+
+    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
+        let value = |k: usize, name| values.get(k).copied().ok_or(BuildError::Missing(name));
+        let (delta, n) = (value(0, "delta")?, value(1, "n")?);
+        let theta0 = if self.centre { value(2, "theta0")? } else { 0.0 };
+        let out = |name, value, least, most, unit| BuildError::OutOfDomain {
+            name,
+            value,
+            least,
+            most,
+            unit,
+        };
+        let law = Law::new(self.profile, delta.to_radians(), n, theta0.to_radians()).map_err(
+            |e| match e {
+                LawError::Delta => {
+                    out("delta", delta, 1e-6_f64.to_degrees(), 10.0_f64.to_degrees(), "deg")
+                }
+                LawError::Exponent => out("n", n, 0.1, 100.0, ""),
+                _ => out("theta0", theta0, 0.0, 90.0, "deg"),
+            },
+        )?;
+        let eta = surface.eta()?;
+        Ok(Boundary::Normals(Box::new(Normals::new(NormalDensity::new(law), eta))))
+    }
+
+    fn law(&self) -> Option<&'static str> {
+        Some(match self.profile {
+            Profile::Gauss => "gauss",
+            Profile::Cauchy => "cauchy",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Method, NormalsMethod, Profile, Surface};
+
+    #[test]
+    fn values_outside_the_domain_are_refused_by_name() {
+        let surface = Surface::Dielectric { ior: 1.49 };
+        let method = NormalsMethod { profile: Profile::Gauss, centre: true };
+        assert!(method.boundary(&[5.0, 2.0, 1.0], surface).is_ok());
+        for (values, name) in [
+            (vec![5.0], "`n`"),
+            (vec![0.0, 2.0, 0.0], "delta"),
+            (vec![5.0, f64::NAN, 0.0], "`n`"),
+            (vec![5.0, 2.0, 91.0], "theta0"),
+        ] {
+            let text = method.boundary(&values, surface).unwrap_err().to_string();
+            assert!(text.contains(name), "{text}");
+        }
+        assert!(method.boundary(&[5.0, 2.0, 1.0], Surface::Opaque).is_err());
+    }
+}

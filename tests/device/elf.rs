@@ -1,0 +1,45 @@
+//! The little that these tests read from a 32-bit little-endian ELF file.
+
+/// Bytes that the file puts into memory before anything runs: the size in flash.
+pub(crate) fn loaded_bytes(elf: &[u8]) -> Option<usize> {
+    const LOAD: usize = 1;
+    let (start, size, count) = (word(elf, 0x1c)?, half(elf, 0x2a)?, half(elf, 0x2c)?);
+    let mut total = 0;
+    for header in (0..count).map(|k| start + k * size) {
+        if word(elf, header)? == LOAD {
+            total += word(elf, header + 0x10)?;
+        }
+    }
+    Some(total)
+}
+
+/// The names in its symbol table.
+pub(crate) fn symbols(elf: &[u8]) -> Option<Vec<String>> {
+    const SYMBOLS: usize = 2;
+    const ENTRY: usize = 16;
+    let (start, size, count) = (word(elf, 0x20)?, half(elf, 0x2e)?, half(elf, 0x30)?);
+    let mut names = Vec::new();
+    for header in (0..count).map(|k| start + k * size) {
+        if word(elf, header + 4)? == SYMBOLS {
+            let strings = word(elf, start + word(elf, header + 0x18)? * size + 0x10)?;
+            let (table, bytes) = (word(elf, header + 0x10)?, word(elf, header + 0x14)?);
+            for symbol in (table..table + bytes).step_by(ENTRY) {
+                let name = elf.get(strings + word(elf, symbol)?..)?;
+                let name = name.split(|&b| b == 0).next()?;
+                names.push(String::from_utf8_lossy(name).into_owned());
+            }
+        }
+    }
+    Some(names)
+}
+
+fn word(elf: &[u8], at: usize) -> Option<usize> {
+    let bytes = elf.get(at..)?.first_chunk::<4>()?;
+    usize::try_from(u32::from_le_bytes(*bytes)).ok()
+}
+
+fn half(elf: &[u8], at: usize) -> Option<usize> {
+    Some(usize::from(u16::from_le_bytes(
+        *elf.get(at..)?.first_chunk::<2>()?,
+    )))
+}

@@ -1,0 +1,70 @@
+//! The one table of tolerances: quantity, allowed deviation, reason. Tests take theirs from here.
+
+/// How far a quantity may be from what it should be, and why that far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// What is compared.
+    pub quantity: &'static str,
+    /// The deviation allowed, relative or absolute as the quantity says.
+    pub allowed: f64,
+    /// Where the figure comes from.
+    pub reason: &'static str,
+}
+
+macro_rules! table {
+    ($($name:ident = $allowed:expr, $quantity:literal, $reason:literal;)*) => {
+        $(
+            #[doc = concat!($quantity, ": ", $reason, ".")]
+            pub const $name: Tolerance =
+                Tolerance { quantity: $quantity, allowed: $allowed, reason: $reason };
+        )*
+        /// Every entry.
+        pub const ALL: &[Tolerance] = &[$($name),*];
+    };
+}
+
+table! {
+    GAMMA = 2e-11, "incomplete gamma function, relative",
+        "cancellation of a ln x - x - ln gamma(a) at a = 500, and known values given to 12 digits";
+    SIGNIFICANCE = 0.01, "chance that a right sampler fails any of a family of tests",
+        "convention; divided among the tests by Sidak's rule";
+    MONTE_CARLO = 4.5, "Monte Carlo mean, in standard errors",
+        "7e-6 two-sided a comparison, and the seeds are fixed";
+    FRESNEL = 1e-13, "Fresnel coefficients, absolute, times 1 + 1 / g",
+        "g = eta cos theta_t is a root of a difference: its error is that of the difference over g";
+    FRESNEL_NEAR_ONE = 1e-9, "relative error of reflectances of indices that differ by 1e-6",
+        "eta - 1 keeps ten digits of eta's sixteen";
+    BREWSTER = 1e-13, "r_p at Brewster's angle, absolute", "cos of an arc tangent is right to 1e-16";
+    CROSS_CHECK = 1e-6, "f cos against the published cross-check table, relative",
+        "the table has seven digits: half a unit of the last is 5e-7 of 1.0";
+    TEXTBOOK = 1e-12, "f against the textbook formulas, relative, plus input conditioning",
+        "some thirty operations of 1e-16, cancellation in theta and in 1 - sin^2 magnifies a hundredfold";
+    F32 = 2e-5, "f in f32 against f64 on the same inputs, relative",
+        "what an embedded evaluator promises: 300 half-units of rounding";
+    F32_CONDITIONING = 1.0, "allowed share of one f32 ulp of every input, on top of F32",
+        "the sum of two directions is itself rounded: half an ulp a component, either way";
+    SMOOTH_LIMIT = 1e-5, "median distance of a sampled direction from Snell's or the mirror's, alpha 1e-6",
+        "the facets' median slope is alpha, magnified by two in reflection and by the obliquity";
+    SMOOTH_FLUX = 1e-6, "R at alpha 1e-6 against Fresnel, absolute",
+        "second order in alpha, magnified by 1 / cos near grazing and by the tail of the slopes";
+    ENERGY = 1e-9, "R + T above 1, absolute",
+        "error of the quadrature over facets, measured as its deviation from the area of all visible ones";
+    ENERGY_BRUTE = 2e-3, "R and T of brute force over directions against quadrature over facets, absolute",
+        "brute force meets kinks (horizon, total reflection) off its grid";
+    ENERGY_TABLE = 4e-3, "R and T against the published energy table, absolute",
+        "the table is a Monte Carlo estimate with 0.003 noise";
+    RECIPROCITY = 1e-12, "reciprocity of f / n^2, relative",
+        "some fifty roundings of 1e-16, and the sum of directions, counted apart";
+    RECIPROCITY_CONDITIONING = 32.0, "roundings of the half vector, each magnified by its conditioning",
+        "h = wi + eta wo loses digits as 1 / |h| <= 1 / |eta - 1|; D turns an angle into 4 / alpha";
+    NORMALISATION = 1e-6, "integral of a density of normals, absolute",
+        "eight-point panels against half a million midpoints";
+    FACET_REFERENCE = 2e-5, "facet BSDF against the reference file, relative",
+        "the closed form of the file is given to nine digits at angles rounded to 1e-3 degrees";
+    NORMALS_FLUX = 2e-3, "R and T of quadrature of ars against sampling, beyond the noise, absolute",
+        "brute-force grid, table of the visible share (5e-4)";
+    UNIT = 4.0, "length of a direction from 1, in epsilon", "one normalisation";
+    WEIGHT = 16.0, "weight of a sample above 1, in epsilon", "a quotient of two sums";
+    PLATE_F64 = 1e-12, "R + T + lost of a plate from 1, f64", "sums of up to 4096 passes";
+    PLATE_F32 = 2e-3, "R + T + lost of a plate from 1, f32", "sums of up to 4096 passes at 6e-8, roulette";
+}
