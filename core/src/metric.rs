@@ -15,9 +15,8 @@ pub fn rmsd_percent<T: Real>(measured: &[T], simulated: &[T]) -> Option<T> {
         largest = largest.max(m);
         count += 1;
     }
-    (count > 0 && largest > T::ZERO).then(|| {
-        (sum / T::from_f64(f64::from(count))).sqrt() / largest * T::from_f64(100.0)
-    })
+    (count > 0 && largest > T::ZERO)
+        .then(|| (sum / T::from_f64(f64::from(count))).sqrt() / largest * T::from_f64(100.0))
 }
 
 #[cfg(test)]

@@ -31,11 +31,7 @@ impl Digest {
     /// Adds a number.
     pub fn real<T: Real>(&mut self, x: T) {
         let x = x.to_f64();
-        self.word(if x.is_nan() {
-            f64::NAN.to_bits()
-        } else {
-            x.to_bits()
-        });
+        self.word(if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() });
     }
 
     /// Adds numbers.

@@ -2,12 +2,7 @@
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 #![no_std]
-#![deny(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
-)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod digest;
 pub mod selftest;

@@ -161,18 +161,8 @@ fn opaque<T: Real>(count: usize) -> u64 {
 
 fn normals<T: Real>(count: usize) -> u64 {
     let (mut d, mut source) = (Digest::new(), Source::new(5));
-    law(
-        facets::<T, 64>(Profile::Gauss, 2.0),
-        count / 2,
-        &mut source,
-        &mut d,
-    );
-    law(
-        facets::<T, 64>(Profile::Cauchy, 2.5),
-        count / 2,
-        &mut source,
-        &mut d,
-    );
+    law(facets::<T, 64>(Profile::Gauss, 2.0), count / 2, &mut source, &mut d);
+    law(facets::<T, 64>(Profile::Cauchy, 2.5), count / 2, &mut source, &mut d);
     d.finish()
 }
 
@@ -200,24 +190,14 @@ fn plate<T: Real>(rays: usize) -> u64 {
 fn scan<T: Real>(rays: u32) -> u64 {
     let (mut d, mut source) = (Digest::new(), Source::new(7));
     if let (Some(rough), Some(eta)) = (rough::<T>(0.2), ior::<T>()) {
-        let grid = AngleGrid {
-            start_deg: T::from_f64(-90.0),
-            step_deg: T::ONE,
-            count: 181,
-        };
+        let grid = AngleGrid { start_deg: T::from_f64(-90.0), step_deg: T::ONE, count: 181 };
         let plate = Plate::new(rough, eta, RoughSide::Source);
         let mut measure = |geometry| -> Scan<T, 181> {
             let aperture_deg = T::from_f64(3.0);
-            let instrument = Goniophotometer {
-                aperture_deg,
-                geometry,
-            };
+            let instrument = Goniophotometer { aperture_deg, geometry };
             instrument.scan(&plate, T::from_f64(30.0), grid, rays, &mut source.0)
         };
-        let (through, back) = (
-            measure(Geometry::Transmission),
-            measure(Geometry::Reflection),
-        );
+        let (through, back) = (measure(Geometry::Transmission), measure(Geometry::Reflection));
         d.reals(through.readings());
         d.reals(back.readings());
         d.real(rmsd_percent(through.readings(), back.readings()).unwrap_or(T::ZERO));
@@ -243,11 +223,7 @@ mod tests {
         let first = sections();
         assert_eq!(first, sections());
         for (i, a) in first.iter().enumerate() {
-            assert!(
-                first.iter().skip(i + 1).all(|b| a.1 != b.1 && a.0 != b.0),
-                "{}",
-                a.0
-            );
+            assert!(first.iter().skip(i + 1).all(|b| a.1 != b.1 && a.0 != b.0), "{}", a.0);
         }
         let mut other = first;
         other[3].1 ^= 1;

@@ -60,12 +60,7 @@ impl Bsdf<f64> for Boundary {
     fn pdf(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         with_boundary!(self, b => b.pdf(wi, wo))
     }
-    fn sample_lobe(
-        &self,
-        wi: Direction<f64>,
-        lobe: Lobe,
-        u: [f64; 2],
-    ) -> Option<Scattered<f64>> {
+    fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>> {
         with_boundary!(self, b => b.sample_lobe(wi, lobe, u))
     }
     fn slope(&self) -> f64 {

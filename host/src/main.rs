@@ -1,2 +1,7 @@
-//! placeholder
-fn main() {}
+//! The `asperity` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    asperity::cli::run(std::env::args_os())
+}

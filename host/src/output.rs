@@ -77,10 +77,7 @@ pub struct AtomicFile {
 
 #[derive(Debug)]
 enum Sink {
-    Temporary {
-        file: BufWriter<NamedTempFile>,
-        target: PathBuf,
-    },
+    Temporary { file: BufWriter<NamedTempFile>, target: PathBuf },
     InPlace(BufWriter<File>),
 }
 
@@ -94,14 +91,8 @@ impl AtomicFile {
     /// path cannot be a destination, [`OutputError::Create`] for any other refusal.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, OutputError> {
         let path = path.as_ref().to_path_buf();
-        let create = |source| OutputError::Create {
-            path: path.clone(),
-            source,
-        };
-        let ends_as_folder = path
-            .as_os_str()
-            .to_string_lossy()
-            .ends_with(std::path::is_separator);
+        let create = |source| OutputError::Create { path: path.clone(), source };
+        let ends_as_folder = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
         let (Some(name), false) = (path.file_name(), ends_as_folder) else {
             return Err(OutputError::Folder { path });
         };
@@ -115,19 +106,13 @@ impl AtomicFile {
             }
             if !existing.is_file() {
                 let file = File::options().write(true).open(&path).map_err(create)?;
-                return Ok(Self {
-                    path,
-                    sink: Sink::InPlace(BufWriter::new(file)),
-                });
+                return Ok(Self { path, sink: Sink::InPlace(BufWriter::new(file)) });
             }
             target = fs::canonicalize(&path).map_err(create)?;
         }
         let folder = folder_of(&target);
         if !folder.is_dir() {
-            return Err(OutputError::NoFolder {
-                folder: folder.to_path_buf(),
-                path,
-            });
+            return Err(OutputError::NoFolder { folder: folder.to_path_buf(), path });
         }
         let mut prefix = OsString::from(".");
         prefix.push(name);
@@ -140,10 +125,7 @@ impl AtomicFile {
         #[cfg(unix)]
         builder.permissions(permissions);
         let file = BufWriter::new(builder.tempfile_in(folder).map_err(create)?);
-        Ok(Self {
-            path,
-            sink: Sink::Temporary { file, target },
-        })
+        Ok(Self { path, sink: Sink::Temporary { file, target } })
     }
 
     /// The destination, as it was asked for.
@@ -188,10 +170,7 @@ impl Write for AtomicFile {
 pub fn write_text(path: impl AsRef<Path>, text: &str) -> Result<(), OutputError> {
     let mut file = AtomicFile::create(path)?;
     file.write_all(text.as_bytes())
-        .map_err(|source| OutputError::Write {
-            path: file.path.clone(),
-            source,
-        })?;
+        .map_err(|source| OutputError::Write { path: file.path.clone(), source })?;
     file.commit()
 }
 
@@ -219,12 +198,8 @@ mod tests {
     use super::*;
 
     fn entries(folder: &Path) -> Vec<String> {
-        let names = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name());
-        names
-            .map(|name| name.to_string_lossy().into_owned())
-            .collect()
+        let names = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+        names.map(|name| name.to_string_lossy().into_owned()).collect()
     }
 
     #[test]
@@ -259,10 +234,7 @@ mod tests {
         assert!(message(&folder.path().join("new/")).contains("add a file name"));
         assert!(message(Path::new("")).contains("add a file name"));
         let nowhere = message(&folder.path().join("missing/scan.csv"));
-        assert!(
-            nowhere.contains("missing/scan.csv") && nowhere.contains("create it"),
-            "{nowhere}"
-        );
+        assert!(nowhere.contains("missing/scan.csv") && nowhere.contains("create it"), "{nowhere}");
         let protected = folder.path().join("protected.csv");
         fs::write(&protected, "").unwrap();
         let mut permissions = fs::metadata(&protected).unwrap().permissions();
@@ -276,10 +248,7 @@ mod tests {
     fn links_are_followed_devices_kept_and_permissions_ordinary() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
-        let (real, link) = (
-            folder.path().join("real.csv"),
-            folder.path().join("link.csv"),
-        );
+        let (real, link) = (folder.path().join("real.csv"), folder.path().join("link.csv"));
         write_text(&real, "1").unwrap();
         fs::write(folder.path().join("plain"), "").unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();

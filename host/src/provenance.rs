@@ -54,10 +54,7 @@ impl InputFile {
             // Writing to a string cannot fail.
             let _ = write!(sha256, "{byte:02x}");
         }
-        Self {
-            path: path.as_ref().to_string_lossy().into_owned(),
-            sha256,
-        }
+        Self { path: path.as_ref().to_string_lossy().into_owned(), sha256 }
     }
 }
 
@@ -70,10 +67,7 @@ mod tests {
         // FIPS 180-2, appendix B.1
         let file = InputFile::of_bytes("a/b.csv", b"abc");
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-        assert_eq!(
-            (file.path.as_str(), file.sha256.as_str()),
-            ("a/b.csv", expected)
-        );
+        assert_eq!((file.path.as_str(), file.sha256.as_str()), ("a/b.csv", expected));
     }
 
     #[test]
@@ -81,10 +75,7 @@ mod tests {
         let mut provenance = Provenance::of_this_program(Some(u64::MAX));
         provenance.inputs.push(InputFile::of_bytes("scan.csv", b""));
         let json = serde_json::to_string(&provenance).unwrap();
-        assert_eq!(
-            serde_json::from_str::<Provenance>(&json).unwrap(),
-            provenance
-        );
+        assert_eq!(serde_json::from_str::<Provenance>(&json).unwrap(), provenance);
         let bare = r#"{"tool": "asperity", "version": "0.1.0"}"#;
         assert_eq!(serde_json::from_str::<Provenance>(bare).unwrap().seed, None);
     }

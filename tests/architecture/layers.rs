@@ -22,25 +22,13 @@ pub(crate) fn modules(root: &Path) -> Vec<Module> {
     while k < found.len() {
         let here = &found[k];
         let beside = here.path.is_empty() || here.file.ends_with("mod.rs");
-        let folder = if beside {
-            here.file.parent().unwrap().into()
-        } else {
-            here.file.with_extension("")
-        };
+        let folder =
+            if beside { here.file.parent().unwrap().into() } else { here.file.with_extension("") };
         let children: Vec<Module> = files_of(&here.code)
             .map(|name| {
                 let file = folder.join(format!("{name}.rs"));
-                let file = if file.exists() {
-                    file
-                } else {
-                    folder.join(name).join("mod.rs")
-                };
-                let path = here
-                    .path
-                    .iter()
-                    .map(String::as_str)
-                    .chain([name])
-                    .map(String::from);
+                let file = if file.exists() { file } else { folder.join(name).join("mod.rs") };
+                let path = here.path.iter().map(String::as_str).chain([name]).map(String::from);
                 read(&file, path.collect())
             })
             .collect();
@@ -54,19 +42,12 @@ fn read(file: &Path, path: Vec<String>) -> Module {
     let source =
         std::fs::read_to_string(file).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     let (code, test_lines) = without_tests(&tokens(&source));
-    Module {
-        path,
-        file: file.into(),
-        code,
-        lines: source.lines().count() - test_lines,
-    }
+    Module { path, file: file.into(), code, lines: source.lines().count() - test_lines }
 }
 
 /// Names in `mod name;`, in order.
 fn files_of(code: &[Token]) -> impl Iterator<Item = &str> {
-    code.windows(3)
-        .filter(|w| w[0].text == "mod" && w[2].text == ";")
-        .map(|w| &*w[1].text)
+    code.windows(3).filter(|w| w[0].text == "mod" && w[2].text == ";").map(|w| &*w[1].text)
 }
 
 /// Every import that goes down or sideways, one line each; the order is that of the root's `mod` lines.
@@ -154,25 +135,13 @@ fn an_import_against_the_order_is_reported() {
     // (what `low` says, what of it must be reported)
     let cases: [(&str, &[&str]); 11] = [
         ("use crate::high::X;", &["high"]),
-        (
-            "use crate::{low::Y, high::X, nested::{A, B}};",
-            &["high", "nested"],
-        ),
-        (
-            "fn f() -> crate::high::X { crate::high::X }",
-            &["high", "high"],
-        ),
+        ("use crate::{low::Y, high::X, nested::{A, B}};", &["high", "nested"]),
+        ("fn f() -> crate::high::X { crate::high::X }", &["high", "high"]),
         ("use super::high::X;", &["high"]),
-        (
-            "mod inner { use super::super::high::X; use super::high; }",
-            &["high"],
-        ),
+        ("mod inner { use super::super::high::X; use super::high; }", &["high"]),
         ("use crate::Reexported;", &["Reexported"]),
         ("macro_rules! m { () => { $crate::high::X } }", &["high"]),
-        (
-            "use crate::low::Y; use crate::base::Z; crate::a_macro!();",
-            &[],
-        ),
+        ("use crate::low::Y; use crate::base::Z; crate::a_macro!();", &[]),
         ("#[cfg(test)] mod tests { use crate::high::X; }", &[]),
         ("// crate::high\nconst S: &str = \"crate::high\";", &[]),
         ("mod inner { use super::high; }", &[]),
@@ -189,17 +158,11 @@ fn an_import_against_the_order_is_reported() {
         write("low.rs", source);
         write("high.rs", "use crate::low; use crate::base::Z;");
         write("nested/mod.rs", "mod deep;");
-        write(
-            "nested/deep.rs",
-            "use super::super::high; use crate::low::Y; use super::deep;",
-        );
+        write("nested/deep.rs", "use super::super::high; use crate::low::Y; use super::deep;");
         let got = violations(&dir.path().join("lib.rs"));
         assert_eq!(got.len(), expected.len(), "{source}\n{got:#?}");
         for (line, name) in got.iter().zip(expected) {
-            assert!(
-                line.contains(&format!("low.rs:1: `low` imports `{name}`")),
-                "{line}"
-            );
+            assert!(line.contains(&format!("low.rs:1: `low` imports `{name}`")), "{line}");
         }
     }
 }

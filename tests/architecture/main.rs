@@ -14,10 +14,7 @@ const MAY_IMPORT: [(&str, &[&str]); 4] = [
     ("asperity-core", &[]),
     ("asperity", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
-    (
-        "asperity-tests",
-        &["asperity-core", "asperity", "asperity-firmware-sim"],
-    ),
+    ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim"]),
 ];
 
 /// The only places for `unsafe`: a hardware square root, and loops compiled for several processors.
@@ -27,10 +24,7 @@ const MAY_BE_UNSAFE: [&str; 2] = ["core/src/math/hardware.rs", "host/src/batch.r
 const MOST_LINES: usize = 600;
 
 fn workspace() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .unwrap()
-        .into()
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().into()
 }
 
 fn read(path: &Path) -> String {
@@ -39,10 +33,7 @@ fn read(path: &Path) -> String {
 
 fn members() -> Vec<PathBuf> {
     let root = workspace();
-    manifest::members(&read(&root.join("Cargo.toml")))
-        .iter()
-        .map(|m| root.join(m))
-        .collect()
+    manifest::members(&read(&root.join("Cargo.toml"))).iter().map(|m| root.join(m)).collect()
 }
 
 /// All Rust files below a folder, in order.
@@ -53,31 +44,21 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
     paths.sort();
     let (folders, files): (Vec<_>, Vec<_>) = paths.into_iter().partition(|p| p.is_dir());
-    let inside = folders
-        .iter()
-        .filter(|f| !f.ends_with("target"))
-        .flat_map(|f| rust_files(f));
-    files
-        .into_iter()
-        .filter(|f| f.extension().is_some_and(|e| e == "rs"))
-        .chain(inside)
-        .collect()
+    let inside = folders.iter().filter(|f| !f.ends_with("target")).flat_map(|f| rust_files(f));
+    files.into_iter().filter(|f| f.extension().is_some_and(|e| e == "rs")).chain(inside).collect()
 }
 
 /// The roots of all libraries and binaries.
 fn crate_roots() -> Vec<PathBuf> {
-    let all = members()
-        .into_iter()
-        .map(|m| m.join("src"))
-        .flat_map(|src| {
-            let mut roots = vec![src.join("lib.rs"), src.join("main.rs")];
-            roots.extend(
-                rust_files(&src.join("bin"))
-                    .into_iter()
-                    .filter(|f| f.parent() == Some(&src.join("bin"))),
-            );
-            roots
-        });
+    let all = members().into_iter().map(|m| m.join("src")).flat_map(|src| {
+        let mut roots = vec![src.join("lib.rs"), src.join("main.rs")];
+        roots.extend(
+            rust_files(&src.join("bin"))
+                .into_iter()
+                .filter(|f| f.parent() == Some(&src.join("bin"))),
+        );
+        roots
+    });
     all.filter(|root| root.exists()).collect()
 }
 
@@ -87,32 +68,18 @@ fn assert_none(violations: &[String]) {
 
 #[test]
 fn crates_import_only_what_they_may() {
-    let manifests: Vec<String> = members()
-        .iter()
-        .map(|m| read(&m.join("Cargo.toml")))
-        .collect();
+    let manifests: Vec<String> = members().iter().map(|m| read(&m.join("Cargo.toml"))).collect();
     assert!(manifests.len() >= MAY_IMPORT.len());
-    assert_none(
-        &manifests
-            .iter()
-            .flat_map(|m| forbidden_dependencies(m))
-            .collect::<Vec<_>>(),
-    );
+    assert_none(&manifests.iter().flat_map(|m| forbidden_dependencies(m)).collect::<Vec<_>>());
 }
 
 fn forbidden_dependencies(text: &str) -> Vec<String> {
     let name = manifest::name(text).unwrap();
     let Some((_, allowed)) = MAY_IMPORT.iter().find(|(n, _)| *n == name) else {
-        return vec![format!(
-            "{name}: who may it import? Give it a line in MAY_IMPORT"
-        )];
+        return vec![format!("{name}: who may it import? Give it a line in MAY_IMPORT")];
     };
-    let forbidden = manifest::dependencies(text)
-        .into_iter()
-        .filter(|d| !allowed.contains(&&**d));
-    forbidden
-        .map(|d| format!("{name} must not depend on {d}"))
-        .collect()
+    let forbidden = manifest::dependencies(text).into_iter().filter(|d| !allowed.contains(&&**d));
+    forbidden.map(|d| format!("{name} must not depend on {d}")).collect()
 }
 
 #[test]
@@ -121,22 +88,14 @@ fn a_forbidden_dependency_is_reported() {
     assert!(forbidden_dependencies(&host("asperity-core.workspace = true")).is_empty());
     let found = forbidden_dependencies(&host("asperity-firmware-sim.workspace = true"));
     assert_eq!(found, ["asperity must not depend on asperity-firmware-sim"]);
-    assert_eq!(
-        forbidden_dependencies("[package]\nname = \"asperity-new\"").len(),
-        1
-    );
+    assert_eq!(forbidden_dependencies("[package]\nname = \"asperity-new\"").len(), 1);
 }
 
 #[test]
 fn modules_import_only_modules_above_them() {
     let roots = crate_roots();
     assert!(roots.len() >= 5, "{roots:?}");
-    assert_none(
-        &roots
-            .iter()
-            .flat_map(|r| layers::violations(r))
-            .collect::<Vec<_>>(),
-    );
+    assert_none(&roots.iter().flat_map(|r| layers::violations(r)).collect::<Vec<_>>());
 }
 
 #[test]
@@ -144,12 +103,7 @@ fn unsafe_code_is_where_it_is_allowed_and_nowhere_else() {
     let root = workspace();
     let mut found = Vec::new();
     for file in members().iter().flat_map(|m| rust_files(m)) {
-        let name = file
-            .strip_prefix(&root)
-            .unwrap()
-            .to_str()
-            .unwrap()
-            .replace('\\', "/");
+        let name = file.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
         let code = source::tokens(&read(&file));
         let unsafe_code = code.iter().find(|t| t.text == "unsafe");
         if let Some(first) = unsafe_code.filter(|_| !MAY_BE_UNSAFE.contains(&&*name)) {
@@ -163,18 +117,11 @@ fn unsafe_code_is_where_it_is_allowed_and_nowhere_else() {
 fn core_and_device_need_neither_std_nor_an_allocator() {
     for member in ["core", "firmware-sim"] {
         let modules = modules(&workspace().join(member).join("src/lib.rs"));
-        assert!(
-            modules[0].code.iter().any(|t| t.text == "no_std"),
-            "{member} is not no_std"
-        );
+        assert!(modules[0].code.iter().any(|t| t.text == "no_std"), "{member} is not no_std");
         for module in modules {
             for token in &module.code {
                 let place = format!("{}:{}", module.file.display(), token.line);
-                assert!(
-                    token.text != "std" && token.text != "alloc",
-                    "{place}: {}",
-                    token.text
-                );
+                assert!(token.text != "std" && token.text != "alloc", "{place}: {}", token.text);
             }
         }
     }

@@ -26,37 +26,24 @@ pub(crate) fn dependencies(manifest: &str) -> Vec<String> {
 
 /// The package's name.
 pub(crate) fn name(manifest: &str) -> Option<String> {
-    lines(manifest)
-        .skip_while(|l| *l != "[package]")
-        .find_map(|l| value_of(l, "name"))
+    lines(manifest).skip_while(|l| *l != "[package]").find_map(|l| value_of(l, "name"))
 }
 
 /// The folders of the workspace's members.
 pub(crate) fn members(manifest: &str) -> Vec<String> {
-    let list = manifest
-        .split_once("members = [")
-        .and_then(|(_, rest)| rest.split_once(']'));
+    let list = manifest.split_once("members = [").and_then(|(_, rest)| rest.split_once(']'));
     let entries = list.map_or("", |(list, _)| list).split(',');
-    entries
-        .map(|m| m.trim().trim_matches('"').to_owned())
-        .filter(|m| !m.is_empty())
-        .collect()
+    entries.map(|m| m.trim().trim_matches('"').to_owned()).filter(|m| !m.is_empty()).collect()
 }
 
 /// The lines without comments; no string in these files holds a `#`.
 fn lines(manifest: &str) -> impl Iterator<Item = &str> {
-    manifest
-        .lines()
-        .map(|l| l.split('#').next().unwrap_or_default().trim())
+    manifest.lines().map(|l| l.split('#').next().unwrap_or_default().trim())
 }
 
 fn value_of(line: &str, key: &str) -> Option<String> {
     let (_, after) = line.split_once(key)?;
-    let value = after
-        .trim_start()
-        .strip_prefix('=')?
-        .trim_start()
-        .strip_prefix('"')?;
+    let value = after.trim_start().strip_prefix('=')?.trim_start().strip_prefix('"')?;
     value.split('"').next().map(String::from)
 }
 
@@ -76,13 +63,7 @@ fn dependencies_are_found_in_all_their_forms() {
         [dev-dependencies.asperity-b]
         workspace = true
     "#;
-    assert_eq!(
-        dependencies(manifest),
-        ["asperity-core", "asperity", "asperity-a", "asperity-b"]
-    );
+    assert_eq!(dependencies(manifest), ["asperity-core", "asperity", "asperity-a", "asperity-b"]);
     assert_eq!(name(manifest).as_deref(), Some("asperity-x"));
-    assert_eq!(
-        members("[workspace]\nmembers = [\"core\",\n  \"host\",\n]\n"),
-        ["core", "host"]
-    );
+    assert_eq!(members("[workspace]\nmembers = [\"core\",\n  \"host\",\n]\n"), ["core", "host"]);
 }

@@ -44,26 +44,17 @@ pub(crate) fn tokens(source: &str) -> Vec<Token> {
                 }
             }
             ':' if at(k + 1) == ':' => {
-                found.push(Token {
-                    text: "::".into(),
-                    line,
-                });
+                found.push(Token { text: "::".into(), line });
                 k += 2;
             }
             c => {
                 if !c.is_whitespace() {
-                    found.push(Token {
-                        text: c.into(),
-                        line,
-                    });
+                    found.push(Token { text: c.into(), line });
                 }
                 k += 1;
             }
         }
-        line += chars[start..k.min(chars.len())]
-            .iter()
-            .filter(|&&c| c == '\n')
-            .count();
+        line += chars[start..k.min(chars.len())].iter().filter(|&&c| c == '\n').count();
     }
     found
 }
@@ -93,17 +84,12 @@ fn string_end(chars: &[char], mut k: usize) -> usize {
 /// The end of `#"..."#` that starts at `k`, for any number of `#`; `None` if it is no string.
 fn raw_string_end(chars: &[char], k: usize) -> Option<usize> {
     let hashes = chars[k..].iter().take_while(|&&c| c == '#').count();
-    let closing: Vec<char> = std::iter::once('"')
-        .chain(std::iter::repeat_n('#', hashes))
-        .collect();
+    let closing: Vec<char> = std::iter::once('"').chain(std::iter::repeat_n('#', hashes)).collect();
     let body = k + hashes + 1;
     if chars.get(k + hashes) != Some(&'"') {
         return None;
     }
-    let inside = chars
-        .get(body..)?
-        .windows(hashes + 1)
-        .position(|w| w == closing)?;
+    let inside = chars.get(body..)?.windows(hashes + 1).position(|w| w == closing)?;
     Some(body + inside + hashes + 1)
 }
 
@@ -176,11 +162,7 @@ fn comments_strings_and_test_items_are_not_code() {
     "##;
     let (code, lines) = without_tests(&tokens(source));
     let text: Vec<&str> = code.iter().map(|t| &*t.text).collect();
-    assert_eq!(
-        text.iter().filter(|t| **t == "crate").count(),
-        1,
-        "{text:?}"
-    );
+    assert_eq!(text.iter().filter(|t| **t == "crate").count(), 1, "{text:?}");
     assert_eq!(lines, 4);
     let kept = code.iter().find(|t| t.text == "kept").unwrap();
     assert_eq!(kept.line, 9);

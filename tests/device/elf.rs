@@ -39,7 +39,5 @@ fn word(elf: &[u8], at: usize) -> Option<usize> {
 }
 
 fn half(elf: &[u8], at: usize) -> Option<usize> {
-    Some(usize::from(u16::from_le_bytes(
-        *elf.get(at..)?.first_chunk::<2>()?,
-    )))
+    Some(usize::from(u16::from_le_bytes(*elf.get(at..)?.first_chunk::<2>()?)))
 }

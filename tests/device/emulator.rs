@@ -22,37 +22,22 @@ pub(crate) fn firmware() -> Result<PathBuf, String> {
 fn build() -> Result<PathBuf, String> {
     let settings = std::env::var("ASPERITY_DEVICE_ENV").unwrap_or_default();
     if settings.is_empty() && !target_is_installed() {
-        return Err(format!(
-            "no Rust target {TARGET}; install it: rustup target add {TARGET}"
-        ));
+        return Err(format!("no Rust target {TARGET}; install it: rustup target add {TARGET}"));
     }
     // A directory of its own: the outer cargo holds the lock of the other one.
     let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("device");
     let mut cargo = Command::new(env!("CARGO"));
     cargo
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args([
-            "build",
-            "--release",
-            "--package",
-            "asperity-firmware-sim",
-            "--features",
-            "qemu",
-        ])
+        .args(["build", "--release", "--package", "asperity-firmware-sim", "--features", "qemu"])
         .args(["--bin", "qemu", "--target", TARGET, "--target-dir"])
         .arg(&target_dir)
-        .envs(
-            settings
-                .split_whitespace()
-                .filter_map(|s| s.split_once('=')),
-        );
+        .envs(settings.split_whitespace().filter_map(|s| s.split_once('=')));
     // flags meant for the host, such as those of a coverage run
     for name in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
         cargo.env_remove(name);
     }
-    let out = cargo
-        .output()
-        .unwrap_or_else(|e| panic!("cannot start cargo: {e}"));
+    let out = cargo.output().unwrap_or_else(|e| panic!("cannot start cargo: {e}"));
     let log = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "the firmware does not build:\n{log}");
     Ok(target_dir.join(TARGET).join("release").join("qemu"))
@@ -60,9 +45,7 @@ fn build() -> Result<PathBuf, String> {
 
 fn target_is_installed() -> bool {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let out = Command::new(rustc)
-        .args(["--print", "target-libdir", "--target", TARGET])
-        .output();
+    let out = Command::new(rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
     out.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_dir())
 }
 
@@ -71,21 +54,8 @@ fn target_is_installed() -> bool {
 /// With `-icount shift=0` an instruction takes 1 ns of the board's time, so counts are repeatable.
 pub(crate) fn run(elf: &Path) -> Result<String, String> {
     let started = Command::new("qemu-system-arm")
-        .args([
-            "-M",
-            "mps2-an386",
-            "-cpu",
-            "cortex-m4",
-            "-nographic",
-            "-monitor",
-            "none",
-        ])
-        .args([
-            "-serial",
-            "null",
-            "-semihosting-config",
-            "enable=on,target=native",
-        ])
+        .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])
+        .args(["-serial", "null", "-semihosting-config", "enable=on,target=native"])
         .args(["-icount", "shift=0", "-kernel"])
         .arg(elf)
         .stdin(Stdio::null())

@@ -31,25 +31,13 @@ fn the_self_test_gives_the_same_bits_on_a_cortex_m4f() {
     for (name, digest) in selftest::sections() {
         let line = lines.next().unwrap_or_default();
         let expected = format!("section {name} {digest:016x} ");
-        assert!(
-            line.starts_with(&expected),
-            "host: {expected}\ndevice: {line}\n{firmware}"
-        );
+        assert!(line.starts_with(&expected), "host: {expected}\ndevice: {line}\n{firmware}");
     }
-    assert_eq!(
-        lines.next(),
-        Some(&*format!("digest {:016x}", selftest::digest()))
-    );
-    let per_call = lines
-        .next()
-        .and_then(|l| l.strip_prefix("ggx-eval-f32 "))
-        .unwrap();
+    assert_eq!(lines.next(), Some(&*format!("digest {:016x}", selftest::digest())));
+    let per_call = lines.next().and_then(|l| l.strip_prefix("ggx-eval-f32 ")).unwrap();
     let per_call: u32 = per_call.parse().unwrap();
     // 72 in November 2026; software square roots would add 70 each
-    assert!(
-        (10..150).contains(&per_call),
-        "{per_call} instructions for one GGX evaluation"
-    );
+    assert!((10..150).contains(&per_call), "{per_call} instructions for one GGX evaluation");
     assert_eq!(lines.next(), Some("ok"));
 }
 
@@ -62,20 +50,13 @@ fn the_firmware_has_no_allocator_and_fits_a_small_flash() {
     };
     let names = elf::symbols(&elf).unwrap();
     // if the names were stripped, finding no allocator would mean nothing
-    assert!(
-        names.iter().any(|n| n.contains("Reset")),
-        "no symbols in the firmware"
-    );
+    assert!(names.iter().any(|n| n.contains("Reset")), "no symbols in the firmware");
     for name in &names {
-        let allocator = ["__rust_alloc", "__rg_alloc", "__rdl_alloc"]
-            .iter()
-            .any(|a| name.contains(a));
+        let allocator =
+            ["__rust_alloc", "__rg_alloc", "__rdl_alloc"].iter().any(|a| name.contains(a));
         assert!(!allocator, "the firmware allocates: {name}");
     }
     let flash = elf::loaded_bytes(&elf).unwrap();
     println!("flash: {flash} bytes");
-    assert!(
-        flash < 128 * 1024,
-        "{flash} bytes: too large for a small instrument"
-    );
+    assert!(flash < 128 * 1024, "{flash} bytes: too large for a small instrument");
 }

@@ -3,7 +3,8 @@
 use asperity_core::fresnel::dielectric;
 use asperity_tests::{oracle, tolerance};
 
-const INDICES: [f64; 11] = [0.1, 0.3, 1.0 / 1.49, 0.95, 0.9999, 1.0001, 1.05, 1.33, 1.49, 4.0, 10.0];
+const INDICES: [f64; 11] =
+    [0.1, 0.3, 1.0 / 1.49, 0.95, 0.9999, 1.0001, 1.05, 1.33, 1.49, 4.0, 10.0];
 
 /// Cosines from normal incidence to a grazing 1e-6.
 fn cosines() -> impl Iterator<Item = f64> {
@@ -72,7 +73,10 @@ fn the_reversed_ray_meets_the_same_reflectance() {
             let (there, back) = (dielectric(c, n), dielectric(t2.sqrt(), 1.0 / n));
             // the refracted cosine is itself rounded, which 1 / cos magnifies
             let allowed = tolerance::FRESNEL.allowed * (1.0 + 10.0 / (c * c) / n.min(1.0));
-            assert!((there.reflected - back.reflected).abs() < allowed, "{n} {c} {there:?} {back:?}");
+            assert!(
+                (there.reflected - back.reflected).abs() < allowed,
+                "{n} {c} {there:?} {back:?}"
+            );
         }
     }
 }

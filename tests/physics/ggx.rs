@@ -9,27 +9,36 @@ use asperity_tests::{count, tolerance};
 
 use crate::common::{Random, dir, ggx, incidence, wide};
 
-/// Four programs agree on `f cos` of alpha 0.2, n 1.49, from air; rows theta_i, columns theta_o.
+/// Four programs agree on `f cos` of alpha 0.2, n 1.49, from air; rows `theta_i`, columns `theta_o`.
 const THETA_O: [f64; 8] = [0.0, 20.0, 40.0, 110.0, 140.0, 160.0, 170.0, 180.0];
 const CROSS_CHECK: [(f64, [f64; 8]); 3] = [
     (
         0.0,
         [
-            7.704130e-2, 2.590614e-2, 5.313198e-3, 0.0, 1.889260e-3, 8.251717e-2, 1.118273e0,
+            7.704130e-2,
+            2.590614e-2,
+            5.313198e-3,
+            0.0,
+            1.889260e-3,
+            8.251717e-2,
+            1.118273e0,
             7.073235e1,
         ],
     ),
     (
         30.0,
         [
-            1.306561e-2, 6.445212e-2, 6.789606e-2, 0.0, 1.620513e-1, 5.564801e1, 1.274623e0,
+            1.306561e-2,
+            6.445212e-2,
+            6.789606e-2,
+            0.0,
+            1.620513e-1,
+            5.564801e1,
+            1.274623e0,
             7.073009e-2,
         ],
     ),
-    (
-        60.0,
-        [3.173912e-3, 1.182176e-2, 7.262350e-2, 1.429104e-1, 1.825576e1, 1.224223e-1, 0.0, 0.0],
-    ),
+    (60.0, [3.173912e-3, 1.182176e-2, 7.262350e-2, 1.429104e-1, 1.825576e1, 1.224223e-1, 0.0, 0.0]),
 ];
 
 #[test]
@@ -97,16 +106,21 @@ fn ggx_agrees_with_the_textbook_on_both_sides() {
             continue;
         }
         let error = (got / want - 1.0).abs();
-        let magnified =
-            conditioning(|i, o| book.f(i, o), wi, wo, 1e-9) * f64::EPSILON / 1e-9 * 8.0;
+        let magnified = conditioning(|i, o| book.f(i, o), wi, wo, 1e-9) * f64::EPSILON / 1e-9 * 8.0;
         assert!(error < tolerance::TEXTBOOK.allowed + magnified, "{case} {error:e} {magnified:e}");
         let side = usize::from(wi[2] * wo[2] < 0.0);
         if error > worst[side].0 {
             worst[side] = (error, case);
         }
     }
-    println!("ggx: worst deviation from the textbook, reflection {:.1e} {}", worst[0].0, worst[0].1);
-    println!("ggx: worst deviation from the textbook, transmission {:.1e} {}", worst[1].0, worst[1].1);
+    println!(
+        "ggx: worst deviation from the textbook, reflection {:.1e} {}",
+        worst[0].0, worst[0].1
+    );
+    println!(
+        "ggx: worst deviation from the textbook, transmission {:.1e} {}",
+        worst[1].0, worst[1].1
+    );
 }
 
 /// What is special about a pair.
@@ -123,10 +137,8 @@ fn region(a: f64, n: f64, wi: Vec3, wo: Vec3) -> usize {
         3
     } else if wi[2].abs().min(wo[2].abs()) < 0.05 {
         2
-    } else if tan < 3.0 * a {
-        1
     } else {
-        0
+        usize::from(tan < 3.0 * a)
     }
 }
 
@@ -168,11 +180,16 @@ fn single_precision_is_as_good_as_its_inputs() {
             overall = (error, case);
         }
     }
-    println!("ggx f32 against f64: pairs, worst, rms, above 2e-5, worst share of what is explained");
+    println!(
+        "ggx f32 against f64: pairs, worst, rms, above 2e-5, worst share of what is explained"
+    );
     for (k, [pairs, worst, above, share, squares]) in table.into_iter().enumerate() {
         let what = if k < 4 { "reflection" } else { "transmission" };
         let rms = (squares / pairs.max(1.0)).sqrt();
-        println!("  {what:12} {:14} {pairs:6} {worst:.1e} {rms:.1e} {above:5} {share:.2}", NAMES[k % 4]);
+        println!(
+            "  {what:12} {:14} {pairs:6} {worst:.1e} {rms:.1e} {above:5} {share:.2}",
+            NAMES[k % 4]
+        );
     }
     println!("  worst: {}", overall.1);
 }

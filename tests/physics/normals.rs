@@ -59,7 +59,10 @@ fn the_density_of_normals_is_the_paper_s_law_normalised_over_the_hemisphere() {
             let (s, z) = theta.sin_cos();
             let (got, want) = (density.density(s, z) * c, profile(kind, delta, n, theta));
             let case = format!("{kind:?} delta {delta} n {n} theta {theta}: {got:e} {want:e}");
-            assert!((got - want).abs() <= tolerance::NORMALISATION.allowed * want + 1e-300, "{case}");
+            assert!(
+                (got - want).abs() <= tolerance::NORMALISATION.allowed * want + 1e-300,
+                "{case}"
+            );
         }
     }
 }
@@ -84,7 +87,9 @@ fn visible(wi: Vec3, delta: f64, p: impl Fn(Vec3) -> f64) -> f64 {
 #[test]
 fn the_facets_of_both_laws_agree_with_reference_data() {
     let file = "reference/facet_gauss_slope_s0.1_n1.49.csv";
-    let Some(rows) = data::numbers(file) else { return };
+    let Some(rows) = data::numbers(file) else {
+        return;
+    };
     assert!(rows.len() > 1000);
     let (s, n) = (0.1_f64, 1.49);
     let (kind, delta, exponent) = (Profile::Gauss, 0.15, 2.0);
@@ -119,14 +124,18 @@ fn the_facets_of_both_laws_agree_with_reference_data() {
             continue;
         }
         let errors = [(from_ggx / want - 1.0).abs(), (from_normals / want - 1.0).abs()];
-        let case = format!("type {geometry} {i} {o}: {want:e} ggx {from_ggx:e} normals {from_normals:e}");
+        let case =
+            format!("type {geometry} {i} {o}: {want:e} ggx {from_ggx:e} normals {from_normals:e}");
         assert!(errors[0] < tolerance::FACET_REFERENCE.allowed, "{case}");
         assert!(errors[1] < tolerance::NORMALS_FLUX.allowed, "{case}");
         let k = geometry as usize;
         worst[k] = worst[k].max(errors[0]);
         seen[k] += 1;
     }
-    println!("facets against the reference: worst relative deviation {:.1e} of {seen:?} values", worst.iter().copied().fold(0.0, f64::max));
+    println!(
+        "facets against the reference: worst relative deviation {:.1e} of {seen:?} values",
+        worst.iter().copied().fold(0.0, f64::max)
+    );
     assert!(seen.iter().all(|&k| k > 30), "{seen:?}");
 }
 
@@ -154,9 +163,10 @@ fn reflected_transmitted_and_lost_make_one_in_sampling_as_in_quadrature() {
                 let case = format!("{kind:?} {delta} {exponent} {deg} air {air}: {r} {t} {went:?}");
                 println!("  {case}");
                 for (got, want) in [(went[0], r), (went[1], t), (went[2], 1.0 - r - t)] {
-                    let noise = (want.clamp(0.0, 1.0) * (1.0 - want.clamp(0.0, 1.0)) / rays as f64).sqrt();
-                    let allowed = tolerance::NORMALS_FLUX.allowed
-                        + tolerance::MONTE_CARLO.allowed * noise;
+                    let noise =
+                        (want.clamp(0.0, 1.0) * (1.0 - want.clamp(0.0, 1.0)) / rays as f64).sqrt();
+                    let allowed =
+                        tolerance::NORMALS_FLUX.allowed + tolerance::MONTE_CARLO.allowed * noise;
                     assert!((got - want).abs() < allowed, "{case}");
                 }
             }
@@ -172,6 +182,36 @@ fn every_normal_drawn_lies_above_the_surface() {
         for _ in 0..1000 {
             let m: Direction<f64> = density.sample([random.next(), random.next()]);
             assert!(m.z() > 0.0 && (m.dot(m) - 1.0).abs() < 1e-14, "{kind:?} {delta} {m:?}");
+        }
+    }
+}
+
+#[test]
+fn the_tail_of_the_drawn_normals_is_no_fatter_than_the_table_of_quantiles() {
+    let mut random = Random::new(8);
+    println!("Normals, gauss n = 2: share drawn beyond k standard deviations, and exactly");
+    for delta in [0.1, 0.01, 1e-3] {
+        let density: NormalDensity<f64, 256> = NormalDensity::new(law(Profile::Gauss, delta, 2.0));
+        let rays = count(500_000);
+        let mut beyond = [0.0; 4];
+        for _ in 0..rays {
+            let m: Direction<f64> = density.sample([random.next(), random.next()]);
+            let theta = m.x().hypot(m.y()).atan2(m.z());
+            for (k, share) in beyond.iter_mut().enumerate() {
+                *share += f64::from(theta > delta * (3.0 + k as f64)) / rays as f64;
+            }
+        }
+        println!(
+            "  delta {delta:6}: {beyond:.1?}",
+            beyond = beyond.map(|x| x * 1e6).map(f64::round)
+        );
+        for (k, got) in beyond.into_iter().enumerate() {
+            // small widths: Rayleigh's law
+            let want = (-0.5 * (3.0 + k as f64).powi(2)).exp();
+            let noise = tolerance::MONTE_CARLO.allowed * (want / rays as f64).sqrt();
+            let curved = 10.0 * delta * delta * want;
+            let allowed = tolerance::NORMALS_TAIL.allowed + noise + curved;
+            assert!((got - want).abs() < allowed, "delta {delta} beyond {}: {got} {want}", 3 + k);
         }
     }
 }

@@ -29,6 +29,8 @@ struct Cell {
     /// Polar angle from the pole of the side.
     theta: [f64; 2],
     phi: [f64; 2],
+    /// Where its pilot samples lie: theta, phi.
+    dense: [[f64; 2]; 2],
 }
 
 #[derive(Debug)]
@@ -57,7 +59,8 @@ impl Bins {
         for (k, side) in [1.0, -1.0].into_iter().enumerate() {
             let mut points: Vec<[f64; 2]> =
                 pilot.iter().filter(|w| w[2] * side > 0.0).map(|&w| coordinates(w)).collect();
-            let whole = Cell { side, theta: [0.0, FRAC_PI_2], phi: [-PI, PI] };
+            let (theta, phi) = ([0.0, FRAC_PI_2], [-PI, PI]);
+            let whole = Cell { side, theta, phi, dense: [theta, phi] };
             bins.roots[k] = bins.grow(&mut points, whole, size.max(1), true);
         }
         bins
@@ -70,7 +73,13 @@ impl Bins {
         let range = if polar { cell.theta } else { cell.phi };
         let at = points.get(half).map_or(range[0], |p| p[axis]);
         if points.len() < 2 * size || at <= range[0] || at >= range[1] {
-            self.cells.push(cell);
+            let extent = |axis: usize, whole| {
+                let along = points.iter().map(|p| p[axis]);
+                let least = along.clone().reduce(f64::min);
+                least.zip(along.reduce(f64::max)).map_or(whole, |(a, b)| [a, b])
+            };
+            let dense = [extent(0, cell.theta), extent(1, cell.phi)];
+            self.cells.push(Cell { dense, ..cell });
             self.nodes.push(Node::Leaf(self.cells.len() - 1));
             return self.nodes.len() - 1;
         }
@@ -113,11 +122,9 @@ impl Bins {
     /// Integral of a density over each bin, each to about `error`.
     pub fn integrals(&self, pdf: &impl Fn([f64; 3]) -> f64, error: f64) -> Vec<f64> {
         let over = |cell: &Cell| {
-            quarters(cell)
-                .iter()
-                .flat_map(quarters)
-                .map(|c| adaptive(&c, rule(&c, pdf), pdf, error / 16.0, 12))
-                .sum()
+            let parts = graded(cell);
+            let share = error / parts.len() as f64;
+            parts.iter().map(|c| adaptive(c, rule(c, pdf), pdf, share, 12)).sum()
         };
         self.cells.iter().map(over).collect()
     }
@@ -146,10 +153,33 @@ impl Bins {
     }
 }
 
+/// A cell in parts: small where its pilot samples lie, growing from there, so that no corner is missed.
+fn graded(c: &Cell) -> Vec<Cell> {
+    let edges = |[from, to]: [f64; 2], [a, b]: [f64; 2]| {
+        let width = (b - a).max(1e-9 * (to - from)).max(1e-12);
+        let mut all = vec![from, to, a, 0.5 * (a + b), b];
+        let mut step = 0.25 * width;
+        while step < to - from {
+            all.extend([a - step, b + step]);
+            step *= 2.0;
+        }
+        all.retain(|x| (from..=to).contains(x));
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
+    };
+    let (theta, phi) = (edges(c.theta, c.dense[0]), edges(c.phi, c.dense[1]));
+    let across = |t: &[f64]| {
+        let t = [t[0], t[1]];
+        phi.windows(2).map(|p| Cell { theta: t, phi: [p[0], p[1]], ..*c }).collect::<Vec<_>>()
+    };
+    theta.windows(2).flat_map(across).collect()
+}
+
 fn quarters(c: &Cell) -> [Cell; 4] {
     let t = 0.5 * (c.theta[0] + c.theta[1]);
     let p = 0.5 * (c.phi[0] + c.phi[1]);
-    let cell = |theta, phi| Cell { side: c.side, theta, phi };
+    let cell = |theta, phi| Cell { theta, phi, ..*c };
     [
         cell([c.theta[0], t], [c.phi[0], p]),
         cell([c.theta[0], t], [p, c.phi[1]]),
@@ -174,13 +204,7 @@ fn rule(c: &Cell, pdf: &impl Fn([f64; 3]) -> f64) -> f64 {
     sum * dt * dp
 }
 
-fn adaptive(
-    c: &Cell,
-    coarse: f64,
-    pdf: &impl Fn([f64; 3]) -> f64,
-    error: f64,
-    depth: u32,
-) -> f64 {
+fn adaptive(c: &Cell, coarse: f64, pdf: &impl Fn([f64; 3]) -> f64, error: f64, depth: u32) -> f64 {
     let parts = quarters(c).map(|q| (q, rule(&q, pdf)));
     let fine: f64 = parts.iter().map(|(_, v)| v).sum();
     if depth == 0 || (fine - coarse).abs() < error {

@@ -91,7 +91,8 @@ pub fn fresnel(cos_i: f64, n: f64) -> Polarised {
     let (c, n1) = (Complex(cos_i, 0.0), Complex(n, 0.0));
     let square = 1.0 - (1.0 - cos_i) * (1.0 + cos_i) / (n * n);
     // Evanescent beyond the critical angle: an imaginary cosine.
-    let t = if square >= 0.0 { Complex(square.sqrt(), 0.0) } else { Complex(0.0, (-square).sqrt()) };
+    let t =
+        if square >= 0.0 { Complex(square.sqrt(), 0.0) } else { Complex(0.0, (-square).sqrt()) };
     let two_c = Complex(2.0 * cos_i, 0.0);
     let rs = (c - n1 * t) / (c + n1 * t);
     let rp = (n1 * c - t) / (n1 * c + t);
@@ -157,7 +158,11 @@ impl TextbookGgx {
             }
             let through = fresnel(im.abs(), eta_o / eta_i).through();
             let denominator = (eta_i * im + eta_o * om).powi(2);
-            (im * om).abs() / cosines * eta_o.powi(2) * through * self.g1(wi, m) * self.g1(wo, m)
+            (im * om).abs() / cosines
+                * eta_o.powi(2)
+                * through
+                * self.g1(wi, m)
+                * self.g1(wo, m)
                 * self.d(m)
                 / denominator
         }
@@ -239,10 +244,11 @@ pub fn fluxes(
     mut ars: impl FnMut(Vec3) -> f64,
 ) -> [f64; 2] {
     let [mirror, snell] = lobes(wi, n);
-    let mut part = |axis, width, same: bool| {
-        over_the_sphere(axis, width, grid, |w| {
-            if (w[2] * wi[2] > 0.0) == same { ars(w) } else { 0.0 }
-        })
-    };
+    let mut part =
+        |axis, width, same: bool| {
+            over_the_sphere(axis, width, grid, |w| {
+                if (w[2] * wi[2] > 0.0) == same { ars(w) } else { 0.0 }
+            })
+        };
     [part(mirror, width, true), part(snell, width, false)]
 }

@@ -48,7 +48,9 @@ mod tests {
     #[test]
     fn the_grid_of_the_gp200_hits_its_decimals() {
         let grid = AngleGrid::<f64>::gp200();
-        assert!((grid.degrees(0) - -90.0).abs() < 1e-300 && (grid.degrees(1800) - 90.0).abs() < 1e-12);
+        assert!(
+            (grid.degrees(0) - -90.0).abs() < 1e-300 && (grid.degrees(1800) - 90.0).abs() < 1e-12
+        );
         assert!((grid.degrees(901) - 0.1).abs() < 1e-13);
     }
 

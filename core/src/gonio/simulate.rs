@@ -132,7 +132,10 @@ mod tests {
                 for (k, &reading) in scan.readings().iter().enumerate() {
                     let away = (scan.grid.degrees(k) - sigma).abs();
                     if away < 0.299 {
-                        assert!((reading - exact).abs() < 4e-3, "{side:?} {sigma} {reading} {exact}");
+                        assert!(
+                            (reading - exact).abs() < 4e-3,
+                            "{side:?} {sigma} {reading} {exact}"
+                        );
                     } else if away > 0.301 {
                         assert!(reading.abs() < 1e-12, "{side:?} {sigma} {k} {reading}");
                     }
@@ -150,7 +153,12 @@ mod tests {
                 let plate = Plate::new(Ggx::new(Alpha::new(0.5).unwrap(), eta), eta, side);
                 let grid = AngleGrid::gp200();
                 let out = Goniophotometer::gp200().simulate(
-                    &plate, sigma, &grid, 2000, &mut generator, &mut [0.0; 1801],
+                    &plate,
+                    sigma,
+                    &grid,
+                    2000,
+                    &mut generator,
+                    &mut [0.0; 1801],
                 );
                 assert!((out.reflected + out.transmitted + out.lost - 1.0).abs() < 1e-10);
                 assert!(out.transmitted > 0.1 && out.lost > 0.0 && out.lost < 0.7, "{out:?}");
@@ -160,7 +168,12 @@ mod tests {
         let plate = Plate::new(Ggx::new(Alpha::new(0.5).unwrap(), eta), eta, RoughSide::Source);
         let grid = AngleGrid::gp200();
         let out = Goniophotometer::gp200().simulate(
-            &plate, 30.0, &grid, 2000, &mut generator, &mut [0.0; 1801],
+            &plate,
+            30.0,
+            &grid,
+            2000,
+            &mut generator,
+            &mut [0.0; 1801],
         );
         assert!((out.reflected + out.transmitted + out.lost - 1.0).abs() < 1e-3);
     }

@@ -126,7 +126,9 @@ mod tests {
         // at t = delta: exp(-1/2), and 1/2
         let g = Law::<f64>::new(Profile::Gauss, 0.1, 3.0, 0.0).unwrap();
         let c = Law::<f64>::new(Profile::Cauchy, 0.1, 3.0, 0.0).unwrap();
-        assert!((g.value(0.1) - (-0.5_f64).exp()).abs() < 1e-15 && (c.value(0.1) - 0.5).abs() < 1e-15);
+        assert!(
+            (g.value(0.1) - (-0.5_f64).exp()).abs() < 1e-15 && (c.value(0.1) - 0.5).abs() < 1e-15
+        );
     }
 
     #[test]

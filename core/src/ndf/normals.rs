@@ -346,7 +346,10 @@ mod tests {
                 }
                 let counted = f64::from(seen) / f64::from(steps * steps);
                 let got = d.visible(w.z(), w.x());
-                assert!((got - counted).abs() < 5e-4, "{profile:?} {delta} {theta}: {got} {counted}");
+                assert!(
+                    (got - counted).abs() < 5e-4,
+                    "{profile:?} {delta} {theta}: {got} {counted}"
+                );
             }
         }
     }

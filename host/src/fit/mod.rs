@@ -126,6 +126,9 @@ pub enum FitError {
     Interrupted,
 }
 
+/// Starts of all that are searched from.
+const MOST_STARTS: usize = 3;
+
 /// Fits `method` to a measurement.
 ///
 /// `progress(done)` is called with the number of evaluations so far. When `stop` is set the fit ends
@@ -154,8 +157,8 @@ pub fn fit(
 
     let draft = problem.thinned();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
-    for start in draft.starts() {
-        match search.minimise(&draft, &start, Effort::Draft, 2e-4) {
+    for start in search.best_starts(&draft, MOST_STARTS) {
+        match search.minimise(&draft, &start, Effort::Draft, 1e-3) {
             Ok(end) => found.push((end.cost, end.values)),
             Err(Stopped) => break,
         }
@@ -165,7 +168,7 @@ pub fn fit(
     let Some((_, start)) = found.into_iter().next() else {
         return Err(if search.interrupted() { FitError::Interrupted } else { FitError::NoStart });
     };
-    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, 1e-7) {
+    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, 1e-6) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
         Err(Stopped) => (search.best_or(start), Termination::Interrupted),

@@ -19,20 +19,10 @@ pub(super) struct Problem<'a> {
     parameters: Vec<Parameter>,
 }
 
-const IOR: Parameter = Parameter {
-    name: "ior",
-    unit: "",
-    bounds: (1.05, 4.0),
-    scale: Scale::Linear,
-    starts: &[],
-};
-const GAIN: Parameter = Parameter {
-    name: "gain",
-    unit: "",
-    bounds: (1e-3, 1e3),
-    scale: Scale::Log,
-    starts: &[],
-};
+const IOR: Parameter =
+    Parameter { name: "ior", unit: "", bounds: (1.05, 4.0), scale: Scale::Linear, starts: &[] };
+const GAIN: Parameter =
+    Parameter { name: "gain", unit: "", bounds: (1e-3, 1e3), scale: Scale::Log, starts: &[] };
 
 /// Readings an incidence that a draft needs.
 const DRAFT_READINGS: usize = 240;
@@ -79,12 +69,7 @@ impl<'a> Problem<'a> {
             measured.extend((0..n).filter(kept).map(|k| values[k]));
             plan.incidences.push(part);
         }
-        Self {
-            plan,
-            measured: measured.into(),
-            parameters: self.parameters.clone(),
-            ..*self
-        }
+        Self { plan, measured: measured.into(), parameters: self.parameters.clone(), ..*self }
     }
 
     pub(super) fn parameters(&self) -> &[Parameter] {

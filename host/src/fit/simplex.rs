@@ -58,6 +58,22 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The starts with the lowest costs, at most `most`, the best first.
+    pub(super) fn best_starts(&self, problem: &Problem<'_>, most: usize) -> Vec<Vec<f64>> {
+        let target = Target { search: self, problem, effort: Effort::Draft };
+        let mut rated: Vec<(f64, Vec<f64>)> = problem
+            .starts()
+            .into_iter()
+            .map_while(|start| {
+                let free: Vec<f64> =
+                    problem.parameters().iter().zip(&start).map(|(p, &v)| p.to_free(v)).collect();
+                target.cost(&free).ok().map(|cost| (cost, start))
+            })
+            .collect();
+        rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+        rated.into_iter().take(most).map(|(_, start)| start).collect()
+    }
+
     /// Minimises from a start until the costs of the simplex differ by less than `tolerance` times the
     /// best of them.
     pub(super) fn minimise(
@@ -71,8 +87,7 @@ impl<'a> Search<'a> {
             *best = None;
         }
         let parameters = problem.parameters();
-        let first: Vec<f64> =
-            parameters.iter().zip(start).map(|(p, &v)| p.to_free(v)).collect();
+        let first: Vec<f64> = parameters.iter().zip(start).map(|(p, &v)| p.to_free(v)).collect();
         let mut simplex = vec![first.clone()];
         for (k, p) in parameters.iter().enumerate() {
             let mut corner = first.clone();
@@ -124,8 +139,7 @@ impl CostFunction for Target<'_, '_> {
         let done = self.search.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
         (self.search.progress)(done);
         let parameters = self.problem.parameters();
-        let values: Vec<f64> =
-            parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect();
+        let values: Vec<f64> = parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect();
         let cost = self
             .problem
             .simulate(&values, self.effort)

@@ -22,7 +22,11 @@ pub struct IncidenceError {
 pub const MISFIT_PERCENT: f64 = 15.0;
 
 /// The error of every incidence.
-pub(super) fn by_incidence(plan: &Plan, measured: &[f64], simulated: &[f64]) -> Vec<IncidenceError> {
+pub(super) fn by_incidence(
+    plan: &Plan,
+    measured: &[f64],
+    simulated: &[f64],
+) -> Vec<IncidenceError> {
     let mut from = 0;
     plan.incidences
         .iter()

@@ -70,10 +70,9 @@ impl Plan {
                 Some(last) if last.sigma_deg.to_bits() == r.sigma_deg.to_bits() => {
                     last.theta_deg.push(r.theta_deg);
                 }
-                _ => plan.incidences.push(Incidence {
-                    sigma_deg: r.sigma_deg,
-                    theta_deg: vec![r.theta_deg],
-                }),
+                _ => plan
+                    .incidences
+                    .push(Incidence { sigma_deg: r.sigma_deg, theta_deg: vec![r.theta_deg] }),
             }
         }
         plan
@@ -81,8 +80,7 @@ impl Plan {
 
     /// The same observation angles for every incidence.
     pub fn product(sigmas_deg: &[f64], theta_deg: &[f64]) -> Self {
-        let incidence =
-            |&sigma_deg| Incidence { sigma_deg, theta_deg: theta_deg.to_vec() };
+        let incidence = |&sigma_deg| Incidence { sigma_deg, theta_deg: theta_deg.to_vec() };
         Self { incidences: sigmas_deg.iter().map(incidence).collect() }
     }
 

@@ -54,8 +54,7 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
 ) -> Option<MonteCarlo> {
     let per_batch = (rays.count / LEAST_BATCHES).clamp(1, MOST_RAYS);
     let batches = rays.count.div_ceil(per_batch).max(2);
-    let gonio =
-        Goniophotometer { aperture_deg: setup.aperture_deg, geometry: setup.geometry };
+    let gonio = Goniophotometer { aperture_deg: setup.aperture_deg, geometry: setup.geometry };
     let one = |batch: u64| {
         let mut generator = stream(rays.seed, sigma_deg, batch);
         let mut readings = vec![0.0; grid.count];

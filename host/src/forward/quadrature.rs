@@ -126,7 +126,8 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
             let theta = theta.to_radians();
             // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
-            if self.entry.mirrored > 0.0 && (theta - self.sigma).abs() <= half_angle * (1.0 + 1e-9) {
+            if self.entry.mirrored > 0.0 && (theta - self.sigma).abs() <= half_angle * (1.0 + 1e-9)
+            {
                 *value += self.entry.mirrored;
             }
             if self.setup.quantity == Quantity::Bsdf {

@@ -88,9 +88,7 @@ impl FromStr for ColumnMap {
         let mut found = [const { None }; 3];
         for part in text.split(',') {
             let (role, name) = part.split_once('=').ok_or_else(fault)?;
-            let role = ["sigma", "theta", "reading"]
-                .iter()
-                .position(|known| *known == role.trim());
+            let role = ["sigma", "theta", "reading"].iter().position(|known| *known == role.trim());
             let slot = &mut found[role.ok_or_else(fault)?];
             if slot.replace(column(name).ok_or_else(fault)?).is_some() {
                 return Err(fault());
@@ -100,14 +98,7 @@ impl FromStr for ColumnMap {
             return Err(fault());
         };
         let (filters, delimiter, decimal_comma) = (Vec::new(), b',', false);
-        Ok(Self {
-            sigma,
-            theta,
-            reading,
-            filters,
-            delimiter,
-            decimal_comma,
-        })
+        Ok(Self { sigma, theta, reading, filters, delimiter, decimal_comma })
     }
 }
 
@@ -138,31 +129,15 @@ mod tests {
         assert_eq!(map.reading, Column::Name("brdf per sr".to_owned()));
         assert_eq!(map.sigma, Column::Number(2));
         assert_eq!(map.theta, Column::Name("o=x".to_owned()));
-        let map = map
-            .with_filter("surface = a=b")
-            .unwrap()
-            .with_delimiter("tab")
-            .unwrap();
-        assert_eq!(
-            map.filters,
-            [(Column::Name("surface".to_owned()), "a=b".to_owned())]
-        );
+        let map = map.with_filter("surface = a=b").unwrap().with_delimiter("tab").unwrap();
+        assert_eq!(map.filters, [(Column::Name("surface".to_owned()), "a=b".to_owned())]);
         assert_eq!((map.delimiter, map.decimal_comma), (b'\t', false));
     }
 
     #[test]
     fn a_slip_in_a_flag_shows_how_it_is_written() {
-        let texts = [
-            "",
-            "sigma=a",
-            "sigma=a,theta=b,reading=",
-            "sigma=0,theta=1,reading=2",
-        ];
-        let more = [
-            "sigma=a,sigma=b,theta=c,reading=d",
-            "s=a,theta=b,reading=c",
-            "1,2,3",
-        ];
+        let texts = ["", "sigma=a", "sigma=a,theta=b,reading=", "sigma=0,theta=1,reading=2"];
+        let more = ["sigma=a,sigma=b,theta=c,reading=d", "s=a,theta=b,reading=c", "1,2,3"];
         for text in texts.into_iter().chain(more) {
             let error = text.parse::<ColumnMap>().unwrap_err();
             assert!(error.to_string().contains("sigma=NAME"), "{text}: {error}");

@@ -52,9 +52,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Vec<u8>, ScanError> {
     }
     let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
     // A pipe has no length: the limit holds while reading too.
-    file.take(MAX_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(fail)?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(ScanError::new(path, ScanFault::TooLarge));
     }
@@ -67,10 +65,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Vec<u8>, ScanError> {
 /// [`ScanError`] with the place and the remedy for everything that is not as the format asks.
 pub fn parse(bytes: impl AsRef<[u8]>, name: impl AsRef<Path>) -> Result<Measurement, ScanError> {
     let name = name.as_ref();
-    let mut scan = Parser {
-        name,
-        ..Parser::default()
-    };
+    let mut scan = Parser { name, ..Parser::default() };
     for (line, text) in (1..).zip(text(bytes.as_ref(), name)?.lines()) {
         scan.line(line, text.trim())?;
     }
@@ -161,18 +156,14 @@ impl Parser<'_> {
                 return Err(self.fail(ScanFault::LateKey { key }).at(line));
             }
             if let Some(&(key, first_line)) = self.keys.iter().find(|(seen, _)| *seen == key) {
-                return Err(self
-                    .fail(ScanFault::RepeatedKey { key, first_line })
-                    .at(line));
+                return Err(self.fail(ScanFault::RepeatedKey { key, first_line }).at(line));
             }
             self.keys.push((key, line));
         } else if self.columns_seen || key.is_empty() || value.starts_with("//") {
             // a remark on readings, a sentence, an address
             return Ok(());
         }
-        self.meta
-            .set(key, value)
-            .map_err(|fault| self.fail(fault).at(line))
+        self.meta.set(key, value).map_err(|fault| self.fail(fault).at(line))
     }
 
     fn row(&mut self, line: u64, text: &str) -> Result<(), ScanError> {
@@ -190,11 +181,7 @@ impl Parser<'_> {
             return Err(self.fail(ScanFault::FieldCount { found }).at(line));
         }
         let [sigma_deg, theta_deg, value] = values;
-        self.readings.push(Reading {
-            sigma_deg,
-            theta_deg,
-            value,
-        });
+        self.readings.push(Reading { sigma_deg, theta_deg, value });
         self.lines.push(line);
         Ok(())
     }
@@ -226,11 +213,7 @@ mod tests {
         let scan = parse(text, "scan.csv").unwrap();
         assert_eq!(scan.meta.sample.as_deref(), Some("a: b"));
         assert_eq!(scan.meta.other, [("Gain".to_owned(), "3".to_owned())]);
-        let expected = Reading {
-            sigma_deg: 0.0,
-            theta_deg: 0.5,
-            value: -0.00001,
-        };
+        let expected = Reading { sigma_deg: 0.0, theta_deg: 0.5, value: -0.00001 };
         assert_eq!(scan.readings()[0], expected);
         assert_eq!(scan.incidences(), [0.0, 15.0]);
     }
@@ -242,23 +225,11 @@ mod tests {
         };
         let scan = read(path).unwrap();
         assert_eq!(scan.incidences(), [0.0, 15.0, 30.0, 45.0, 60.0]);
-        assert!(
-            scan.by_incidence()
-                .all(|incidence| incidence.readings.len() == 1801)
-        );
-        assert_eq!(
-            (scan.largest_reading(), scan.quantity()),
-            (3.0177e-3, Quantity::Flux)
-        );
+        assert!(scan.by_incidence().all(|incidence| incidence.readings.len() == 1801));
+        assert_eq!((scan.largest_reading(), scan.quantity()), (3.0177e-3, Quantity::Flux));
         let meta = &scan.meta;
-        assert_eq!(
-            (meta.geometry, meta.ior),
-            (Some(Geometry::Transmission), Some(1.49))
-        );
-        assert_eq!(
-            (meta.rough_side, meta.aperture_deg),
-            (Some(RoughSide::Source), Some(0.6))
-        );
+        assert_eq!((meta.geometry, meta.ior), (Some(Geometry::Transmission), Some(1.49)));
+        assert_eq!((meta.rough_side, meta.aperture_deg), (Some(RoughSide::Source), Some(0.6)));
         let other: Vec<&str> = meta.other.iter().map(|(key, _)| key.as_str()).collect();
         assert_eq!(other, ["pixel_um", "map"]);
     }
@@ -270,10 +241,7 @@ mod tests {
         assert!(message(folder.path()).contains("is a folder"));
         assert!(message(&folder.path().join("no.csv")).contains("no.csv: there is no such file"));
         let large = folder.path().join("large.csv");
-        File::create(&large)
-            .unwrap()
-            .set_len(MAX_BYTES + 1)
-            .unwrap();
+        File::create(&large).unwrap().set_len(MAX_BYTES + 1).unwrap();
         assert!(message(&large).contains("larger than 512 MiB"));
     }
 }

@@ -179,12 +179,7 @@ pub enum ScanFault {
 
 impl ScanError {
     pub(super) fn new(path: impl Into<PathBuf>, fault: impl Into<ScanFault>) -> Self {
-        Self {
-            path: path.into(),
-            line: None,
-            column: None,
-            fault: Box::new(fault.into()),
-        }
+        Self { path: path.into(), line: None, column: None, fault: Box::new(fault.into()) }
     }
 
     pub(super) fn at(mut self, line: u64) -> Self {
@@ -205,24 +200,13 @@ impl ScanError {
     ) -> Self {
         let fault = match error.fault {
             ReadingFault::NoReadings => ScanFault::NoRows,
-            ReadingFault::Repeated {
-                sigma_deg,
-                theta_deg,
-                first_row,
-            } => ScanFault::RepeatedPoint {
-                sigma_deg,
-                theta_deg,
-                first_line: line_of(first_row),
-            },
+            ReadingFault::Repeated { sigma_deg, theta_deg, first_row } => {
+                ScanFault::RepeatedPoint { sigma_deg, theta_deg, first_line: line_of(first_row) }
+            }
             fault => ScanFault::Reading(fault),
         };
         let line = error.row.map(line_of);
-        Self {
-            path: path.into(),
-            line,
-            column: None,
-            fault: Box::new(fault),
-        }
+        Self { path: path.into(), line, column: None, fault: Box::new(fault) }
     }
 }
 
@@ -233,12 +217,7 @@ pub struct Names(pub Vec<String>);
 impl Display for Names {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, name) in self.0.iter().take(LISTED).enumerate() {
-            write!(
-                f,
-                "{}`{}`",
-                if index == 0 { "" } else { ", " },
-                excerpt(name)
-            )?;
+            write!(f, "{}`{}`", if index == 0 { "" } else { ", " }, excerpt(name))?;
         }
         match self.0.len().saturating_sub(LISTED) {
             0 => Ok(()),
@@ -252,8 +231,7 @@ struct Place<'a>(Option<u64>, Option<&'a str>);
 impl Display for Place<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.map_or(Ok(()), |line| write!(f, ":{line}"))?;
-        self.1
-            .map_or(Ok(()), |column| write!(f, ", column {}", excerpt(column)))
+        self.1.map_or(Ok(()), |column| write!(f, ", column {}", excerpt(column)))
     }
 }
 
@@ -280,18 +258,12 @@ mod tests {
             message.starts_with("scan.csv:7, column reading: `a\u{fffd}b\u{fffd}[2J"),
             "{message}"
         );
-        assert!(
-            !message.contains(['\n', '\u{1b}']) && message.len() < 200,
-            "{message}"
-        );
+        assert!(!message.contains(['\n', '\u{1b}']) && message.len() < 200, "{message}");
     }
 
     #[test]
     fn long_lists_of_names_are_cut() {
         let names = Names((0..23).map(|k| format!("c{k}")).collect()).to_string();
-        assert!(
-            names.starts_with("`c0`, `c1`") && names.ends_with("`c19` and 3 more"),
-            "{names}"
-        );
+        assert!(names.starts_with("`c0`, `c1`") && names.ends_with("`c19` and 3 more"), "{names}");
     }
 }

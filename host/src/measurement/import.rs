@@ -64,20 +64,14 @@ impl Import {
         let text = text(bytes.as_ref(), name)?;
         let table = Table::read(text, &self.columns, name)?;
         table.check_filters()?;
-        let mut counts = RowCounts {
-            total: table.rows.len(),
-            ..RowCounts::default()
-        };
+        let mut counts = RowCounts { total: table.rows.len(), ..RowCounts::default() };
         let (mut readings, mut rows, mut outside) = (Vec::new(), Vec::new(), Vec::new());
         for (row, record) in table.rows.iter().enumerate() {
             if !table.passes(record) {
                 counts.filtered += 1;
                 continue;
             }
-            let [sigma, theta] = [
-                table.value(row, Role::Sigma)?,
-                table.value(row, Role::Theta)?,
-            ];
+            let [sigma, theta] = [table.value(row, Role::Sigma)?, table.value(row, Role::Theta)?];
             if let (Some(sigma), Some(theta)) = (sigma, theta)
                 && !self.selection.contains(sigma, theta)
             {
@@ -87,11 +81,7 @@ impl Import {
             }
             let role = match (sigma, theta, table.value(row, Role::Reading)?) {
                 (Some(sigma_deg), Some(theta_deg), Some(value)) => {
-                    readings.push(Reading {
-                        sigma_deg,
-                        theta_deg,
-                        value,
-                    });
+                    readings.push(Reading { sigma_deg, theta_deg, value });
                     rows.push(row);
                     continue;
                 }
@@ -110,11 +100,7 @@ impl Import {
                 ScanFault::AllMissing(counts.missing)
             } else if counts.out_of_range > 0 {
                 let covered = Selection::covering(outside.into_iter());
-                SelectionFault::Nothing {
-                    asked: self.selection,
-                    covered,
-                }
-                .into()
+                SelectionFault::Nothing { asked: self.selection, covered }.into()
             } else if counts.filtered > 0 {
                 ScanFault::NoJointMatch
             } else {
@@ -122,10 +108,7 @@ impl Import {
             };
             return Err(ScanError::new(name, fault));
         }
-        let meta = Metadata {
-            quantity: Some(self.quantity),
-            ..Metadata::default()
-        };
+        let meta = Metadata { quantity: Some(self.quantity), ..Metadata::default() };
         let invalid = |error| ScanError::of_reading(name, error, |index| table.line(rows[index]));
         Ok((Measurement::new(meta, readings).map_err(invalid)?, counts))
     }
@@ -139,16 +122,9 @@ mod tests {
 
     fn import(columns: &str, filters: &[&str]) -> Import {
         let map: ColumnMap = columns.parse().unwrap();
-        let columns = filters
-            .iter()
-            .fold(map, |map, filter| map.with_filter(filter).unwrap());
+        let columns = filters.iter().fold(map, |map, filter| map.with_filter(filter).unwrap());
         let selection = Selection::default();
-        Import {
-            columns,
-            quantity: Quantity::Bsdf,
-            selection,
-            skip_missing: false,
-        }
+        Import { columns, quantity: Quantity::Bsdf, selection, skip_missing: false }
     }
 
     const FILE: &str = "# remark\r\nname,t,\"s, deg\",f\r\n\r\n# more\r\nA,1,0,2\r\nB,1,0,nan\r\n\
@@ -166,17 +142,11 @@ mod tests {
         let (scan, counts) = import.read(&path).unwrap();
         assert_eq!((scan.readings().len(), scan.incidences().len()), (497, 71));
         assert_eq!(scan.quantity(), Quantity::Bsdf);
-        assert_eq!(
-            (counts.total, counts.filtered, counts.out_of_range),
-            (10_800, 9_900, 403)
-        );
+        assert_eq!((counts.total, counts.filtered, counts.out_of_range), (10_800, 9_900, 403));
         assert_eq!((counts.kept, counts.missing), (497, 0));
         import.selection = Selection::default();
         let error = import.read(&path).unwrap_err();
-        assert!(
-            error.line.is_some() && error.to_string().contains("--skip-missing"),
-            "{error}"
-        );
+        assert!(error.line.is_some() && error.to_string().contains("--skip-missing"), "{error}");
     }
 
     #[test]
@@ -186,21 +156,8 @@ mod tests {
         import.skip_missing = true;
         import.selection.sigma = "0:5".parse().unwrap();
         let (scan, counts) = import.parse(FILE, "f.csv").unwrap();
-        assert_eq!(
-            scan.readings(),
-            [Reading {
-                sigma_deg: 0.0,
-                theta_deg: 1.0,
-                value: 2.0
-            }]
-        );
-        let expected = RowCounts {
-            total: 5,
-            kept: 1,
-            filtered: 1,
-            out_of_range: 2,
-            missing: 1,
-        };
+        assert_eq!(scan.readings(), [Reading { sigma_deg: 0.0, theta_deg: 1.0, value: 2.0 }]);
+        let expected = RowCounts { total: 5, kept: 1, filtered: 1, out_of_range: 2, missing: 1 };
         assert_eq!(counts, expected);
         import.skip_missing = false;
         let error = import.parse(FILE, "f.csv").unwrap_err().to_string();
@@ -213,14 +170,7 @@ mod tests {
         import.columns = import.columns.with_delimiter(";").unwrap();
         import.columns.decimal_comma = true;
         let (scan, _) = import.parse("1,5;0;2,5;0,5\n2;0;3;0,6\n", "f.csv").unwrap();
-        assert_eq!(
-            scan.readings(),
-            [Reading {
-                sigma_deg: 0.0,
-                theta_deg: 1.5,
-                value: 2.5
-            }]
-        );
+        assert_eq!(scan.readings(), [Reading { sigma_deg: 0.0, theta_deg: 1.5, value: 2.5 }]);
     }
 
     #[test]
@@ -233,60 +183,23 @@ mod tests {
                 FILE,
                 &["f.csv:2: ", "no column `g`", "`name`, `t`"],
             ),
-            (
-                "sigma=3,theta=t,reading=9",
-                &[],
-                FILE,
-                &["f.csv:2: ", "no column `9`"],
-            ),
-            (
-                map,
-                &["name=C"],
-                FILE,
-                &["f.csv: ", "`C`", "`A`, `B`", "--where"],
-            ),
+            ("sigma=3,theta=t,reading=9", &[], FILE, &["f.csv:2: ", "no column `9`"]),
+            (map, &["name=C"], FILE, &["f.csv: ", "`C`", "`A`, `B`", "--where"]),
             (map, &["name=B", "t=2"], FILE, &["all of --where together"]),
             (
                 map,
                 &["name=B"],
                 FILE,
-                &[
-                    "f.csv:6, column f: `nan`",
-                    "--sigma-range",
-                    "--skip-missing",
-                ],
+                &["f.csv:6, column f: `nan`", "--sigma-range", "--skip-missing"],
             ),
-            (
-                map,
-                &["t=3"],
-                FILE,
-                &["f.csv:9: ", "incidence 90", "--sigma-range"],
-            ),
+            (map, &["t=3"], FILE, &["f.csv:9: ", "incidence 90", "--sigma-range"]),
             (map, &["t=4"], FILE, &["f.csv:10, column f: `dark`"]),
-            (
-                map,
-                &[],
-                "name;t;s;f\nA;1;2;3\n",
-                &["f.csv:1: ", "--delimiter"],
-            ),
-            (
-                map,
-                &[],
-                "n,t,s,f\nA,1,2,3\nA,1\n",
-                &["f.csv:3, column 3: ", "column 3 is needed"],
-            ),
-            (
-                map,
-                &[],
-                "n,t,s,f\n#x\nA,1,2,3\n\nB,1,2,3\n",
-                &["f.csv:5: ", "line 3", "--where"],
-            ),
+            (map, &[], "name;t;s;f\nA;1;2;3\n", &["f.csv:1: ", "--delimiter"]),
+            (map, &[], "n,t,s,f\nA,1,2,3\nA,1\n", &["f.csv:3, column 3: ", "column 3 is needed"]),
+            (map, &[], "n,t,s,f\n#x\nA,1,2,3\n\nB,1,2,3\n", &["f.csv:5: ", "line 3", "--where"]),
         ];
         for (columns, filters, text, words) in cases {
-            let message = import(columns, filters)
-                .parse(text, "f.csv")
-                .unwrap_err()
-                .to_string();
+            let message = import(columns, filters).parse(text, "f.csv").unwrap_err().to_string();
             for word in words {
                 assert!(
                     message.contains(word),

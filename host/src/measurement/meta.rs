@@ -188,9 +188,7 @@ impl FromStr for Quantity {
 
 /// The known key that `key` is, whatever its case.
 pub(super) fn known_key(key: &str) -> Option<&'static str> {
-    Metadata::KEYS
-        .into_iter()
-        .find(|known| known.eq_ignore_ascii_case(key.trim()))
+    Metadata::KEYS.into_iter().find(|known| known.eq_ignore_ascii_case(key.trim()))
 }
 
 struct Words<T, const N: usize> {
@@ -199,38 +197,23 @@ struct Words<T, const N: usize> {
 }
 
 const GEOMETRIES: Words<Geometry, 2> = Words {
-    values: [
-        ("transmission", Geometry::Transmission),
-        ("reflection", Geometry::Reflection),
-    ],
+    values: [("transmission", Geometry::Transmission), ("reflection", Geometry::Reflection)],
     allowed: "transmission, reflection",
 };
 const ROUGH_SIDES: Words<RoughSide, 2> = Words {
-    values: [
-        ("source", RoughSide::Source),
-        ("detector", RoughSide::Detector),
-    ],
+    values: [("source", RoughSide::Source), ("detector", RoughSide::Detector)],
     allowed: "source, detector",
 };
-const QUANTITIES: Words<Quantity, 2> = Words {
-    values: [("flux", Quantity::Flux), ("bsdf", Quantity::Bsdf)],
-    allowed: "flux, bsdf",
-};
+const QUANTITIES: Words<Quantity, 2> =
+    Words { values: [("flux", Quantity::Flux), ("bsdf", Quantity::Bsdf)], allowed: "flux, bsdf" };
 
 fn word<T: Copy, const N: usize>(
     key: &'static str,
     value: &str,
     words: &Words<T, N>,
 ) -> Result<T, HeaderFault> {
-    let found = words
-        .values
-        .iter()
-        .find(|(name, _)| name.eq_ignore_ascii_case(value));
-    let fault = || HeaderFault::Word {
-        key,
-        value: value.to_owned(),
-        allowed: words.allowed,
-    };
+    let found = words.values.iter().find(|(name, _)| name.eq_ignore_ascii_case(value));
+    let fault = || HeaderFault::Word { key, value: value.to_owned(), allowed: words.allowed };
     found.map(|&(_, meaning)| meaning).ok_or_else(fault)
 }
 
@@ -245,16 +228,8 @@ fn number<T: FromStr + Copy>(
     allowed: &'static str,
     inside: impl Fn(T) -> bool,
 ) -> Result<T, HeaderFault> {
-    let fault = || HeaderFault::Number {
-        key,
-        value: value.to_owned(),
-        allowed,
-    };
-    value
-        .parse()
-        .ok()
-        .filter(|&number| inside(number))
-        .ok_or_else(fault)
+    let fault = || HeaderFault::Number { key, value: value.to_owned(), allowed };
+    value.parse().ok().filter(|&number| inside(number)).ok_or_else(fault)
 }
 
 #[cfg(test)]
@@ -263,29 +238,15 @@ mod tests {
 
     #[test]
     fn entries_are_what_was_set_in_the_order_of_the_contract() {
-        let values = [
-            "a",
-            "b",
-            "reflection",
-            "1.5",
-            "detector",
-            "0.6",
-            "550",
-            "c",
-            "7",
-            "bsdf",
-            "0.1",
-        ];
+        let values =
+            ["a", "b", "reflection", "1.5", "detector", "0.6", "550", "c", "7", "bsdf", "0.1"];
         let mut meta = Metadata::default();
         meta.set("Pixel", "0.361").unwrap();
         for (key, value) in Metadata::KEYS.iter().zip(values).rev() {
             meta.set(&key.to_uppercase(), value).unwrap();
         }
         let written = meta.entries();
-        let expected = Metadata::KEYS
-            .iter()
-            .zip(values)
-            .chain([(&"Pixel", "0.361")]);
+        let expected = Metadata::KEYS.iter().zip(values).chain([(&"Pixel", "0.361")]);
         assert!(
             written
                 .iter()

@@ -78,12 +78,7 @@ impl Measurement {
     /// # Errors
     /// [`InvalidReading`] with the index of the first offending reading.
     pub fn new(meta: Metadata, mut readings: Vec<Reading>) -> Result<Self, InvalidReading> {
-        let at = |row| {
-            move |fault| InvalidReading {
-                row: Some(row),
-                fault,
-            }
-        };
+        let at = |row| move |fault| InvalidReading { row: Some(row), fault };
         let whole = |fault| InvalidReading { row: None, fault };
         if readings.is_empty() {
             return Err(whole(ReadingFault::NoReadings));
@@ -100,32 +95,21 @@ impl Measurement {
         }
         for (row, reading) in readings.iter().enumerate() {
             if reading.value < -NEGATIVE_LIMIT * largest {
-                return Err(at(row)(ReadingFault::Negative {
-                    value: reading.value,
-                    largest,
-                }));
+                return Err(at(row)(ReadingFault::Negative { value: reading.value, largest }));
             }
         }
         let mut order: Vec<usize> = (0..readings.len()).collect();
         let point = |row: usize| (readings[row].sigma_deg, readings[row].theta_deg);
         order.sort_by(|&a, &b| {
             let ((sigma_a, theta_a), (sigma_b, theta_b)) = (point(a), point(b));
-            sigma_a
-                .total_cmp(&sigma_b)
-                .then(theta_a.total_cmp(&theta_b))
+            sigma_a.total_cmp(&sigma_b).then(theta_a.total_cmp(&theta_b))
         });
         // the earliest repetition in the given order, which is the one a reader looks for
-        let repeated = order
-            .windows(2)
-            .filter(|pair| point(pair[0]) == point(pair[1]));
+        let repeated = order.windows(2).filter(|pair| point(pair[0]) == point(pair[1]));
         if let Some(pair) = repeated.min_by_key(|pair| pair[1]) {
             let (sigma_deg, theta_deg) = point(pair[1]);
             let first_row = pair[0];
-            return Err(at(pair[1])(ReadingFault::Repeated {
-                sigma_deg,
-                theta_deg,
-                first_row,
-            }));
+            return Err(at(pair[1])(ReadingFault::Repeated { sigma_deg, theta_deg, first_row }));
         }
         let readings = order.into_iter().map(|row| readings[row]).collect();
         Ok(Self { meta, readings })
@@ -143,9 +127,7 @@ impl Measurement {
 
     /// The distinct angles of incidence in degrees, increasing.
     pub fn incidences(&self) -> Vec<f64> {
-        self.by_incidence()
-            .map(|incidence| incidence.sigma_deg)
-            .collect()
+        self.by_incidence().map(|incidence| incidence.sigma_deg).collect()
     }
 
     /// The readings grouped by angle of incidence, increasing.
@@ -155,11 +137,7 @@ impl Measurement {
         self.readings.chunk_by(same).map(move |readings| {
             let range = start..start + readings.len();
             start = range.end;
-            Incidence {
-                sigma_deg: readings[0].sigma_deg,
-                range,
-                readings,
-            }
+            Incidence { sigma_deg: readings[0].sigma_deg, range, readings }
         })
     }
 
@@ -171,10 +149,7 @@ impl Measurement {
 }
 
 fn largest(readings: &[Reading]) -> f64 {
-    readings
-        .iter()
-        .map(|reading| reading.value)
-        .fold(f64::NEG_INFINITY, f64::max)
+    readings.iter().map(|reading| reading.value).fold(f64::NEG_INFINITY, f64::max)
 }
 
 impl Reading {
@@ -262,10 +237,7 @@ fn data_file(name: &str) -> Option<std::path::PathBuf> {
     if path.exists() {
         return Some(path);
     }
-    eprintln!(
-        "skipped: no data: {} is missing (set ASPERITY_DATA)",
-        path.display()
-    );
+    eprintln!("skipped: no data: {} is missing (set ASPERITY_DATA)", path.display());
     None
 }
 
@@ -274,36 +246,20 @@ mod tests {
     use super::*;
 
     fn reading(sigma_deg: f64, theta_deg: f64, value: f64) -> Reading {
-        Reading {
-            sigma_deg,
-            theta_deg,
-            value,
-        }
+        Reading { sigma_deg, theta_deg, value }
     }
 
     #[test]
     fn readings_are_sorted_and_grouped_whatever_their_order() {
-        let mixed = [
-            (30.0, 5.0, 2.0),
-            (0.0, 1.0, 3.0),
-            (30.0, -5.0, 1.0),
-            (-0.0, -1.0, 0.5),
-        ];
+        let mixed = [(30.0, 5.0, 2.0), (0.0, 1.0, 3.0), (30.0, -5.0, 1.0), (-0.0, -1.0, 0.5)];
         let readings = mixed.iter().map(|&(s, t, v)| reading(s, t, v)).collect();
         let scan = Measurement::new(Metadata::default(), readings).unwrap();
         assert_eq!(scan.incidences(), [0.0, 30.0]);
         let groups: Vec<_> = scan.by_incidence().map(|group| group.range).collect();
         assert_eq!(groups, [0..2, 2..4]);
-        let values: Vec<f64> = scan
-            .readings()
-            .iter()
-            .map(|reading| reading.value)
-            .collect();
+        let values: Vec<f64> = scan.readings().iter().map(|reading| reading.value).collect();
         assert_eq!(values, [0.5, 3.0, 1.0, 2.0]);
-        assert_eq!(
-            (scan.largest_reading(), scan.quantity()),
-            (3.0, Quantity::Flux)
-        );
+        assert_eq!((scan.largest_reading(), scan.quantity()), (3.0, Quantity::Flux));
     }
 
     #[test]
@@ -321,9 +277,6 @@ mod tests {
         let readings = points.iter().map(|&(s, t)| reading(s, t, 1.0)).collect();
         let error = Measurement::new(Metadata::default(), readings).unwrap_err();
         assert_eq!(error.row, Some(3));
-        assert!(matches!(
-            error.fault,
-            ReadingFault::Repeated { first_row: 0, .. }
-        ));
+        assert!(matches!(error.fault, ReadingFault::Repeated { first_row: 0, .. }));
     }
 }

@@ -66,10 +66,7 @@ impl NoiseEstimate {
 /// Estimates the noise floor; `None` where too few readings stand at equal steps (fewer than 30
 /// differences of order 3 beyond the aperture).
 pub fn estimate(scan: &Measurement) -> Option<NoiseEstimate> {
-    let runs: Vec<Run> = scan
-        .by_incidence()
-        .flat_map(|incidence| runs(scan, &incidence))
-        .collect();
+    let runs: Vec<Run> = scan.by_incidence().flat_map(|incidence| runs(scan, &incidence)).collect();
     let candidates = ORDERS.flat_map(|order| [0, 1].map(|more| (order, more)));
     let figures =
         candidates.filter_map(|(order, more)| Some((order, fluctuation(&runs, order, more)?)));
@@ -102,11 +99,7 @@ fn runs<'a>(scan: &Measurement, incidence: &Incidence<'a>) -> Vec<Run<'a>> {
     let regular = |a: &Reading, b: &Reading| {
         (b.theta_deg - a.theta_deg - step).abs() <= STEP_TOLERANCE * step
     };
-    incidence
-        .readings
-        .chunk_by(regular)
-        .map(|readings| Run { readings, lag })
-        .collect()
+    incidence.readings.chunk_by(regular).map(|readings| Run { readings, lag }).collect()
 }
 
 /// RMS of the differences of one order, normalised so that independent noise gives its own RMS.
@@ -142,11 +135,7 @@ fn counting(scan: &Measurement, runs: &[Run]) -> Option<f64> {
     let mut pairs = 0;
     for incidence in scan.by_incidence() {
         let quantum = quantum(incidence.readings)?;
-        variance += incidence
-            .readings
-            .iter()
-            .map(|reading| quantum * reading.value)
-            .sum::<f64>();
+        variance += incidence.readings.iter().map(|reading| quantum * reading.value).sum::<f64>();
         let sigma_deg = incidence.sigma_deg;
         let same = |run: &&Run| run.readings[0].sigma_deg.total_cmp(&sigma_deg).is_eq();
         for run in runs.iter().filter(same) {
@@ -194,9 +183,7 @@ mod tests {
     /// Uniform in [0, 1), the same on every machine.
     fn uniforms(mut state: u64) -> impl FnMut() -> f64 {
         move || {
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         }
     }
@@ -206,16 +193,9 @@ mod tests {
         let reading = |k: i32| {
             let theta_deg = f64::from(k) / 10.0;
             let clean = (-0.5 * (theta_deg / width_deg).powi(2)).exp();
-            Reading {
-                sigma_deg: 0.0,
-                theta_deg,
-                value: disturb(clean),
-            }
+            Reading { sigma_deg: 0.0, theta_deg, value: disturb(clean) }
         };
-        let meta = Metadata {
-            aperture_deg: Some(0.6),
-            ..Metadata::default()
-        };
+        let meta = Metadata { aperture_deg: Some(0.6), ..Metadata::default() };
         Measurement::new(meta, (-900..=900).map(reading).collect()).unwrap()
     }
 
@@ -238,9 +218,7 @@ mod tests {
         let mut uniform = uniforms(1);
         let noise = |clean: f64| 0.02 * clean.sqrt();
         // uniform in +-sqrt(3) has unit variance
-        let scan = lobe(8.0, |clean| {
-            clean + noise(clean) * (2.0 * uniform() - 1.0) * 3_f64.sqrt()
-        });
+        let scan = lobe(8.0, |clean| clean + noise(clean) * (2.0 * uniform() - 1.0) * 3_f64.sqrt());
         let clean = lobe(8.0, |clean| clean);
         let square = |reading: &Reading| noise(reading.value).powi(2);
         let mean = clean.readings().iter().map(square).sum::<f64>() / 1801.0;
@@ -248,25 +226,13 @@ mod tests {
         let found = estimate(&scan).unwrap();
         assert_eq!(found.counting_percent, None);
         let ratio = found.floor_percent() / expected;
-        assert!(
-            (0.85..1.1).contains(&ratio),
-            "{found:?}, expected {expected}"
-        );
+        assert!((0.85..1.1).contains(&ratio), "{found:?}, expected {expected}");
     }
 
     #[test]
     fn a_smooth_lobe_has_hardly_noise_and_a_narrow_one_is_overestimated() {
-        let percent = |width| {
-            estimate(&lobe(width, |clean| clean))
-                .unwrap()
-                .floor_percent()
-        };
-        assert!(
-            percent(8.0) < 1e-5 && percent(4.0) < 1e-2,
-            "{} {}",
-            percent(8.0),
-            percent(4.0)
-        );
+        let percent = |width| estimate(&lobe(width, |clean| clean)).unwrap().floor_percent();
+        assert!(percent(8.0) < 1e-5 && percent(4.0) < 1e-2, "{} {}", percent(8.0), percent(4.0));
         assert!(percent(1.0) > 0.1, "{}", percent(1.0));
     }
 
@@ -276,19 +242,14 @@ mod tests {
         assert_eq!(estimate(&rounded).unwrap().counting_percent, None);
         let mut uniform = uniforms(2);
         // an offset keeps the noise of the electronics above zero
-        let noisy = lobe(8.0, |clean| {
-            (clean * 4096.0 + 20.0 + 40.0 * uniform()).round() / 4096.0
-        });
+        let noisy = lobe(8.0, |clean| (clean * 4096.0 + 20.0 + 40.0 * uniform()).round() / 4096.0);
         assert_eq!(estimate(&noisy).unwrap().counting_percent, None);
     }
 
     #[test]
     fn a_few_readings_or_uneven_steps_have_no_estimate() {
-        let reading = |k: i32| Reading {
-            sigma_deg: 0.0,
-            theta_deg: f64::from(k * k) / 20.0,
-            value: 1.0,
-        };
+        let reading =
+            |k: i32| Reading { sigma_deg: 0.0, theta_deg: f64::from(k * k) / 20.0, value: 1.0 };
         let scan = Measurement::new(Metadata::default(), (0..40).map(reading).collect()).unwrap();
         assert_eq!(estimate(&scan), None);
         let point = Measurement::new(Metadata::default(), vec![reading(0)]).unwrap();

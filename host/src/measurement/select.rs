@@ -24,10 +24,7 @@ pub struct RangeError(String);
 
 impl AngleRange {
     /// Every angle.
-    pub const ALL: Self = Self {
-        min_deg: f64::NEG_INFINITY,
-        max_deg: f64::INFINITY,
-    };
+    pub const ALL: Self = Self { min_deg: f64::NEG_INFINITY, max_deg: f64::INFINITY };
 
     /// The angles from `min_deg` to `max_deg` degrees, both included.
     ///
@@ -39,6 +36,16 @@ impl AngleRange {
         } else {
             Err(RangeError(format!("{min_deg}:{max_deg}")))
         }
+    }
+
+    /// The lower end, degrees; may be infinite.
+    pub fn min_deg(&self) -> f64 {
+        self.min_deg
+    }
+
+    /// The upper end, degrees; may be infinite.
+    pub fn max_deg(&self) -> f64 {
+        self.max_deg
     }
 
     /// Whether an angle in degrees is inside; ends count as inside whatever their last digits.
@@ -72,11 +79,7 @@ impl FromStr for AngleRange {
 impl Display for AngleRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let end = |angle: f64| {
-            if angle.is_finite() {
-                angle.to_string()
-            } else {
-                String::new()
-            }
+            if angle.is_finite() { angle.to_string() } else { String::new() }
         };
         write!(f, "{}:{}", end(self.min_deg), end(self.max_deg))
     }
@@ -130,20 +133,12 @@ impl Selection {
         let inside = |reading: &&Reading| self.contains(reading.sigma_deg, reading.theta_deg);
         let kept: Vec<Reading> = scan.readings().iter().filter(inside).copied().collect();
         if kept.is_empty() {
-            let points = scan
-                .readings()
-                .iter()
-                .map(|reading| (reading.sigma_deg, reading.theta_deg));
-            return Err(SelectionFault::Nothing {
-                asked: *self,
-                covered: Self::covering(points),
-            });
+            let points =
+                scan.readings().iter().map(|reading| (reading.sigma_deg, reading.theta_deg));
+            return Err(SelectionFault::Nothing { asked: *self, covered: Self::covering(points) });
         }
         // Sorted and free of repetitions as part of the whole; negative noise was judged there too.
-        let part = Measurement {
-            meta: scan.meta.clone(),
-            readings: kept,
-        };
+        let part = Measurement { meta: scan.meta.clone(), readings: kept };
         if part.largest_reading() <= 0.0 {
             return Err(SelectionFault::Dark { asked: *self });
         }
@@ -152,24 +147,15 @@ impl Selection {
 
     /// The smallest selection that contains the points (sigma, theta) in degrees.
     pub(super) fn covering(points: impl Iterator<Item = (f64, f64)>) -> Self {
-        let empty = AngleRange {
-            min_deg: f64::INFINITY,
-            max_deg: f64::NEG_INFINITY,
-        };
+        let empty = AngleRange { min_deg: f64::INFINITY, max_deg: f64::NEG_INFINITY };
         let grown = |range: AngleRange, angle: f64| AngleRange {
             min_deg: range.min_deg.min(angle),
             max_deg: range.max_deg.max(angle),
         };
-        points.fold(
-            Self {
-                sigma: empty,
-                theta: empty,
-            },
-            |covered, (sigma, theta)| Self {
-                sigma: grown(covered.sigma, sigma),
-                theta: grown(covered.theta, theta),
-            },
-        )
+        points.fold(Self { sigma: empty, theta: empty }, |covered, (sigma, theta)| Self {
+            sigma: grown(covered.sigma, sigma),
+            theta: grown(covered.theta, theta),
+        })
     }
 }
 
@@ -184,10 +170,7 @@ mod tests {
         assert!(range.contains(-60.0) && range.contains(0.1 + 0.2) && !range.contains(0.31));
         let open: AngleRange = ":60".parse().unwrap();
         assert!(open.contains(-90.0) && !open.contains(61.0));
-        assert_eq!(
-            (range.to_string().as_str(), open.to_string().as_str()),
-            ("-60:0.3", ":60")
-        );
+        assert_eq!((range.to_string().as_str(), open.to_string().as_str()), ("-60:0.3", ":60"));
         for bad in ["", "5", "75:5", "a:b", "nan:5", "0:inf", "1:2:3"] {
             assert!(bad.parse::<AngleRange>().is_err(), "{bad}");
         }
@@ -196,23 +179,14 @@ mod tests {
     #[test]
     fn a_selection_keeps_what_is_inside_and_says_what_there_was() {
         let points = [(0.0, -10.0), (0.0, 10.0), (30.0, 10.0), (30.0, 40.0)];
-        let reading = |&(sigma_deg, theta_deg): &(f64, f64)| Reading {
-            sigma_deg,
-            theta_deg,
-            value: 1.0,
-        };
+        let reading =
+            |&(sigma_deg, theta_deg): &(f64, f64)| Reading { sigma_deg, theta_deg, value: 1.0 };
         let scan =
             Measurement::new(Metadata::default(), points.iter().map(reading).collect()).unwrap();
-        let mut selection = Selection {
-            theta: "0:20".parse().unwrap(),
-            ..Selection::default()
-        };
+        let mut selection = Selection { theta: "0:20".parse().unwrap(), ..Selection::default() };
         assert_eq!(selection.apply(&scan).unwrap().readings().len(), 2);
         selection.sigma = "5:25".parse().unwrap();
         let message = selection.apply(&scan).unwrap_err().to_string();
-        assert!(
-            message.contains("covers sigma 0:30 and theta -10:40"),
-            "{message}"
-        );
+        assert!(message.contains("covers sigma 0:30 and theta -10:40"), "{message}");
     }
 }

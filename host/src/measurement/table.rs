@@ -52,19 +52,8 @@ impl<'a> Table<'a> {
             Column::Name(_) => false,
         };
         let with_headings = rows.first().is_some_and(|first| !is_data(first));
-        let headings = if with_headings {
-            rows.remove(0)
-        } else {
-            StringRecord::new()
-        };
-        let mut table = Self {
-            name,
-            text,
-            map,
-            headings,
-            rows,
-            indices: Vec::new(),
-        };
+        let headings = if with_headings { rows.remove(0) } else { StringRecord::new() };
+        let mut table = Self { name, text, map, headings, rows, indices: Vec::new() };
         let angles_and_reading = [&map.sigma, &map.theta, &map.reading];
         let filters = map.filters.iter().map(|(column, _)| column);
         for column in angles_and_reading.into_iter().chain(filters) {
@@ -78,35 +67,23 @@ impl<'a> Table<'a> {
     }
 
     fn index(&self, column: &Column) -> Result<usize, ScanError> {
-        let width = self
-            .rows
-            .first()
-            .map_or(0, StringRecord::len)
-            .max(self.headings.len());
+        let width = self.rows.first().map_or(0, StringRecord::len).max(self.headings.len());
         let (found, asked) = match column {
-            Column::Name(name) => (
-                self.headings.iter().position(|head| head == name),
-                name.clone(),
-            ),
+            Column::Name(name) => {
+                (self.headings.iter().position(|head| head == name), name.clone())
+            }
             Column::Number(number) => (Some(number - 1).filter(|&k| k < width), number.to_string()),
         };
         found.ok_or_else(|| {
             let headings = self.headings.iter().map(str::to_owned);
             let numbers = (self.headings.len()..width).map(|index| (index + 1).to_string());
             let available = Names(headings.chain(numbers).collect());
-            let line = line_of(
-                self.text,
-                self.headings.position().map_or(0, ::csv::Position::byte),
-            );
+            let line =
+                line_of(self.text, self.headings.position().map_or(0, ::csv::Position::byte));
             self.fail(if width == 1 {
-                ScanFault::OneColumn {
-                    delimiter: char::from(self.map.delimiter),
-                }
+                ScanFault::OneColumn { delimiter: char::from(self.map.delimiter) }
             } else {
-                ScanFault::NoColumn {
-                    column: excerpt(&asked),
-                    available,
-                }
+                ScanFault::NoColumn { column: excerpt(&asked), available }
             })
             .at(line)
         })
@@ -114,10 +91,7 @@ impl<'a> Table<'a> {
 
     /// The line of a row, counted from 1.
     pub(super) fn line(&self, row: usize) -> u64 {
-        line_of(
-            self.text,
-            self.rows[row].position().map_or(0, ::csv::Position::byte),
-        )
+        line_of(self.text, self.rows[row].position().map_or(0, ::csv::Position::byte))
     }
 
     fn filters(&self) -> impl Iterator<Item = (usize, &'a Column, &'a str)> {
@@ -126,8 +100,7 @@ impl<'a> Table<'a> {
     }
 
     pub(super) fn passes(&self, record: &StringRecord) -> bool {
-        self.filters()
-            .all(|(index, _, value)| self.equal(record.get(index).unwrap_or(""), value))
+        self.filters().all(|(index, _, value)| self.equal(record.get(index).unwrap_or(""), value))
     }
 
     fn equal(&self, found: &str, asked: &str) -> bool {
@@ -143,16 +116,10 @@ impl<'a> Table<'a> {
                 continue;
             }
             let mut seen = HashSet::new();
-            let distinct = values()
-                .filter(|found| seen.insert(*found))
-                .map(str::to_owned);
+            let distinct = values().filter(|found| seen.insert(*found)).map(str::to_owned);
             let available = Names(distinct.collect());
             let (column, value) = (excerpt(&column.to_string()), excerpt(value));
-            return Err(self.fail(ScanFault::NoMatch {
-                column,
-                value,
-                available,
-            }));
+            return Err(self.fail(ScanFault::NoMatch { column, value, available }));
         }
         Ok(())
     }
@@ -188,17 +155,11 @@ impl<'a> Table<'a> {
             Role::Theta => &self.map.theta,
             Role::Reading => &self.map.reading,
         };
-        self.fail(fault)
-            .at(self.line(row))
-            .in_column(column.to_string())
+        self.fail(fault).at(self.line(row)).in_column(column.to_string())
     }
 
     fn number(&self, field: &str) -> Result<f64, ScanFault> {
-        if self.map.decimal_comma {
-            number(&field.replace(',', "."))
-        } else {
-            number(field)
-        }
+        if self.map.decimal_comma { number(&field.replace(',', ".")) } else { number(field) }
     }
 }
 
@@ -208,11 +169,9 @@ fn line_of(text: &str, byte: u64) -> u64 {
     let start = usize::try_from(byte).unwrap_or(usize::MAX).min(text.len());
     let (before, after) = text.as_bytes().split_at(start);
     // a record may begin at the second half of a line end
-    let skipped = after
-        .split_inclusive(|&byte| byte == b'\n')
-        .take_while(|line| {
-            let line = line.trim_ascii();
-            line.is_empty() || line.starts_with(b"#")
-        });
+    let skipped = after.split_inclusive(|&byte| byte == b'\n').take_while(|line| {
+        let line = line.trim_ascii();
+        line.is_empty() || line.starts_with(b"#")
+    });
     newlines(before) + skipped.map(newlines).sum::<u64>() + 1
 }

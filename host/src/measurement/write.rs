@@ -18,19 +18,13 @@ pub fn write(scan: &Measurement, mut out: impl Write) -> io::Result<()> {
     }
     writeln!(out, "{}", COLUMNS.join(","))?;
     for reading in scan.readings() {
-        writeln!(
-            out,
-            "{},{},{:.9e}",
-            reading.sigma_deg, reading.theta_deg, reading.value
-        )?;
+        writeln!(out, "{},{},{:.9e}", reading.sigma_deg, reading.theta_deg, reading.value)?;
     }
     Ok(())
 }
 
 fn one_line(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect()
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 #[cfg(test)]
@@ -47,19 +41,12 @@ mod tests {
     #[test]
     fn the_file_looks_as_the_contract_says() {
         let mut meta = Metadata::default();
-        for (key, value) in [
-            ("note", "two\nlines"),
-            ("ior", "1.49"),
-            ("seed", "7"),
-            ("sample", "5"),
-        ] {
+        for (key, value) in
+            [("note", "two\nlines"), ("ior", "1.49"), ("seed", "7"), ("sample", "5")]
+        {
             meta.set(key, value).unwrap();
         }
-        let reading = |theta_deg, value| Reading {
-            sigma_deg: 0.0,
-            theta_deg,
-            value,
-        };
+        let reading = |theta_deg, value| Reading { sigma_deg: 0.0, theta_deg, value };
         let scan = Measurement::new(meta, vec![reading(0.5, 1.0 / 3.0), reading(-89.9, -1e-5)]);
         let expected = "# sample: 5\n# ior: 1.49\n# seed: 7\n# note: two lines\n\
                         sigma_deg,theta_deg,reading\n0,-89.9,-1.000000000e-5\n0,0.5,3.333333333e-1\n";

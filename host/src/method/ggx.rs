@@ -29,13 +29,8 @@ const ALPHA: Parameter = Parameter {
     scale: Scale::Log,
     starts: &[0.004, 0.02, 0.08, 0.25, 0.8],
 };
-const GAIN: Parameter = Parameter {
-    name: "gain",
-    unit: "",
-    bounds: (1e-6, 100.0),
-    scale: Scale::Log,
-    starts: &[0.5],
-};
+const GAIN: Parameter =
+    Parameter { name: "gain", unit: "", bounds: (1e-6, 100.0), scale: Scale::Log, starts: &[0.5] };
 const LAMBERT: Parameter = Parameter {
     name: "lambert",
     unit: "1/sr",
@@ -90,7 +85,8 @@ mod tests {
         let surface = Surface::Dielectric { ior: 1.49 };
         let method = GgxMethod::new(surface);
         assert!(method.boundary(&[0.2], surface).is_ok());
-        for (values, name) in [(vec![], "alpha"), (vec![-1.0], "alpha"), (vec![f64::NAN], "alpha")] {
+        for (values, name) in [(vec![], "alpha"), (vec![-1.0], "alpha"), (vec![f64::NAN], "alpha")]
+        {
             let text = method.boundary(&values, surface).unwrap_err().to_string();
             assert!(text.contains(name), "{text}");
         }

@@ -27,13 +27,8 @@ const DELTA: Parameter = Parameter {
     scale: Scale::Log,
     starts: &[0.3, 2.0, 8.0, 25.0],
 };
-const N: Parameter = Parameter {
-    name: "n",
-    unit: "",
-    bounds: (0.5, 64.0),
-    scale: Scale::Log,
-    starts: &[2.0],
-};
+const N: Parameter =
+    Parameter { name: "n", unit: "", bounds: (0.5, 64.0), scale: Scale::Log, starts: &[2.0] };
 const THETA0: Parameter = Parameter {
     name: "theta0",
     unit: "deg",

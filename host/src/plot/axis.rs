@@ -30,19 +30,13 @@ impl Axis {
         let span = if hi > lo { hi - lo } else { 1.0 };
         let hi = lo + span;
         // the zero line stays clear of the frame, the peak below it
-        Self::Linear {
-            lo: lo - 0.025 * span,
-            hi: hi + 0.06 * span,
-        }
+        Self::Linear { lo: lo - 0.025 * span, hi: hi + 0.06 * span }
     }
 
     /// A vertical logarithmic axis from `decades` below `peak` to `highest`.
     pub(super) fn log_over(peak: f64, highest: f64, decades: u8) -> Self {
         let (decades, peak) = (f64::from(decades), peak.log10());
-        Self::Log {
-            lo: peak - decades,
-            hi: highest.log10().max(peak) + 0.06 * decades,
-        }
+        Self::Log { lo: peak - decades, hi: highest.log10().max(peak) + 0.06 * decades }
     }
 
     /// Where a value lies, 0 to 1 between the ends and beyond them outside; `None` if it has no place.
@@ -55,9 +49,8 @@ impl Axis {
 
     /// Ticks of an axis of angles in degrees: parts of a circle where they fit.
     pub(super) fn angle_ticks(self) -> Vec<Tick> {
-        const STEPS: [f64; 13] = [
-            0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0,
-        ];
+        const STEPS: [f64; 13] =
+            [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0];
         match self {
             Self::Linear { lo, hi } => {
                 let fits = |step: &&f64| hi - lo <= 7.0 * **step && hi - lo > 2.0 * **step;
@@ -120,11 +113,7 @@ pub(super) fn superscript(number: i32) -> String {
 /// A number as typeset, with a minus sign for the hyphen and no sign on zero.
 pub(super) fn signed(number: &str) -> String {
     let zero = !number.contains(|c: char| c.is_ascii_digit() && c != '0');
-    if zero {
-        number.trim_start_matches('-').to_owned()
-    } else {
-        number.replace('-', "−")
-    }
+    if zero { number.trim_start_matches('-').to_owned() } else { number.replace('-', "−") }
 }
 
 /// Ticks at the powers of ten and their multiples between two decadic logarithms.
@@ -143,10 +132,7 @@ fn decades(lo: f64, hi: f64) -> Vec<Tick> {
                 2 | 5 if few => Some(format!("{digit}×10{}", superscript(decade))),
                 _ => None,
             };
-            ticks.push(Tick {
-                at: (place - lo) / (hi - lo),
-                label,
-            });
+            ticks.push(Tick { at: (place - lo) / (hi - lo), label });
         }
     }
     ticks
@@ -173,11 +159,7 @@ mod tests {
 
     #[test]
     fn observation_angles_are_marked_every_thirty_degrees() {
-        let ticks = Axis::Linear {
-            lo: -90.0,
-            hi: 90.0,
-        }
-        .angle_ticks();
+        let ticks = Axis::Linear { lo: -90.0, hi: 90.0 }.angle_ticks();
         assert_eq!(labels(&ticks), ["−90", "−60", "−30", "0", "30", "60", "90"]);
         let ticks = Axis::Linear { lo: 29.0, hi: 31.0 }.angle_ticks();
         assert_eq!(labels(&ticks), ["29.0", "29.5", "30.0", "30.5", "31.0"]);
@@ -190,10 +172,7 @@ mod tests {
         assert_eq!(common_exponent(0.003), -3);
         assert_eq!(common_exponent(0.3), 0);
         let ticks = Axis::linear_over(0.0, 0.003).reading_ticks(-3);
-        assert_eq!(
-            labels(&ticks),
-            ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]
-        );
+        assert_eq!(labels(&ticks), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]);
     }
 
     #[test]
@@ -201,10 +180,7 @@ mod tests {
         let ticks = Axis::log_over(0.03, 0.03, 4).reading_ticks(0);
         assert_eq!(labels(&ticks), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
         assert!(ticks.len() > 30);
-        assert_eq!(
-            labels(&Axis::log_over(1.0, 1.0, 1).reading_ticks(0)).len(),
-            4
-        );
+        assert_eq!(labels(&Axis::log_over(1.0, 1.0, 1).reading_ticks(0)).len(), 4);
         assert!(labels(&Axis::log_over(1.0, 1.0, 15).reading_ticks(0)).len() <= 7);
     }
 
@@ -212,10 +188,6 @@ mod tests {
     fn zero_has_no_place_on_a_logarithmic_axis() {
         assert_eq!(Axis::log_over(1.0, 1.0, 4).at(0.0), None);
         assert_eq!(Axis::log_over(1.0, 1.0, 4).at(-1.0), None);
-        assert!(
-            Axis::log_over(1.0, 1.0, 4)
-                .at(1e-5)
-                .is_some_and(|at| at < 0.0)
-        );
+        assert!(Axis::log_over(1.0, 1.0, 4).at(1e-5).is_some_and(|at| at < 0.0));
     }
 }

@@ -91,15 +91,7 @@ impl Canvas {
             (left - width, top, width, area.height),
             (area.right(), top, width, area.height),
         ] {
-            self.fill(
-                Frame {
-                    left,
-                    top,
-                    width,
-                    height,
-                },
-                color,
-            );
+            self.fill(Frame { left, top, width, height }, color);
         }
     }
 
@@ -129,10 +121,7 @@ impl Canvas {
         self.scene.add(Primitive::GroupEnd);
         let (width, height) = (self.scene.width, self.scene.height);
         let svg = SvgBackend::new().render_scene(&self.scene);
-        let name = clean(name)
-            .replace('&', "&amp;")
-            .replace('<', "&lt;")
-            .replace('"', "&quot;");
+        let name = clean(name).replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
         let head =
             format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\"");
         svg.replacen("<svg", &head, 1)
@@ -141,9 +130,7 @@ impl Canvas {
     /// The picture as PNG, one pixel of the layout to one of the image.
     pub(super) fn into_png(mut self) -> Result<Vec<u8>, String> {
         self.scene.add(Primitive::GroupEnd);
-        RasterBackend::new()
-            .with_scale(1.0)
-            .render_scene(&self.scene)
+        RasterBackend::new().with_scale(1.0).render_scene(&self.scene)
     }
 
     /// One path for all runs, dashed by the viewer: a third of the size of kuva's own polylines.
@@ -196,7 +183,5 @@ fn paint(Rgb(red, green, blue): Rgb) -> Color {
 
 /// Without the control characters, most of which XML cannot even quote.
 fn clean(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect()
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

@@ -87,20 +87,14 @@ impl Figure {
         }
         for panel in &self.panels {
             if panel.curves.is_empty() {
-                return Err(PlotError::EmptyPanel {
-                    panel: panel.caption.clone(),
-                });
+                return Err(PlotError::EmptyPanel { panel: panel.caption.clone() });
             }
             for curve in &panel.curves {
                 check_curve(&panel.caption, curve)?;
             }
         }
         let shown = |y: f64| y > 0.0 || self.scale == Scale::Linear;
-        if !self
-            .curves()
-            .flat_map(|c| &c.points)
-            .any(|&(x, y)| shown(y) && lo <= x && x <= hi)
-        {
+        if !self.curves().flat_map(|c| &c.points).any(|&(x, y)| shown(y) && lo <= x && x <= hi) {
             return Err(match self.scale {
                 Scale::Linear => PlotError::NothingInRange { lo, hi },
                 Scale::Log { .. } => PlotError::NothingPositive,
@@ -182,17 +176,9 @@ pub enum PlotError {
 
 fn check_curve(panel: &str, curve: &Curve) -> Result<(), PlotError> {
     if curve.points.is_empty() {
-        return Err(PlotError::EmptyCurve {
-            panel: panel.into(),
-            curve: curve.label.clone(),
-        });
+        return Err(PlotError::EmptyCurve { panel: panel.into(), curve: curve.label.clone() });
     }
-    match curve
-        .points
-        .iter()
-        .enumerate()
-        .find(|(_, (x, y))| !(drawable(*x) && drawable(*y)))
-    {
+    match curve.points.iter().enumerate().find(|(_, (x, y))| !(drawable(*x) && drawable(*y))) {
         None => Ok(()),
         Some((index, &(x, y))) => Err(PlotError::NotFinite {
             panel: panel.into(),

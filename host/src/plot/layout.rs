@@ -113,9 +113,7 @@ fn grid(panels: usize) -> (usize, usize, f64) {
 /// Centred lines of entries, and where they end.
 fn place_legend(labels: &[String]) -> (Vec<Pixel>, f64) {
     const GAP: f64 = 44.0;
-    let widths = labels
-        .iter()
-        .map(|l| SAMPLE + 12.0 + text_width(l, size::LEGEND));
+    let widths = labels.iter().map(|l| SAMPLE + 12.0 + text_width(l, size::LEGEND));
     let mut lines: Vec<(f64, Vec<f64>)> = Vec::new(); // width so far, left ends
     for width in widths {
         match lines.last_mut() {
@@ -131,10 +129,7 @@ fn place_legend(labels: &[String]) -> (Vec<Pixel>, f64) {
         let middle = LEGEND_TOP + (row as f64 + 0.5) * LEGEND_LINE;
         starts.iter().map(move |start| (left + start, middle))
     });
-    (
-        places.collect(),
-        LEGEND_TOP + lines.len() as f64 * LEGEND_LINE,
-    )
+    (places.collect(), LEGEND_TOP + lines.len() as f64 * LEGEND_LINE)
 }
 
 #[cfg(test)]

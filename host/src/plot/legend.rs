@@ -28,26 +28,14 @@ impl Legend {
         for style in [CurveStyle::Measured, CurveStyle::Fitted] {
             let first = entries.len();
             for curve in figure.curves().filter(|curve| curve.style == style) {
-                if !entries[first..]
-                    .iter()
-                    .any(|entry| entry.label == curve.label)
-                {
+                if !entries[first..].iter().any(|entry| entry.label == curve.label) {
                     let index = entries.len() - first;
-                    entries.push(Entry {
-                        label: curve.label.clone(),
-                        style,
-                        index,
-                    });
+                    entries.push(Entry { label: curve.label.clone(), style, index });
                 }
             }
         }
-        let measured = figure
-            .curves()
-            .filter(|curve| curve.style == CurveStyle::Measured);
-        Self {
-            entries,
-            sparse: measured.map(|c| c.points.len()).max() <= Some(MOST_MARKERS),
-        }
+        let measured = figure.curves().filter(|curve| curve.style == CurveStyle::Measured);
+        Self { entries, sparse: measured.map(|c| c.points.len()).max() <= Some(MOST_MARKERS) }
     }
 
     /// The names as they are written, for the layout.

@@ -24,11 +24,7 @@ pub(super) struct Stroke {
 }
 
 /// The broad line under the fits.
-pub(super) const MEASURED: Stroke = Stroke {
-    color: MEASURED_LINE,
-    width: 6.0,
-    dashes: &[],
-};
+pub(super) const MEASURED: Stroke = Stroke { color: MEASURED_LINE, width: 6.0, dashes: &[] };
 
 /// Colours of Okabe and Ito (2008), distinct under all common colour deficiencies; black and yellow
 /// left out, one for the axes, the other too pale for a line.

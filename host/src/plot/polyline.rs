@@ -168,21 +168,14 @@ fn thinned(run: &[Pixel]) -> Vec<Pixel> {
             spans.extend([(first, i), (i, last)]);
         }
     }
-    run.iter()
-        .zip(keep)
-        .filter_map(|(&p, keep)| keep.then_some(p))
-        .collect()
+    run.iter().zip(keep).filter_map(|(&p, keep)| keep.then_some(p)).collect()
 }
 
 /// Distance of `p` from the straight line between `a` and `b`, ends included.
 fn distance(p: Pixel, a: Pixel, b: Pixel) -> f64 {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let squared = dx * dx + dy * dy;
-    let t = if squared > 0.0 {
-        ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / squared
-    } else {
-        0.0
-    };
+    let t = if squared > 0.0 { ((p.0 - a.0) * dx + (p.1 - a.1) * dy) / squared } else { 0.0 };
     let t = t.clamp(0.0, 1.0);
     (p.0 - a.0 - t * dx).hypot(p.1 - a.1 - t * dy)
 }
@@ -191,22 +184,11 @@ fn distance(p: Pixel, a: Pixel, b: Pixel) -> f64 {
 mod tests {
     use super::*;
 
-    const UNIT: Frame = Frame {
-        left: 0.0,
-        top: 0.0,
-        width: 100.0,
-        height: 100.0,
-    };
+    const UNIT: Frame = Frame { left: 0.0, top: 0.0, width: 100.0, height: 100.0 };
 
     #[test]
     fn a_gap_and_the_frame_break_the_line() {
-        let gap = [
-            Some((0.0, 50.0)),
-            Some((10.0, 60.0)),
-            None,
-            Some((20.0, 50.0)),
-            None,
-        ];
+        let gap = [Some((0.0, 50.0)), Some((10.0, 60.0)), None, Some((20.0, 50.0)), None];
         assert_eq!(
             visible_runs(gap.into_iter(), UNIT),
             [vec![(0.0, 50.0), (10.0, 60.0)], vec![(20.0, 50.0)]]
@@ -214,10 +196,7 @@ mod tests {
         let below = [Some((0.0, 50.0)), Some((10.0, 150.0)), Some((20.0, 50.0))];
         assert_eq!(
             visible_runs(below.into_iter(), UNIT),
-            [
-                vec![(0.0, 50.0), (5.0, 100.0)],
-                vec![(15.0, 100.0), (20.0, 50.0)]
-            ]
+            [vec![(0.0, 50.0), (5.0, 100.0)], vec![(15.0, 100.0), (20.0, 50.0)]]
         );
     }
 
@@ -225,14 +204,7 @@ mod tests {
     fn thinning_keeps_the_peak_and_drops_the_rest_of_a_long_curve() {
         let peak = 31_234;
         let curve = (0..50_000).map(|i| {
-            Some((
-                f64::from(i) * 0.002,
-                if i == peak {
-                    3.0
-                } else {
-                    90.0 - f64::from(i) * 1e-4
-                },
-            ))
+            Some((f64::from(i) * 0.002, if i == peak { 3.0 } else { 90.0 - f64::from(i) * 1e-4 }))
         });
         let runs = visible_runs(curve, UNIT);
         assert_eq!(runs.len(), 1);

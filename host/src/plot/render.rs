@@ -22,9 +22,7 @@ pub fn svg(figure: &Figure) -> Result<String, PlotError> {
 /// # Errors
 /// As [`svg`], and [`PlotError::Raster`].
 pub fn png(figure: &Figure) -> Result<Vec<u8>, PlotError> {
-    draw(figure, Medium::Png)?
-        .into_png()
-        .map_err(PlotError::Raster)
+    draw(figure, Medium::Png)?.into_png().map_err(PlotError::Raster)
 }
 
 fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
@@ -34,29 +32,17 @@ fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
     let mut canvas = Canvas::new(WIDTH, layout.height, medium);
 
     let (title, title_size) = fitted(&figure.title, size::TITLE, 16, WIDTH - 60.0);
-    canvas.text(
-        (0.5 * WIDTH, layout.title),
-        &title,
-        title_size,
-        Anchor::Middle,
-    );
+    canvas.text((0.5 * WIDTH, layout.title), &title, title_size, Anchor::Middle);
     for (entry, &place) in legend.entries.iter().zip(&layout.legend) {
         legend.draw_entry(&mut canvas, entry, place);
     }
 
-    let x_axis = Axis::Linear {
-        lo: figure.x_range.0,
-        hi: figure.x_range.1,
-    };
+    let x_axis = Axis::Linear { lo: figure.x_range.0, hi: figure.x_range.1 };
     let shared = y_axis(figure, &figure.panels);
     let exponent = shared_exponent(figure);
     for (i, (panel, &frame)) in figure.panels.iter().zip(&layout.frames).enumerate() {
         let own = || y_axis(figure, std::slice::from_ref(panel));
-        let plot = Plot {
-            frame,
-            x: x_axis,
-            y: if figure.shared_y { shared } else { own() },
-        };
+        let plot = Plot { frame, x: x_axis, y: if figure.shared_y { shared } else { own() } };
         let labelled = !figure.shared_y || i % layout.columns == 0;
         plot.grid(&mut canvas, exponent, labelled);
         plot.curves(&mut canvas, panel, &legend);
@@ -88,43 +74,17 @@ struct Plot {
 impl Plot {
     fn place(&self, &(x, y): &(f64, f64)) -> Option<Pixel> {
         let (right, up) = (self.x.at(x)?, self.y.at(y)?);
-        let Frame {
-            left,
-            width,
-            height,
-            ..
-        } = self.frame;
+        let Frame { left, width, height, .. } = self.frame;
         Some((left + right * width, self.frame.bottom() - up * height))
     }
 
     fn grid(&self, canvas: &mut Canvas, exponent: i32, labelled: bool) {
-        let Frame {
-            left,
-            top,
-            width,
-            height,
-        } = self.frame;
+        let Frame { left, top, width, height } = self.frame;
         let bottom = self.frame.bottom();
         for Tick { at, label } in self.x.angle_ticks() {
             let x = (left + at * width).round();
-            canvas.fill(
-                Frame {
-                    left: x,
-                    top,
-                    width: 1.0,
-                    height,
-                },
-                GRID,
-            );
-            canvas.fill(
-                Frame {
-                    left: x,
-                    top: bottom,
-                    width: 1.0,
-                    height: 7.0,
-                },
-                INK,
-            );
+            canvas.fill(Frame { left: x, top, width: 1.0, height }, GRID);
+            canvas.fill(Frame { left: x, top: bottom, width: 1.0, height: 7.0 }, INK);
             let label = label.unwrap_or_default();
             canvas.text(
                 (x, bottom + 8.0 + f64::from(size::TICK)),
@@ -136,25 +96,9 @@ impl Plot {
         for Tick { at, label } in self.y.reading_ticks(exponent) {
             let y = (bottom - at * height).round();
             let length = if label.is_some() { 7.0 } else { 4.0 };
-            canvas.fill(
-                Frame {
-                    left: left - length,
-                    top: y,
-                    width: length,
-                    height: 1.0,
-                },
-                INK,
-            );
+            canvas.fill(Frame { left: left - length, top: y, width: length, height: 1.0 }, INK);
             if let Some(label) = label {
-                canvas.fill(
-                    Frame {
-                        left,
-                        top: y,
-                        width,
-                        height: 1.0,
-                    },
-                    GRID,
-                );
+                canvas.fill(Frame { left, top: y, width, height: 1.0 }, GRID);
                 if labelled {
                     let place = (left - 11.0, baseline(y, size::TICK));
                     canvas.text(place, &label, size::TICK, Anchor::End);
@@ -168,9 +112,7 @@ impl Plot {
             for curve in panel.curves.iter().filter(|curve| curve.style == style) {
                 if style == CurveStyle::Measured && legend.sparse {
                     let places = curve.points.iter().filter_map(|point| self.place(point));
-                    places
-                        .filter(|&p| self.frame.contains(p))
-                        .for_each(|p| marker(canvas, p));
+                    places.filter(|&p| self.frame.contains(p)).for_each(|p| marker(canvas, p));
                 } else {
                     self.line(canvas, curve, legend.stroke(curve));
                 }
@@ -193,11 +135,8 @@ impl Plot {
         let mut any = false;
         for curve in &panel.curves {
             let inside = |x| self.x.at(x).is_some_and(|at| (0.0..=1.0).contains(&at));
-            let heights = curve
-                .points
-                .iter()
-                .filter(|p| inside(p.0))
-                .filter_map(|p| self.y.at(p.1));
+            let heights =
+                curve.points.iter().filter(|p| inside(p.0)).filter_map(|p| self.y.at(p.1));
             let highest = heights.fold(f64::NEG_INFINITY, f64::max);
             any |= highest >= 0.0;
             if highest > 1.0 {
@@ -223,9 +162,7 @@ fn y_axis(figure: &Figure, panels: &[Panel]) -> Axis {
             .filter(|curve| style.is_none_or(|style| curve.style == style))
             .flat_map(|curve| &curve.points)
             .filter(|(x, _)| lo <= *x && *x <= hi)
-            .fold((0.0_f64, 0.0_f64), |(low, high), &(_, y)| {
-                (low.min(y), high.max(y))
-            })
+            .fold((0.0_f64, 0.0_f64), |(low, high), &(_, y)| (low.min(y), high.max(y)))
     };
     let (low, high) = extremes(None);
     let (data_low, data_high) = extremes(Some(CurveStyle::Measured));

@@ -20,11 +20,7 @@ pub fn sigma_panels(
     let chosen = evenly(measured.len(), MAX_PANELS);
     let panels: Vec<Panel> = chosen.iter().map(|&i| panel(&measured[i], fits)).collect();
     let title = if chosen.len() < measured.len() {
-        format!(
-            "{title} ({} of {} incidences)",
-            chosen.len(),
-            measured.len()
-        )
+        format!("{title} ({} of {} incidences)", chosen.len(), measured.len())
     } else {
         title.to_owned()
     };
@@ -40,20 +36,11 @@ pub fn sigma_panels(
 }
 
 fn panel((sigma, points): &AtSigma, fits: &[(String, Vec<AtSigma>)]) -> Panel {
-    let measured = Curve {
-        label: "measured".into(),
-        points: points.clone(),
-        style: CurveStyle::Measured,
-    };
+    let measured =
+        Curve { label: "measured".into(), points: points.clone(), style: CurveStyle::Measured };
     let fitted = fits.iter().filter_map(|(label, at)| {
-        let (_, points) = at
-            .iter()
-            .find(|(other, _)| (other - sigma).abs() < SAME_SIGMA)?;
-        Some(Curve {
-            label: label.clone(),
-            points: points.clone(),
-            style: CurveStyle::Fitted,
-        })
+        let (_, points) = at.iter().find(|(other, _)| (other - sigma).abs() < SAME_SIGMA)?;
+        Some(Curve { label: label.clone(), points: points.clone(), style: CurveStyle::Fitted })
     });
     // three decimals at most, and none where none are needed
     let caption = format!("σ = {}°", (sigma * 1e3).round() / 1e3 + 0.0);
@@ -69,21 +56,12 @@ const SAME_SIGMA: f64 = 1e-3;
 /// The half circle, unless the measured readings fill less than a third of it or leave it: then
 /// what they fill.
 fn angle_range(measured: &[AtSigma]) -> (f64, f64) {
-    let angles = measured
-        .iter()
-        .flat_map(|(_, points)| points)
-        .map(|point| point.0);
+    let angles = measured.iter().flat_map(|(_, points)| points).map(|point| point.0);
     let (lo, hi) = angles
         .filter(|angle| angle.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), angle| {
-            (lo.min(angle), hi.max(angle))
-        });
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), angle| (lo.min(angle), hi.max(angle)));
     let within = lo >= -90.0 && hi <= 90.0;
-    if lo < hi && !(within && hi - lo >= 60.0) {
-        (lo, hi)
-    } else {
-        (-90.0, 90.0)
-    }
+    if lo < hi && !(within && hi - lo >= 60.0) { (lo, hi) } else { (-90.0, 90.0) }
 }
 
 /// At most `most` of `0..count`, at even distances, both ends included.
@@ -92,9 +70,7 @@ fn evenly(count: usize, most: usize) -> Vec<usize> {
         (0..count).collect()
     } else {
         let last = most - 1;
-        (0..most)
-            .map(|i| (i * (count - 1) + last / 2) / last)
-            .collect()
+        (0..most).map(|i| (i * (count - 1) + last / 2) / last).collect()
     }
 }
 

@@ -1,0 +1,145 @@
+//! `check`: where the flux goes, from both sides, and whether the law is reciprocal.
+
+use std::path::PathBuf;
+
+use asperity_core::direction::Side;
+use clap::ValueEnum;
+use serde::Serialize;
+
+use super::error::Failure;
+use super::print;
+use crate::boundary::Boundary;
+use crate::energy::{Energy, balance, reciprocity_error, side_name};
+use crate::model::Model;
+
+/// One side of the boundary, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SideFlag {
+    /// Light from the air.
+    Air,
+    /// Light from inside the material.
+    Dielectric,
+}
+
+/// Say where the flux goes: reflected, transmitted and lost fractions, from both sides
+///
+/// Exit 1 if the model gives more than it receives (R + T > 1 + 1e-4) or a value that is not finite.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Model made by `asperity model` or `asperity fit`
+    model: PathBuf,
+    /// Angles of incidence in degrees, in the medium the light comes from
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',',
+          default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])]
+    incidence: Vec<f64>,
+    /// Only this side; both without it
+    #[arg(long, value_enum)]
+    side: Option<SideFlag>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Answer {
+    asperity: u32,
+    method: String,
+    ior: Option<f64>,
+    energy: Vec<Energy>,
+    reciprocity_error: Vec<f64>,
+    reciprocal: bool,
+    conserves_energy: bool,
+}
+
+/// Rounding and lattice error of the balance.
+const TOLERANCE: f64 = 1e-4;
+/// Reciprocity up to rounding, far into the tails.
+const RECIPROCAL: f64 = 1e-6;
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(bad) = args.incidence.iter().find(|a| !(0.0..90.0).contains(*a)) {
+        return Err(Failure::bad(format!(
+            "--incidence {bad} is not usable; give 0 to below 90 degrees"
+        )));
+    }
+    let (model, boundary, _) = Model::read(&args.model)?;
+    let sides: &[Side] = match (args.side, &boundary) {
+        (Some(SideFlag::Dielectric), Boundary::Opaque(_)) => {
+            return Err(Failure::bad("an opaque body has no inside; use --side air"));
+        }
+        (Some(SideFlag::Air), _) | (None, Boundary::Opaque(_)) => &[Side::Air],
+        (Some(SideFlag::Dielectric), _) => &[Side::Dielectric],
+        (None, _) => &[Side::Air, Side::Dielectric],
+    };
+    let mut energy = Vec::new();
+    let mut reciprocity = Vec::new();
+    for &side in sides {
+        for &deg in &args.incidence {
+            energy.push(balance(&boundary, side, deg));
+            reciprocity.push(reciprocity_error(&boundary, side, deg));
+        }
+    }
+    let fine = |e: &Energy| e.lost >= -TOLERANCE && e.lost.is_finite();
+    let conserves_energy = energy.iter().all(fine);
+    let reciprocal = reciprocity.iter().all(|e| *e <= RECIPROCAL);
+    if args.json {
+        let answer = Answer {
+            asperity: 1,
+            method: model.method,
+            ior: model.ior,
+            energy,
+            reciprocity_error: reciprocity,
+            reciprocal,
+            conserves_energy,
+        };
+        let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
+        print(&(text + "\n"))?;
+    } else {
+        print(&human(&model, sides, &energy, &reciprocity, reciprocal))?;
+    }
+    if conserves_energy {
+        Ok(())
+    } else {
+        Err(Failure::No("the model gives more flux than it receives".into()))
+    }
+}
+
+fn human(
+    model: &Model,
+    sides: &[Side],
+    energy: &[Energy],
+    reciprocity: &[f64],
+    reciprocal: bool,
+) -> String {
+    use std::fmt::Write;
+    let mut text = String::new();
+    for &side in sides {
+        let name = side_name(side);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "light from the {name}");
+        let _ = writeln!(
+            text,
+            "  incidence    R         T         R + T     lost      reciprocity error"
+        );
+        for (e, r) in energy.iter().zip(reciprocity).filter(|(e, _)| e.side == name) {
+            let _ = writeln!(
+                text,
+                "  {:6.2} deg   {:.5}   {:.5}   {:.5}   {:+.5}  {r:.1e}",
+                e.incidence_deg,
+                e.reflected,
+                e.transmitted,
+                e.reflected + e.transmitted,
+                e.lost
+            );
+        }
+    }
+    let verdict = match (reciprocal, model.method.as_str()) {
+        (true, _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
+        (false, "normals") => {
+            "not reciprocal, by construction: facets are met in proportion to their number"
+        }
+        (false, _) => "not reciprocal",
+    };
+    let _ = writeln!(text, "{verdict}");
+    text
+}

@@ -1,0 +1,37 @@
+//! How a verb ends when it does not end well.
+
+use std::fmt::Display;
+
+/// The ways to fail, by exit status.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// Exit 1: all went well and the answer is no.
+    No(String),
+    /// Exit 2: bad usage or bad input; the text says what, where and what to do.
+    Bad(String),
+    /// Whoever read stdout has gone; exit 0.
+    BrokenPipe,
+}
+
+impl Failure {
+    /// Bad usage or input, from any error.
+    pub(super) fn bad(what: impl Display) -> Self {
+        Self::Bad(what.to_string())
+    }
+}
+
+impl From<crate::output::OutputError> for Failure {
+    fn from(e: crate::output::OutputError) -> Self {
+        Self::bad(e)
+    }
+}
+impl From<crate::measurement::ScanError> for Failure {
+    fn from(e: crate::measurement::ScanError) -> Self {
+        Self::bad(e)
+    }
+}
+impl From<crate::model::ModelError> for Failure {
+    fn from(e: crate::model::ModelError) -> Self {
+        Self::bad(e)
+    }
+}

@@ -1,0 +1,160 @@
+//! `eval`: values of the BSDF for pairs of directions.
+
+use std::fmt::Write as _;
+use std::io::Read;
+use std::path::PathBuf;
+
+use asperity_core::bsdf::Bsdf;
+use asperity_core::direction::Direction;
+use serde::Serialize;
+
+use super::error::Failure;
+use super::print;
+use crate::boundary::with_boundary;
+use crate::model::Model;
+use crate::output::AtomicFile;
+
+/// Evaluate the BSDF for pairs of directions
+///
+/// Reads CSV from stdin with the columns wix,wiy,wiz,wox,woy,woz: unit vectors pointing away from the
+/// surface, +z into the air. Writes the same rows with f (1/sr, without cosine), ars = f |cos theta_o|
+/// and pdf (1/sr) added. Flux transport: transmission carries no eta^2 of radiance.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Model made by `asperity model` or `asperity fit`
+    model: PathBuf,
+    /// Read the pairs from a file instead of stdin
+    #[arg(short, long, value_name = "FILE")]
+    input: Option<PathBuf>,
+    /// File to write; stdout without it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write JSON: a list of objects
+    #[arg(long)]
+    json: bool,
+}
+
+const COLUMNS: &str = "wix,wiy,wiz,wox,woy,woz";
+/// Deviation of a length from 1 that is taken as rounding; more is taken as a mistake.
+const LENGTH: f64 = 1e-3;
+
+#[derive(Serialize)]
+struct Row {
+    wi: [f64; 3],
+    wo: [f64; 3],
+    f: f64,
+    ars: f64,
+    pdf: f64,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let (_, boundary, _) = Model::read(&args.model)?;
+    let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
+    let (name, text) = pairs_text(args.input.as_ref())?;
+    let pairs = parse(&name, &text)?;
+    let mut csv = format!("{COLUMNS},f,ars,pdf\n");
+    let mut rows = Vec::new();
+    with_boundary!(&boundary, b => {
+        for (kept, wi, wo) in &pairs {
+            let (f, ars, pdf) = (b.eval(*wi, *wo), b.ars(*wi, *wo), b.pdf(*wi, *wo));
+            if args.json {
+                rows.push(Row { wi: wi.xyz(), wo: wo.xyz(), f, ars, pdf });
+            } else {
+                // Writing to a string cannot fail.
+                let _ = writeln!(csv, "{kept},{f:e},{ars:e},{pdf:e}");
+            }
+        }
+    });
+    let text = if args.json {
+        serde_json::to_string_pretty(&rows).map_err(Failure::bad)? + "\n"
+    } else {
+        csv
+    };
+    match output {
+        Some(mut file) => {
+            let path = file.path().to_owned();
+            std::io::Write::write_all(&mut file, text.as_bytes())
+                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+            Ok(file.commit()?)
+        }
+        None => print(&text),
+    }
+}
+
+fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {
+    let mut bytes = Vec::new();
+    let name = match input {
+        Some(path) => {
+            bytes = std::fs::read(path).map_err(|e| {
+                Failure::bad(format!("{}: cannot be read ({e}); check the path", path.display()))
+            })?;
+            path.display().to_string()
+        }
+        None => {
+            std::io::stdin()
+                .lock()
+                .read_to_end(&mut bytes)
+                .map_err(|e| Failure::bad(format!("stdin cannot be read: {e}")))?;
+            "stdin".to_owned()
+        }
+    };
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok((name, text)),
+        Err(_) => {
+            Err(Failure::bad(format!("{name}: is not text; give CSV with the columns {COLUMNS}")))
+        }
+    }
+}
+
+type Pair<'a> = (&'a str, Direction<f64>, Direction<f64>);
+
+/// The rows with their directions; the text of a row is kept as it was.
+fn parse<'a>(name: &str, text: &'a str) -> Result<Vec<Pair<'a>>, Failure> {
+    let bad = |line: usize, what: String| Failure::bad(format!("{name}:{line}: {what}"));
+    let mut pairs = Vec::new();
+    let mut header = false;
+    for (n, line) in text.lines().enumerate() {
+        let line = line.trim().trim_start_matches('\u{feff}');
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        if !header {
+            let found: String = line.split(',').map(str::trim).collect::<Vec<_>>().join(",");
+            if found != COLUMNS {
+                return Err(bad(n + 1, format!("the first line must be `{COLUMNS}`")));
+            }
+            header = true;
+            continue;
+        }
+        let mut v = [0.0; 6];
+        let mut count = 0;
+        for field in line.split(',') {
+            let value = field.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+            let Some(value) = value else {
+                return Err(bad(n + 1, format!("`{}` is not a finite number", field.trim())));
+            };
+            if let Some(slot) = v.get_mut(count) {
+                *slot = value;
+            }
+            count += 1;
+        }
+        if count != 6 {
+            return Err(bad(n + 1, format!("{count} values; write six: {COLUMNS}")));
+        }
+        let direction = |which: &str, v: &[f64]| {
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (length - 1.0).abs() > LENGTH {
+                let what = format!("{which} has length {length}; give a unit vector");
+                return Err(bad(n + 1, what));
+            }
+            Direction::new(v[0], v[1], v[2])
+                .ok_or_else(|| bad(n + 1, format!("{which} is no direction")))
+        };
+        pairs.push((line, direction("wi", &v[..3])?, direction("wo", &v[3..])?));
+    }
+    if header {
+        Ok(pairs)
+    } else {
+        Err(bad(1, format!("there is nothing to read; the first line must be `{COLUMNS}`")))
+    }
+}

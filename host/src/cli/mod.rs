@@ -1,0 +1,101 @@
+//! The command line: one file a verb. Only here is anything printed, timed or ended.
+//!
+//! Results go to stdout, all else to stderr. Exit 0: done. 1: the answer is no. 2: bad usage or input.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "this is the layer that prints")]
+
+mod error;
+mod interrupt;
+mod progress;
+mod source;
+mod check;
+mod completions;
+mod demo;
+mod eval;
+mod fit;
+mod model;
+mod scan;
+
+use std::ffi::OsString;
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use error::Failure;
+
+/// Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
+///
+/// A rough plate is measured on a goniophotometer; asperity finds the scattering law of its rough
+/// boundary, seen from the air and from inside the material, and evaluates it anywhere.
+#[derive(Debug, Parser)]
+#[command(name = "asperity", version, after_help = EXAMPLES, propagate_version = true)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  asperity demo                                        the whole job on built-in data
+  asperity fit scan.csv --method ggx --ior 1.49        a model from a measurement
+  asperity model ggx --set alpha=0.2 --ior 1.49 -o m.json
+  asperity scan m.json --sigma 0,30,60 -o virtual.csv  what a goniophotometer would read
+  asperity check m.json                                where the flux goes, from both sides
+  asperity eval m.json < pairs.csv                     values of the BSDF
+
+Angles are in degrees. Exit status: 0 done, 1 the answer is no, 2 bad usage or bad input.";
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Demo(demo::Args),
+    Model(model::Args),
+    Scan(scan::Args),
+    Fit(fit::Args),
+    Eval(eval::Args),
+    Check(check::Args),
+    Completions(completions::Args),
+}
+
+/// Runs the program with its arguments, the first of which is its own name.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Help and version are answers, anything else is bad usage.
+            let code = u8::from(e.use_stderr()) * 2;
+            drop(e.print());
+            return ExitCode::from(code);
+        }
+    };
+    let done = match cli.verb {
+        Verb::Demo(a) => demo::run(&a),
+        Verb::Model(a) => model::run(&a),
+        Verb::Scan(a) => scan::run(&a),
+        Verb::Fit(a) => fit::run(&a),
+        Verb::Eval(a) => eval::run(&a),
+        Verb::Check(a) => check::run(&a),
+        Verb::Completions(a) => completions::run(&a),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
+        Err(Failure::No(why)) => {
+            eprintln!("no: {why}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Bad(what)) => {
+            eprintln!("error: {what}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints a result to stdout; a reader that has gone away is no failure.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::BrokenPipe),
+        Err(e) => Err(Failure::bad(format!("stdout cannot be written: {e}"))),
+        Ok(()) => Ok(()),
+    }
+}

@@ -1,0 +1,131 @@
+//! `model`: a model from parameters, without a fit.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use super::error::Failure;
+use super::print;
+use crate::method::Surface;
+use crate::model::{Model, Value, method_by_name};
+use crate::output::write_text;
+use crate::provenance::Provenance;
+
+/// Shape of the normals' law, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum LawFlag {
+    /// exp(-|t|^n / (2 delta^n))
+    Gauss,
+    /// delta^n / (|t|^n + delta^n)
+    Cauchy,
+}
+
+impl LawFlag {
+    pub(super) fn word(self) -> &'static str {
+        match self {
+            Self::Gauss => "gauss",
+            Self::Cauchy => "cauchy",
+        }
+    }
+}
+
+/// Make a model from parameters, without a fit
+///
+/// Methods and their parameters:
+///   ggx      alpha (width, 1e-6 to 100); with --opaque also gain and lambert (1/sr)
+///   normals  delta (deg), n (exponent, 0.1 to 100), theta0 (deg, optional); --law gauss or cauchy
+///
+/// Example: asperity model normals --set delta=6.9 n=1.66 --law gauss --ior 1.49 -o m.json
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// Method: ggx or normals
+    method: String,
+    /// Parameters as name=value; an angle may end in deg (the default) or rad
+    #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
+    set: Vec<String>,
+    /// Refractive index over that of air
+    #[arg(long, value_name = "N", conflicts_with = "opaque")]
+    ior: Option<f64>,
+    /// The body is opaque (ggx only)
+    #[arg(long)]
+    opaque: bool,
+    /// Shape of the law of `normals`
+    #[arg(long, value_enum)]
+    law: Option<LawFlag>,
+    /// File to write; stdout without it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print the model as JSON (also with -o)
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let surface = match (args.opaque, args.ior) {
+        (true, _) => Surface::Opaque,
+        (false, Some(ior)) => Surface::Dielectric { ior },
+        (false, None) => {
+            return Err(Failure::bad("the refractive index is missing; give --ior N, or --opaque"));
+        }
+    };
+    if args.law.is_some() && args.method != "normals" {
+        return Err(Failure::bad(format!("method {} has no law; leave --law out", args.method)));
+    }
+    let pairs = args.set.iter().map(|text| split(text)).collect::<Result<Vec<_>, _>>()?;
+    let centre = pairs.iter().any(|(name, _)| name == "theta0");
+    let method = method_by_name(&args.method, args.law.map(LawFlag::word), surface, centre)
+        .map_err(Failure::Bad)?;
+    let mut values = Vec::new();
+    for (name, text) in &pairs {
+        let names = || method.parameters().iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
+        let Some(parameter) = method.parameters().iter().find(|p| p.name == name) else {
+            return Err(Failure::bad(format!(
+                "--set {name}: method {} has no such parameter; it has {}",
+                args.method,
+                names()
+            )));
+        };
+        if values.iter().any(|(n, _): &(String, Value)| n == name) {
+            return Err(Failure::bad(format!("--set {name} is given twice; leave one out")));
+        }
+        let value = number(name, text, parameter.unit)?;
+        let unit = parameter.unit.to_owned();
+        values.push((name.clone(), Value { value, unit, std_error: None }));
+    }
+    let mut model = Model::new(&*method, surface, values);
+    model.boundary().map_err(|(_, what)| Failure::bad(format!("{what}; set it with --set")))?;
+    let mut provenance = Provenance::of_this_program(None);
+    provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
+    model.provenance = Some(provenance);
+    let text = model.to_json();
+    match &args.output {
+        Some(path) => {
+            write_text(path, &text)?;
+            if args.json { print(&text) } else { Ok(()) }
+        }
+        None => print(&text),
+    }
+}
+
+fn split(text: &str) -> Result<(String, String), Failure> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => {
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        }
+        _ => Err(Failure::bad(format!("--set {text}: write NAME=VALUE, such as alpha=0.2"))),
+    }
+}
+
+/// A number with an optional unit, in the unit of the parameter.
+fn number(name: &str, text: &str, unit: &str) -> Result<f64, Failure> {
+    let (digits, factor) = match (unit, text.strip_suffix("rad"), text.strip_suffix("deg")) {
+        ("deg", Some(digits), _) => (digits, 1.0_f64.to_degrees()),
+        ("deg", _, Some(digits)) => (digits, 1.0),
+        _ => (text, 1.0),
+    };
+    match digits.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x * factor),
+        _ => Err(Failure::bad(format!("--set {name}={text}: `{text}` is not a finite number"))),
+    }
+}

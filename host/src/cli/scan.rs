@@ -1,0 +1,274 @@
+//! `scan`: the virtual goniophotometer.
+
+use std::path::PathBuf;
+
+use asperity_core::gonio::{AngleGrid, Geometry};
+use asperity_core::plate::RoughSide;
+use asperity_core::quantity::RelativeIor;
+
+use super::error::Failure;
+use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture};
+use super::{interrupt, print, progress};
+use crate::boundary::{Boundary, with_boundary};
+use crate::forward::{Effort, Plan, Rays, Sample, Setup, monte_carlo, quadrature, solid_angle};
+use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
+use crate::model::Model;
+use crate::output::AtomicFile;
+
+/// Simulate a goniophotometer scan of a model
+///
+/// Without --rays by quadrature, free of noise; with it by Monte Carlo, and the noise floor is written
+/// into the header. The plate has one rough and one smooth face; all internal passes are followed.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Model made by `asperity model` or `asperity fit`
+    model: PathBuf,
+    /// Angles of incidence in degrees
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',',
+          default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0])]
+    sigma: Vec<f64>,
+    /// Angles of observation, FROM:TO in degrees
+    #[arg(long, value_name = "FROM:TO", default_value = "-90:90", allow_hyphen_values = true)]
+    theta_range: String,
+    /// Step of the angle of observation in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.1)]
+    step: f64,
+    /// FULL angle of the detector's cone in degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.6)]
+    aperture: f64,
+    /// Side of the detector; reflection for an opaque model
+    #[arg(long, value_enum)]
+    geometry: Option<GeometryFlag>,
+    /// Which way the rough face of the plate looks
+    #[arg(long, value_enum, value_name = "SIDE", default_value = "source")]
+    rough_side: RoughSideFlag,
+    /// What the readings are
+    #[arg(long, value_enum, default_value = "flux")]
+    quantity: QuantityFlag,
+    /// Monte Carlo with so many rays an incidence
+    #[arg(long, value_name = "N", value_parser = parse_rays)]
+    rays: Option<u64>,
+    /// Seed of the Monte Carlo
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// File to write; stdout without it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print where the flux went as JSON (needs -o)
+    #[arg(long, requires = "output")]
+    json: bool,
+}
+
+/// A number of rays, also as 1e6.
+fn parse_rays(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (1.0..=1e15).contains(&x) && x.fract().abs() < f64::EPSILON => Ok(x as u64),
+        _ => Err("write a whole number of rays from 1 to 1e15".into()),
+    }
+}
+
+/// A finished virtual scan.
+pub(super) struct Virtual {
+    pub(super) measurement: Measurement,
+    /// Reflected, transmitted and lost flux of each incidence, Monte Carlo only.
+    outcomes: Vec<(f64, asperity_core::plate::Outcome<f64>)>,
+    interrupted: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let (model, boundary, _) = Model::read(&args.model)?;
+    let setup = setup(args, &boundary)?;
+    let grid = grid(args)?;
+    if let Some(bad) = args.sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {
+        return Err(Failure::bad(format!(
+            "--sigma {bad} is not usable; give 0 to below 90 degrees"
+        )));
+    }
+    let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
+    let mut meta = Metadata {
+        sample: Some(format!("virtual: {}", args.model.display())),
+        ..Metadata::default()
+    };
+    if let Some(ior) = model.ior {
+        meta.ior = Some(ior);
+    }
+    let rays = args.rays.map(|count| Rays { count, seed: args.seed });
+    let done = simulate(&boundary, &setup, &args.sigma, &grid, rays, meta)?;
+    let mut text = Vec::new();
+    write::write(&done.measurement, &mut text).map_err(Failure::bad)?;
+    match output {
+        Some(mut file) => {
+            let path = file.path().to_owned();
+            std::io::Write::write_all(&mut file, &text)
+                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+            file.commit()?;
+            print(&summary(&done, args.json))?;
+        }
+        None => print(&String::from_utf8_lossy(&text))?,
+    }
+    if done.interrupted {
+        return Err(Failure::No("interrupted; the finished incidences were written".into()));
+    }
+    Ok(())
+}
+
+fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
+    let quantity = Quantity::from(args.quantity);
+    let (sample, usual) = match boundary.eta() {
+        Some(eta) => {
+            let eta = RelativeIor::new(eta).map_err(Failure::bad)?;
+            let rough_side = RoughSide::from(args.rough_side);
+            (Sample::Plate { eta, rough_side }, Geometry::Transmission)
+        }
+        None => (Sample::Opaque, Geometry::Reflection),
+    };
+    let geometry = args.geometry.map_or(usual, Geometry::from);
+    if sample == Sample::Opaque && geometry == Geometry::Transmission {
+        return Err(Failure::bad("an opaque body transmits nothing; use --geometry reflection"));
+    }
+    check_aperture(args.aperture, quantity)?;
+    if args.rays.is_some() && args.aperture <= 0.0 {
+        return Err(Failure::bad("rays need a detector to fall into; give --aperture above 0"));
+    }
+    Ok(Setup { sample, geometry, aperture_deg: args.aperture, quantity })
+}
+
+fn grid(args: &Args) -> Result<AngleGrid<f64>, Failure> {
+    let range: AngleRange =
+        args.theta_range.parse().map_err(|e| Failure::bad(format!("--theta-range: {e}")))?;
+    let (from, to) = (range.min_deg().max(-90.0), range.max_deg().min(90.0));
+    let count = ((to - from) / args.step + 1e-6).floor();
+    if !(args.step > 0.0 && (0.0..=1e6).contains(&count)) {
+        return Err(Failure::bad(format!(
+            "--step {} over {from} to {to} degrees is not usable; give a positive step of at most a \
+             million angles",
+            args.step
+        )));
+    }
+    Ok(AngleGrid { start_deg: from, step_deg: args.step, count: count as usize + 1 })
+}
+
+/// Simulates a scan; `meta` is completed with what the instrument is.
+pub(super) fn simulate(
+    boundary: &Boundary,
+    setup: &Setup,
+    sigmas_deg: &[f64],
+    grid: &AngleGrid<f64>,
+    rays: Option<Rays>,
+    mut meta: Metadata,
+) -> Result<Virtual, Failure> {
+    let angles: Vec<f64> = (0..grid.count).map(|k| grid.degrees(k)).collect();
+    let mut readings = Vec::new();
+    let mut outcomes = Vec::new();
+    let mut variance = 0.0;
+    let mut interrupted = false;
+    let reading =
+        |sigma_deg: f64, (&theta_deg, value): (&f64, f64)| Reading { sigma_deg, theta_deg, value };
+    match rays {
+        None => {
+            let plan = Plan::product(sigmas_deg, &angles);
+            let done = with_boundary!(boundary, b => quadrature(b, setup, &plan, Effort::Full));
+            for (k, &sigma) in sigmas_deg.iter().enumerate() {
+                let values = &done.values[k * angles.len()..(k + 1) * angles.len()];
+                readings
+                    .extend(angles.iter().zip(values.iter().copied()).map(|r| reading(sigma, r)));
+            }
+        }
+        Some(rays) => {
+            let stop = interrupt::flag();
+            let bar = progress::bar(rays.count * sigmas_deg.len() as u64, "tracing");
+            for &sigma in sigmas_deg {
+                let tick = |n| bar.inc(n);
+                let done = with_boundary!(boundary, b =>
+                    monte_carlo(b, setup, sigma, grid, rays, stop, &tick));
+                let Some(done) = done else {
+                    interrupted = true;
+                    break;
+                };
+                let scale = |theta: f64| match setup.quantity {
+                    Quantity::Flux => 1.0,
+                    Quantity::Bsdf => {
+                        let cosine = theta.to_radians().cos();
+                        if cosine > 1e-9 {
+                            1.0 / (solid_angle(setup.aperture_deg) * cosine)
+                        } else {
+                            0.0
+                        }
+                    }
+                };
+                for ((theta, value), error) in angles.iter().zip(&done.values).zip(&done.std_errors)
+                {
+                    readings.push(reading(sigma, (theta, value * scale(*theta))));
+                    variance += (error * scale(*theta)).powi(2);
+                }
+                outcomes.push((sigma, done.outcome));
+            }
+            bar.finish_and_clear();
+            meta.seed = Some(rays.seed);
+        }
+    }
+    if readings.is_empty() {
+        return Err(Failure::No("interrupted before the first incidence was done".into()));
+    }
+    let how = match rays {
+        None => "quadrature".to_owned(),
+        Some(rays) => format!("Monte Carlo, {} rays an incidence", rays.count),
+    };
+    meta.instrument = Some(format!("asperity scan, {how}"));
+    meta.geometry = Some(setup.geometry);
+    meta.aperture_deg = (setup.aperture_deg > 0.0).then_some(setup.aperture_deg);
+    meta.calibration = Some("relative to the beam without sample".into());
+    if let Sample::Plate { rough_side, .. } = setup.sample {
+        meta.rough_side = Some(rough_side);
+    }
+    if setup.quantity == Quantity::Bsdf {
+        meta.quantity = Some(Quantity::Bsdf);
+    }
+    let largest = readings.iter().map(|r| r.value).fold(0.0, f64::max);
+    if rays.is_some() && largest > 0.0 {
+        let rms = (variance / readings.len() as f64).sqrt();
+        meta.noise_floor_percent = Some(100.0 * rms / largest);
+    }
+    let measurement = Measurement::new(meta, readings)
+        .map_err(|e| Failure::bad(format!("the model gives no usable scan: {e}")))?;
+    Ok(Virtual { measurement, outcomes, interrupted })
+}
+
+fn summary(done: &Virtual, json: bool) -> String {
+    use std::fmt::Write;
+    let noise = done.measurement.meta.noise_floor_percent;
+    if json {
+        let flux: Vec<_> = done
+            .outcomes
+            .iter()
+            .map(|(sigma, o)| {
+                serde_json::json!({
+                    "sigma_deg": sigma,
+                    "reflected": o.reflected,
+                    "transmitted": o.transmitted,
+                    "lost": o.lost,
+                })
+            })
+            .collect();
+        let answer = serde_json::json!({
+            "asperity": 1,
+            "readings": done.measurement.readings().len(),
+            "noise_floor_percent": noise,
+            "flux": flux,
+        });
+        return format!("{answer:#}\n");
+    }
+    let mut text = format!("{} readings", done.measurement.readings().len());
+    if let Some(noise) = noise {
+        let _ = write!(text, ", noise floor {noise:.3} %");
+    }
+    text.push('\n');
+    for (sigma, o) in &done.outcomes {
+        let _ = writeln!(
+            text,
+            "sigma {sigma} deg: reflected {:.4}, transmitted {:.4}, lost {:.4}",
+            o.reflected, o.transmitted, o.lost
+        );
+    }
+    text
+}

@@ -1,0 +1,254 @@
+//! Flags that say what a scan is, shared by the verbs that read or make one.
+
+use std::path::Path;
+
+use asperity_core::gonio::Geometry;
+use asperity_core::plate::RoughSide;
+use clap::ValueEnum;
+
+use super::error::Failure;
+use crate::forward::{Sample, Setup};
+use crate::measurement::import::Import;
+use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
+use crate::method::Surface;
+use crate::provenance::InputFile;
+
+/// Side of the detector, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum GeometryFlag {
+    /// Behind the plate.
+    Transmission,
+    /// In front of it.
+    Reflection,
+}
+
+impl From<GeometryFlag> for Geometry {
+    fn from(flag: GeometryFlag) -> Self {
+        match flag {
+            GeometryFlag::Transmission => Self::Transmission,
+            GeometryFlag::Reflection => Self::Reflection,
+        }
+    }
+}
+
+/// Side of the rough face, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum RoughSideFlag {
+    /// Towards the light source.
+    Source,
+    /// Towards the detector of transmitted light.
+    Detector,
+}
+
+impl From<RoughSideFlag> for RoughSide {
+    fn from(flag: RoughSideFlag) -> Self {
+        match flag {
+            RoughSideFlag::Source => Self::Source,
+            RoughSideFlag::Detector => Self::Detector,
+        }
+    }
+}
+
+/// What a reading is, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum QuantityFlag {
+    /// Relative flux in the detector's aperture.
+    Flux,
+    /// BSDF in 1/sr, without cosine.
+    Bsdf,
+}
+
+impl From<QuantityFlag> for Quantity {
+    fn from(flag: QuantityFlag) -> Self {
+        match flag {
+            QuantityFlag::Flux => Self::Flux,
+            QuantityFlag::Bsdf => Self::Bsdf,
+        }
+    }
+}
+
+/// What is known about the sample and the instrument; a flag goes before the file's header.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Sample and instrument (a flag goes before the file's header)")]
+pub(super) struct SetupFlags {
+    /// Refractive index of the plate over that of air
+    #[arg(long, value_name = "N", conflicts_with = "opaque")]
+    pub(super) ior: Option<f64>,
+    /// The body is opaque (a metal, a paint): one reflection, no inside
+    #[arg(long)]
+    pub(super) opaque: bool,
+    /// Side of the detector
+    #[arg(long, value_enum)]
+    pub(super) geometry: Option<GeometryFlag>,
+    /// Which way the rough face of the plate looks
+    #[arg(long, value_enum, value_name = "SIDE")]
+    pub(super) rough_side: Option<RoughSideFlag>,
+    /// FULL angle of the detector's cone in degrees; 0 takes readings of a BSDF as point values
+    #[arg(long, value_name = "DEG")]
+    pub(super) aperture: Option<f64>,
+}
+
+/// How a foreign file is read, and which part of it.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Reading the scan")]
+pub(super) struct ReadFlags {
+    /// Columns of a foreign CSV, by name or number: sigma=A,theta=B,reading=C
+    #[arg(long, value_name = "MAP")]
+    columns: Option<ColumnMap>,
+    /// What the readings are; needed with --columns
+    #[arg(long, value_enum)]
+    quantity: Option<QuantityFlag>,
+    /// Keep the rows where a column has a value: "surface=brushed steel"; may be repeated
+    #[arg(long = "where", value_name = "COLUMN=VALUE", requires = "columns")]
+    filters: Vec<String>,
+    /// Character between the values of a foreign CSV, or `tab`
+    #[arg(long, requires = "columns")]
+    delimiter: Option<String>,
+    /// Numbers of a foreign CSV have a decimal comma
+    #[arg(long, requires = "columns")]
+    decimal_comma: bool,
+    /// Drop rows of a foreign CSV without a finite reading, and say how many
+    #[arg(long, requires = "columns")]
+    skip_missing: bool,
+    /// Angles of incidence to use, FROM:TO in degrees
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    sigma_range: Option<String>,
+    /// Angles of observation to use, FROM:TO in degrees
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    theta_range: Option<String>,
+}
+
+impl ReadFlags {
+    /// Reads a scan; the second part names the file's content for the provenance.
+    pub(super) fn read(&self, path: &Path) -> Result<(Measurement, InputFile), Failure> {
+        let range = |flag: &str, text: &Option<String>| match text {
+            Some(text) => text.parse().map_err(|e| Failure::bad(format!("--{flag}: {e}"))),
+            None => Ok(crate::measurement::AngleRange::ALL),
+        };
+        let selection = Selection {
+            sigma: range("sigma-range", &self.sigma_range)?,
+            theta: range("theta-range", &self.theta_range)?,
+        };
+        let bytes = csv::load(path)?;
+        let input = InputFile::of_bytes(path, &bytes);
+        let Some(columns) = &self.columns else {
+            let mut scan = csv::parse(&bytes, path)?;
+            if let Some(quantity) = self.quantity {
+                scan.meta.quantity = Some(quantity.into());
+            }
+            let scan = selection
+                .apply(&scan)
+                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+            return Ok((scan, input));
+        };
+        let Some(quantity) = self.quantity else {
+            return Err(Failure::bad(
+                "--columns needs --quantity: `flux` if the readings are the flux in the detector's \
+                 aperture over that of the beam, `bsdf` if they are a BSDF in 1/sr",
+            ));
+        };
+        let mut columns = columns.clone();
+        for filter in &self.filters {
+            columns = columns.with_filter(filter).map_err(Failure::bad)?;
+        }
+        if let Some(delimiter) = &self.delimiter {
+            columns = columns.with_delimiter(delimiter).map_err(Failure::bad)?;
+        }
+        columns.decimal_comma = self.decimal_comma;
+        let import = Import {
+            columns,
+            quantity: quantity.into(),
+            selection,
+            skip_missing: self.skip_missing,
+        };
+        let (scan, rows) = import.parse(&bytes, path)?;
+        eprintln!(
+            "{}: {} of {} rows used ({} filtered, {} out of range, {} missing)",
+            path.display(),
+            rows.kept,
+            rows.total,
+            rows.filtered,
+            rows.out_of_range,
+            rows.missing
+        );
+        Ok((scan, input))
+    }
+}
+
+impl SetupFlags {
+    /// The body and the instrument, from flags and header; what neither says is asked for.
+    pub(super) fn resolve(
+        &self,
+        scan: &Measurement,
+        path: &Path,
+    ) -> Result<(Surface, Setup), Failure> {
+        let ask = |what: &str, flags: &str| {
+            Failure::bad(format!(
+                "{}: the header does not say {what}; give {flags}",
+                path.display()
+            ))
+        };
+        let meta = &scan.meta;
+        let geometry = self
+            .geometry
+            .map(Geometry::from)
+            .or(meta.geometry)
+            .or(self.opaque.then_some(Geometry::Reflection))
+            .ok_or_else(|| {
+                ask("the geometry", "--geometry transmission or --geometry reflection")
+            })?;
+        let surface = if self.opaque {
+            Surface::Opaque
+        } else {
+            let ior = self.ior.or(meta.ior).ok_or_else(|| {
+                let metal = if geometry == Geometry::Reflection { ", or --opaque" } else { "" };
+                ask("the refractive index", &format!("--ior N{metal}"))
+            })?;
+            Surface::Dielectric { ior }
+        };
+        let sample = match surface {
+            Surface::Opaque if geometry == Geometry::Transmission => {
+                return Err(Failure::bad(format!(
+                    "{}: an opaque body transmits nothing; use --geometry reflection, or give --ior N \
+                     instead of --opaque",
+                    path.display()
+                )));
+            }
+            Surface::Opaque => Sample::Opaque,
+            Surface::Dielectric { .. } => {
+                let rough_side =
+                    self.rough_side.map(RoughSide::from).or(meta.rough_side).ok_or_else(|| {
+                        ask("which side is rough", "--rough-side source or --rough-side detector")
+                    })?;
+                Sample::Plate { eta: surface.eta().map_err(Failure::bad)?, rough_side }
+            }
+        };
+        let quantity = scan.quantity();
+        let aperture_deg = match self.aperture.or(meta.aperture_deg) {
+            Some(a) => a,
+            // A BSDF is a property of the sample; without an aperture its values are taken as they are.
+            None if quantity == Quantity::Bsdf => 0.0,
+            None => {
+                return Err(ask(
+                    "the detector's aperture",
+                    "--aperture DEG (full angle; GP-200: 0.6)",
+                ));
+            }
+        };
+        check_aperture(aperture_deg, quantity)?;
+        Ok((surface, Setup { sample, geometry, aperture_deg, quantity }))
+    }
+}
+
+/// Checks a full aperture angle in degrees.
+pub(super) fn check_aperture(aperture_deg: f64, quantity: Quantity) -> Result<(), Failure> {
+    let least_ok = aperture_deg > 0.0 || (quantity == Quantity::Bsdf && aperture_deg >= 0.0);
+    if least_ok && aperture_deg <= 30.0 {
+        Ok(())
+    } else {
+        Err(Failure::bad(format!(
+            "--aperture {aperture_deg} is not usable; give the full angle of the detector's cone, above \
+             0 to 30 degrees (0 only for BSDF values)"
+        )))
+    }
+}

@@ -1,0 +1,146 @@
+//! Where the flux goes: reflected, transmitted and lost fractions, and reciprocity.
+
+use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::direction::{Direction, Side};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::boundary::{Boundary, with_boundary};
+
+/// Flux balance of one incidence, as fractions of the incident flux.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Energy {
+    /// Angle of incidence in the medium the light comes from, degrees.
+    pub incidence_deg: f64,
+    /// `air` or `dielectric`.
+    pub side: &'static str,
+    /// Reflected.
+    pub reflected: f64,
+    /// Transmitted.
+    pub transmitted: f64,
+    /// Neither: facets sent it to where the model does not follow.
+    pub lost: f64,
+    /// Part of `reflected` that is specular; 0 for ray methods.
+    pub coherent_reflected: f64,
+    /// Part of `transmitted` that goes straight on by Snell's law; 0 for ray methods.
+    pub coherent_transmitted: f64,
+}
+
+/// Name of a side in files.
+pub fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Air => "air",
+        Side::Dielectric => "dielectric",
+    }
+}
+
+/// The direction that light comes from, for an angle of incidence in degrees.
+fn incidence(side: Side, incidence_deg: f64) -> Direction<f64> {
+    let (s, c) = incidence_deg.to_radians().sin_cos();
+    Direction::from_unit(-s, 0.0, if side == Side::Air { c } else { -c })
+}
+
+/// Points of the Fibonacci lattice that integrates over the facets.
+const POINTS: u32 = 46_368;
+const STEP: u32 = 28_657;
+
+/// Flux balance for one incidence, by a lattice rule over the facets; error about 1e-5.
+pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64) -> Energy {
+    let wi = incidence(side, incidence_deg);
+    let flux = |lobe| with_boundary!(boundary, b => lobe_flux(b, wi, lobe));
+    let (reflected, transmitted) = (flux(Lobe::Reflection), flux(Lobe::Transmission));
+    Energy {
+        incidence_deg,
+        side: side_name(side),
+        reflected,
+        transmitted,
+        lost: 1.0 - reflected - transmitted,
+        coherent_reflected: 0.0,
+        coherent_transmitted: 0.0,
+    }
+}
+
+fn lobe_flux<B: Bsdf<f64> + Sync>(boundary: &B, wi: Direction<f64>, lobe: Lobe) -> f64 {
+    let n = f64::from(POINTS);
+    let weight = |k: u32| {
+        // the second coordinate runs evenly, the first is periodic: an angle
+        let around = (u64::from(k) * u64::from(STEP) % u64::from(POINTS)) as f64 / n;
+        let u = [around, (f64::from(k) + 0.5) / n];
+        boundary.sample_lobe(wi, lobe, u).map_or(0.0, |ray| ray.weight)
+    };
+    let blocks: Vec<f64> = (0..POINTS.div_ceil(1024))
+        .into_par_iter()
+        .map(|b| (b * 1024..((b + 1) * 1024).min(POINTS)).map(weight).sum())
+        .collect();
+    blocks.iter().sum::<f64>() / n
+}
+
+/// Largest relative difference of `f(i,o)/n_o^2` and `f(o,i)/n_i^2` over pairs of directions that the
+/// boundary itself connects, from the given incidence; 0 for a reciprocal law.
+pub fn reciprocity_error(boundary: &Boundary, side: Side, incidence_deg: f64) -> f64 {
+    let wi = incidence(side, incidence_deg);
+    let n = boundary.eta().unwrap_or(1.0);
+    let index2 = |w: Direction<f64>| if w.z() > 0.0 { 1.0 } else { n * n };
+    let mut worst = 0.0_f64;
+    for lobe in [Lobe::Reflection, Lobe::Transmission] {
+        for k in 0..512_u32 {
+            let u = [f64::from(k * 233 % 512) / 512.0, (f64::from(k) + 0.5) / 512.0];
+            let Some(ray) = boundary.sample_lobe(wi, lobe, u) else { continue };
+            let (a, b) = (
+                boundary.eval(wi, ray.wo) / index2(ray.wo),
+                boundary.eval(ray.wo, wi) / index2(wi),
+            );
+            if a > 0.0 || b > 0.0 {
+                worst = worst.max((a - b).abs() / a.max(b));
+            }
+        }
+    }
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{balance, reciprocity_error};
+    use crate::boundary::Boundary;
+    use crate::method::{GgxMethod, Method, NormalsMethod, Surface};
+    use asperity_core::direction::Side;
+    use asperity_core::ndf::law::Profile;
+
+    const SURFACE: Surface = Surface::Dielectric { ior: 1.49 };
+
+    fn ggx(alpha: f64) -> Boundary {
+        GgxMethod::new(SURFACE).boundary(&[alpha], SURFACE).unwrap()
+    }
+
+    #[test]
+    fn the_balance_of_ggx_is_the_published_one() {
+        // independent Monte Carlo, 20 000 samples: about 0.003 of noise
+        for (alpha, deg, r, t) in
+            [(0.05, 60.0, 0.0875, 0.9110), (0.2, 80.0, 0.1617, 0.7518), (1.0, 0.0, 0.0124, 0.8835)]
+        {
+            let e = balance(&ggx(alpha), Side::Air, deg);
+            assert!((e.reflected - r).abs() < 4e-3 && (e.transmitted - t).abs() < 4e-3, "{e:?}");
+        }
+    }
+
+    #[test]
+    fn no_boundary_gives_more_than_it_receives() {
+        let normals = NormalsMethod { profile: Profile::Gauss, centre: false };
+        let normals = normals.boundary(&[15.0, 2.0], SURFACE).unwrap();
+        for boundary in [ggx(0.01), ggx(0.3), ggx(2.0), normals] {
+            for side in [Side::Air, Side::Dielectric] {
+                for deg in [0.0, 40.0, 45.0, 85.0] {
+                    let e = balance(&boundary, side, deg);
+                    assert!(e.lost > -1e-4 && e.reflected >= 0.0 && e.transmitted >= 0.0, "{e:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ggx_is_reciprocal() {
+        for side in [Side::Air, Side::Dielectric] {
+            assert!(reciprocity_error(&ggx(0.2), side, 50.0) < 1e-10);
+        }
+    }
+}

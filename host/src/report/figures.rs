@@ -1,0 +1,73 @@
+//! Plots of measured against fitted readings, every incidence, linear and logarithmic.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::Entry;
+use crate::measurement::Measurement;
+use crate::output::{AtomicFile, OutputError};
+use crate::plot::{self, Figure, PlotError, Scale, sigma_panels};
+
+/// Why a plot was not written.
+#[derive(Debug, thiserror::Error)]
+pub enum FigureError {
+    /// It cannot be drawn.
+    #[error("the plot cannot be drawn: {0}")]
+    Plot(#[from] PlotError),
+    /// It cannot be stored.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// The figure of a measurement and its fits.
+pub fn figure(title: &str, measurement: &Measurement, entries: &[Entry], scale: Scale) -> Figure {
+    let measured: Vec<_> = measurement
+        .by_incidence()
+        .map(|i| {
+            (i.sigma_deg, i.readings.iter().map(|r| (r.theta_deg, r.value)).collect::<Vec<_>>())
+        })
+        .collect();
+    let fits: Vec<_> = entries
+        .iter()
+        .map(|entry| {
+            let curves = measurement
+                .by_incidence()
+                .map(|i| {
+                    let angles = i.readings.iter().map(|r| r.theta_deg);
+                    let values = entry.fit.readings[i.range.clone()].iter().copied();
+                    (i.sigma_deg, angles.zip(values).collect::<Vec<_>>())
+                })
+                .collect::<Vec<_>>();
+            (format!("{} ({:.2} %)", entry.label, entry.fit.rmsd_percent), curves)
+        })
+        .collect();
+    sigma_panels(title, &measured, &fits, scale)
+}
+
+/// Writes `stem-linear` and `stem-log` as SVG and PNG; returns their paths.
+///
+/// # Errors
+/// [`FigureError`]; files written before it stay.
+pub fn write_figures(
+    folder: &Path,
+    stem: &str,
+    title: &str,
+    measurement: &Measurement,
+    entries: &[Entry],
+) -> Result<Vec<PathBuf>, FigureError> {
+    let mut written = Vec::new();
+    for (word, scale) in [("linear", Scale::Linear), ("log", Scale::LOG)] {
+        let figure = figure(title, measurement, entries, scale);
+        for (extension, bytes) in
+            [("svg", plot::svg(&figure)?.into_bytes()), ("png", plot::png(&figure)?)]
+        {
+            let path = folder.join(format!("{stem}-{word}.{extension}"));
+            let mut file = AtomicFile::create(&path)?;
+            file.write_all(&bytes)
+                .map_err(|source| OutputError::Write { path: path.clone(), source })?;
+            file.commit()?;
+            written.push(path);
+        }
+    }
+    Ok(written)
+}

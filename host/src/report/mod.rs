@@ -1,0 +1,59 @@
+//! What people read: the table of results, the plots, the HTML page.
+
+mod figures;
+mod html;
+mod table;
+
+pub use figures::{figure, write_figures};
+pub use html::page;
+pub use table::table;
+
+use crate::fit::Fit;
+
+/// One method's result on one sample.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Method, with its law if it has one: `ggx`, `normals (gauss)`.
+    pub label: String,
+    /// The fit.
+    pub fit: Fit,
+    /// Why the answer is no, if it is.
+    pub refusal: Option<String>,
+}
+
+/// A value with as many digits as its standard error supports, and the error in the same place.
+///
+/// `0.18700 +- 0.00087` reads `0.1870 ± 0.0009`.
+pub fn with_error(value: f64, std_error: Option<f64>) -> String {
+    match std_error {
+        Some(e) if e > 0.0 && e.is_finite() => {
+            let digits = (-(e.log10().floor())).clamp(0.0, 12.0) as usize;
+            format!("{value:.digits$} ± {e:.digits$}")
+        }
+        _ => format!("{value:.5}"),
+    }
+}
+
+/// The parameters of a fit in one line.
+pub fn parameters_text(fit: &Fit) -> String {
+    let one = |p: &crate::fit::Fitted| {
+        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+        let bound = if p.at_bound { " (at its bound)" } else { "" };
+        format!("{} = {}{unit}{bound}", p.name, with_error(p.value, p.std_error))
+    };
+    fit.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::with_error;
+
+    #[test]
+    fn digits_follow_the_standard_error() {
+        assert_eq!(with_error(0.187_003, Some(0.000_87)), "0.1870 ± 0.0009");
+        assert_eq!(with_error(26.459, Some(0.6)), "26.5 ± 0.6");
+        assert_eq!(with_error(26.459, Some(12.0)), "26 ± 12");
+        assert_eq!(with_error(1.5, None), "1.50000");
+        assert_eq!(with_error(1.5, Some(f64::NAN)), "1.50000");
+    }
+}
