@@ -5,10 +5,11 @@ use crate::forward::Effort;
 
 /// Standard errors of the fitted values, `None` where the data do not determine one.
 ///
-/// The curvature of the sum of squares is that of Gauss and Newton, `J^T J`; the covariance is its inverse
-/// times the variance of the residuals, times their correlation length in readings: neighbouring
-/// readings share most of their aperture, and a misfit of the model has a shape, so they are not
-/// independent.
+/// With `J` the derivatives of the residuals `r`, the curvature of the sum of squares is `H = J^T J` (Gauss and
+/// Newton), and the covariance of the values is `H^-1 M H^-1`, where `M` sums the products of the scores
+/// `J_i r_i` over neighbouring readings of an incidence with falling weights \[Newey & West 1987\]. So
+/// readings need not be alike in noise, nor independent: neighbours share most of their aperture, and
+/// the misfit of a model has a shape.
 pub(super) fn std_errors(
     problem: &Problem<'_>,
     values: &[f64],
@@ -45,52 +46,55 @@ pub(super) fn std_errors(
         let width = high - low;
         columns.push(above.iter().zip(&below).map(|(a, b)| (a - b) / width).collect::<Vec<_>>());
     }
-    let mut curvature = vec![vec![0.0; p]; p];
-    for (i, row) in curvature.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum();
-        }
-    }
-    let variance = at_optimum.iter().map(|r| r * r).sum::<f64>() / (n - p) as f64;
-    let correlated = correlation_length(problem, &at_optimum);
-    inverse_diagonal(curvature)
-        .into_iter()
-        .map(|d| d.map(|d| (d * variance * correlated).sqrt()).filter(|e| e.is_finite()))
+    let product = |i: usize, j: usize| -> f64 {
+        columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum()
+    };
+    let curvature: Vec<Vec<f64>> =
+        (0..p).map(|i| (0..p).map(|j| product(i, j)).collect()).collect();
+    let Some(inverse) = inverse(&curvature) else {
+        return unknown;
+    };
+    // H^-1 J_i r_i, one series of length n a parameter: the variance is their correlated sum.
+    let correction = n as f64 / (n - p) as f64;
+    inverse
+        .iter()
+        .map(|row| {
+            let moved = |i: usize| -> f64 {
+                row.iter().zip(&columns).map(|(h, column)| h * column[i]).sum::<f64>()
+                    * at_optimum[i]
+            };
+            let series: Vec<f64> = (0..n).map(moved).collect();
+            let variance = correction * correlated_sum(problem, &series);
+            Some(variance.sqrt()).filter(|e| e.is_finite() && *e > 0.0)
+        })
         .collect()
 }
 
-/// Sum of the autocorrelation of the residuals over both signs of the lag, in readings, at least 1.
-fn correlation_length(problem: &Problem<'_>, residuals: &[f64]) -> f64 {
-    let total: f64 = residuals.iter().map(|r| r * r).sum();
-    if total <= 0.0 {
-        return 1.0;
-    }
-    let longest = problem.plan().incidences.iter().map(|i| i.theta_deg.len()).max().unwrap_or(0);
-    let mut length = 1.0;
-    for lag in 1..longest {
-        let mut from = 0;
-        let mut sum = 0.0;
-        for incidence in &problem.plan().incidences {
-            let part = &residuals[from..from + incidence.theta_deg.len()];
-            from += part.len();
-            sum += part.iter().zip(part.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>();
+/// Variance of a sum of correlated terms: products of neighbours within an incidence, Bartlett weights
+/// up to a lag of one and a half times the root of the number of readings.
+fn correlated_sum(problem: &Problem<'_>, series: &[f64]) -> f64 {
+    let mut from = 0;
+    let mut variance = 0.0;
+    for incidence in &problem.plan().incidences {
+        let part = &series[from..from + incidence.theta_deg.len()];
+        from += part.len();
+        let reach = (1.5 * (part.len() as f64).sqrt()).ceil() as usize;
+        for lag in 0..reach.min(part.len()) {
+            let sum: f64 = part.iter().zip(&part[lag..]).map(|(a, b)| a * b).sum();
+            let weight = 1.0 - lag as f64 / reach as f64;
+            variance += if lag == 0 { sum } else { 2.0 * weight * sum };
         }
-        // up to the first lag without correlation: beyond, the sum is noise
-        if sum <= 0.0 {
-            break;
-        }
-        length += 2.0 * sum / total;
     }
-    length
+    variance.max(0.0)
 }
 
-/// Diagonal of the inverse of a small symmetric matrix by Cholesky, scaled to unit diagonal first;
-/// `None` throughout if it is singular.
-fn inverse_diagonal(matrix: Vec<Vec<f64>>) -> Vec<Option<f64>> {
+/// Inverse of a small symmetric positive matrix by Cholesky, scaled to unit diagonal first; `None` if it
+/// is singular.
+fn inverse(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let p = matrix.len();
     let scale: Vec<f64> = (0..p).map(|i| matrix[i][i].sqrt()).collect();
     if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
-        return vec![None; p];
+        return None;
     }
     let mut l = vec![vec![0.0; p]; p];
     for i in 0..p {
@@ -99,7 +103,7 @@ fn inverse_diagonal(matrix: Vec<Vec<f64>>) -> Vec<Option<f64>> {
             let rest = matrix[i][j] / (scale[i] * scale[j]) - known;
             if i == j {
                 if rest < 1e-12 {
-                    return vec![None; p];
+                    return None;
                 }
                 l[i][i] = rest.sqrt();
             } else {
@@ -107,29 +111,36 @@ fn inverse_diagonal(matrix: Vec<Vec<f64>>) -> Vec<Option<f64>> {
             }
         }
     }
-    (0..p)
+    // Columns of L^-1, then A^-1 = L^-T L^-1.
+    let lower: Vec<Vec<f64>> = (0..p)
         .map(|k| {
-            // solve L y = e_k: the diagonal element is |y|^2
             let mut y = vec![0.0; p];
             for i in k..p {
                 let known: f64 = (k..i).map(|j| l[i][j] * y[j]).sum();
                 y[i] = (if i == k { 1.0 } else { 0.0 } - known) / l[i][i];
             }
-            Some(y.iter().map(|v| v * v).sum::<f64>() / (scale[k] * scale[k]))
+            y
         })
-        .collect()
+        .collect();
+    let entry = |i: usize, j: usize| {
+        let sum: f64 = lower[i].iter().zip(&lower[j]).map(|(a, b)| a * b).sum();
+        sum / (scale[i] * scale[j])
+    };
+    Some((0..p).map(|i| (0..p).map(|j| entry(i, j)).collect()).collect())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::inverse_diagonal;
+    use super::inverse;
 
     #[test]
     fn the_inverse_of_a_known_matrix_and_the_refusal_of_a_singular_one() {
         // [[4, 2], [2, 3]] has the inverse [[3, -2], [-2, 4]] / 8
-        let d = inverse_diagonal(vec![vec![4.0, 2.0], vec![2.0, 3.0]]);
-        assert!((d[0].unwrap() - 0.375).abs() < 1e-14 && (d[1].unwrap() - 0.5).abs() < 1e-14);
-        assert_eq!(inverse_diagonal(vec![vec![1.0, 1.0], vec![1.0, 1.0]]), vec![None, None]);
-        assert_eq!(inverse_diagonal(vec![vec![0.0]]), vec![None]);
+        let found = inverse(&[vec![4.0, 2.0], vec![2.0, 3.0]]).unwrap();
+        for (row, exact) in found.iter().zip([[0.375, -0.25], [-0.25, 0.5]]) {
+            assert!(row.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        }
+        assert!(inverse(&[vec![1.0, 1.0], vec![1.0, 1.0]]).is_none());
+        assert!(inverse(&[vec![0.0]]).is_none());
     }
 }
