@@ -131,8 +131,9 @@ impl<T: Real> Direction<T> {
     pub fn refract(self, m: Self, eta: T) -> Option<Self> {
         let c = self.dot(m);
         let inverse = T::ONE / eta;
-        // 1 - sin^2, with the sine from Snell's law; c > 1 by rounding is harmless here.
-        let cos2_t = T::ONE - (T::ONE - c * c) * inverse * inverse;
+        // cos_t^2 = 1 - (1 - c^2) / eta^2 without the cancellation at grazing and critical incidence,
+        // and of the same form as Fresnel's, so that the two agree on where total reflection begins
+        let cos2_t = ((eta - T::ONE) * (eta + T::ONE) + c * c) * (inverse * inverse);
         if cos2_t > T::ZERO {
             let cos_t = cos2_t.sqrt();
             let along = if c > T::ZERO { c * inverse - cos_t } else { c * inverse + cos_t };
@@ -144,6 +145,7 @@ impl<T: Real> Direction<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::Direction;
 

@@ -60,6 +60,7 @@ pub(crate) fn transmittance<T: Real>(c: T, g: T, eta2: T) -> T {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::dielectric;
 

@@ -8,7 +8,6 @@
 #![no_std]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests may fail"))]
-#![cfg_attr(test, allow(clippy::disallowed_methods, reason = "the oracles of the tests"))]
 #![allow(clippy::inline_always, reason = "generic arithmetic must vanish into vectorised loops")]
 
 #[cfg(test)]

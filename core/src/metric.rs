@@ -20,6 +20,7 @@ pub fn rmsd_percent<T: Real>(measured: &[T], simulated: &[T]) -> Option<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::rmsd_percent;
 
@@ -27,7 +28,7 @@ mod tests {
     fn is_the_rms_deviation_over_the_largest_measured_reading() {
         let error = rmsd_percent::<f64>(&[0.0, 2.0, 1.0, 0.0], &[0.0, 1.0, 1.0, 1.0]);
         // sqrt(2/4) / 2
-        assert!((error.unwrap() - 35.355339059327378).abs() < 1e-12);
+        assert!((error.unwrap() - 35.35533905932738).abs() < 1e-12);
         assert!(rmsd_percent::<f64>(&[], &[]).is_none());
         assert!(rmsd_percent(&[0.0], &[1.0]).is_none());
     }

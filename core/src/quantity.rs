@@ -99,6 +99,7 @@ impl<T: Real> RelativeIor<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{Alpha, QuantityError, RelativeIor};
 

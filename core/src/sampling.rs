@@ -21,6 +21,7 @@ pub fn inverse_smoothstep<T: Real>(u: T) -> T {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{cosine_hemisphere, inverse_smoothstep};
 

@@ -6,6 +6,7 @@ pub mod output;
 pub mod provenance;
 pub mod measurement;
 pub mod boundary;
+pub mod batch;
 pub mod forward;
 pub mod method;
 pub mod model;

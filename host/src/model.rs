@@ -272,14 +272,11 @@ impl Model {
         }
         let mut values = Vec::new();
         for p in method.parameters() {
-            match self.parameters.get(p.name) {
-                Some(v) => values.push(v.value),
-                None => {
-                    let what =
-                        format!("parameter `{}` of method {} is missing", p.name, self.method);
-                    return Err(("parameters".into(), what));
-                }
-            }
+            let Some(v) = self.parameters.get(p.name) else {
+                let what = format!("parameter `{}` of method {} is missing", p.name, self.method);
+                return Err(("parameters".into(), what));
+            };
+            values.push(v.value);
         }
         method.boundary(&values, surface).map_err(|e| {
             let key = match &e {

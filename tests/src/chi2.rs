@@ -158,7 +158,8 @@ fn graded(c: &Cell) -> Vec<Cell> {
     let edges = |[from, to]: [f64; 2], [a, b]: [f64; 2]| {
         let width = (b - a).max(1e-9 * (to - from)).max(1e-12);
         let mut all = vec![from, to, a, 0.5 * (a + b), b];
-        let mut step = 0.25 * width;
+        // a density may end just beyond the last of the samples: nine points must not step over that
+        let mut step = width / 32.0;
         while step < to - from {
             all.extend([a - step, b + step]);
             step *= 2.0;
@@ -207,7 +208,9 @@ fn rule(c: &Cell, pdf: &impl Fn([f64; 3]) -> f64) -> f64 {
 fn adaptive(c: &Cell, coarse: f64, pdf: &impl Fn([f64; 3]) -> f64, error: f64, depth: u32) -> f64 {
     let parts = quarters(c).map(|q| (q, rule(&q, pdf)));
     let fine: f64 = parts.iter().map(|(_, v)| v).sum();
-    if depth == 0 || (fine - coarse).abs() < error {
+    // a rule that sees nothing may have stepped over something: one more look
+    let unseen = fine <= 0.0 && depth == 12;
+    if depth == 0 || (!unseen && (fine - coarse).abs() < error) {
         return fine;
     }
     parts.iter().map(|(q, v)| adaptive(q, *v, pdf, 0.5 * error, depth - 1)).sum()

@@ -63,8 +63,8 @@ table! {
         "the closed form of the file is given to nine digits at angles rounded to 1e-3 degrees";
     NORMALS_FLUX = 2e-3, "R and T of quadrature of ars against sampling, beyond the noise, absolute",
         "brute-force grid, table of the visible share (5e-4)";
-    NORMALS_TAIL = 1e-4, "share of normals drawn from beyond six standard deviations, absolute",
-        "3 / 255^2 = 4.6e-5 of them fall into the last cell of the 256-node quantile table, which ends at 90 degrees";
+    NORMALS_TAIL = 2e-5, "share of normals drawn from far out, absolute",
+        "the last cell of the 256-node quantile table holds 3 / 255^2 = 4.6e-5 and is drawn from a cubic";
     REFRACTED = 8.0, "cos^2 of a refracted direction, absolute, in epsilon",
         "1 - sin^2 in units of 1, and a normalisation; relative to a small cosine it is much more";
     UNIT = 4.0, "length of a direction from 1, in epsilon", "one normalisation";

@@ -62,9 +62,8 @@ impl<T: Real> OpaqueGgx<T> {
         }
         let (i, o) = (wi.xyz(), wo.xyz());
         let [hx, hy, hz] = [i[0] + o[0], i[1] + o[1], i[2] + o[2]];
-        let a = self.alpha.get();
-        let d = d_of_vector(a, hx * hx + hy * hy, hz * hz);
-        Some((d, shadow_sum(a, i), shadow_sum(a, o)))
+        let (a, xy2, z2) = (self.alpha.get(), hx * hx + hy * hy, hz * hz);
+        (xy2 + z2 > T::ZERO).then(|| (d_of_vector(a, xy2, z2), shadow_sum(a, i), shadow_sum(a, o)))
     }
 }
 

@@ -42,6 +42,7 @@ impl<T: Real> AngleGrid<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::AngleGrid;
 

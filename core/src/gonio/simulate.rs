@@ -104,6 +104,7 @@ impl<T: Real> Goniophotometer<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::Goniophotometer;
     use crate::bsdf::{Ggx, Smooth};

@@ -63,6 +63,7 @@ pub fn sample_visible<T: Real>(alpha: Alpha<T>, w: Direction<T>, u: [T; 2]) -> D
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{d, g1, sample_visible};
     use crate::direction::Direction;

@@ -106,6 +106,7 @@ impl<T: Real> Law<T> {
 }
 
 #[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{Law, LawError, Profile};
 

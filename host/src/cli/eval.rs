@@ -98,12 +98,9 @@ fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {
             "stdin".to_owned()
         }
     };
-    match String::from_utf8(bytes) {
-        Ok(text) => Ok((name, text)),
-        Err(_) => {
-            Err(Failure::bad(format!("{name}: is not text; give CSV with the columns {COLUMNS}")))
-        }
-    }
+    String::from_utf8(bytes).map(|text| (name.clone(), text)).map_err(|_| {
+        Failure::bad(format!("{name}: is not text; give CSV with the columns {COLUMNS}"))
+    })
 }
 
 type Pair<'a> = (&'a str, Direction<f64>, Direction<f64>);

@@ -117,7 +117,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.method != "normals" && (args.law.is_some() || args.fit_theta0) {
         return Err(Failure::bad("--law and --fit-theta0 belong to --method normals"));
     }
-    if !(args.max_misfit > 0.0) || args.max_evaluations == 0 {
+    if args.max_misfit.is_nan() || args.max_misfit <= 0.0 || args.max_evaluations == 0 {
         return Err(Failure::bad("--max-misfit and --max-evaluations must be positive"));
     }
     let (measurement, input) = args.read.read(&args.scan)?;

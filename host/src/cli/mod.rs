@@ -2,6 +2,9 @@
 //!
 //! Results go to stdout, all else to stderr. Exit 0: done. 1: the answer is no. 2: bad usage or input.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "this is the layer that prints")]
+#![allow(clippy::doc_markdown, reason = "the doc comments here are the plain text of --help")]
+#![allow(clippy::struct_excessive_bools, reason = "flags are bools")]
+#![allow(clippy::large_enum_variant, reason = "one verb lives at a time")]
 
 mod error;
 mod interrupt;
@@ -77,8 +80,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Completions(a) => completions::run(&a),
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
+        Ok(()) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Err(Failure::No(why)) => {
             eprintln!("no: {why}");
             ExitCode::from(1)

@@ -65,8 +65,9 @@ impl Fit {
             Termination::Interrupted => return Some("interrupted; the best values so far".into()),
         }
         let (sigma, error) = self.worst_incidence()?;
-        let undescribed = !(error <= most_percent);
-        undescribed.then(|| {
+        // NaN is no description either
+        let described = error <= most_percent;
+        (!described).then(|| {
             format!(
                 "the model does not describe this surface: at sigma {sigma} deg it is off by \
                  {error:.1} % of that incidence's largest reading (limit {most_percent} %); one lobe of \

@@ -171,14 +171,12 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             Geometry::Reflection => 2048,
         };
         let found = passes(self.boundary, eta, &self.entry, &views, count);
-        let at = |k: isize| {
-            let last = found.density.len() as isize - 1;
-            found.density[k.clamp(0, last) as usize]
-        };
+        let at = |k: usize| found.density[k.min(found.density.len() - 1)];
         let values = (0..fine)
             .map(|half| {
-                let (k, t) = ((half / STRIDE) as isize, (half % STRIDE) as f64 / STRIDE as f64);
-                catmull_rom([at(k - 1), at(k), at(k + 1), at(k + 2)], t).max(0.0)
+                let (k, t) = (half / STRIDE, (half % STRIDE) as f64 / STRIDE as f64);
+                let ends = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
+                catmull_rom(ends, t).max(0.0)
             })
             .collect();
         (values, Neglected { flux: found.neglected, reading: found.neglected * found.peak })
