@@ -1,1 +1,26 @@
-//! placeholder
+//! The command line as a user meets it: the real program, run in a folder of its own.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `program` | where the program is, and how it is run |
+//! | `help` | help, version, completions |
+//! | `happy` | every verb does what it says |
+//! | `malformed` | every mistake is answered in a line or two, and nothing is written |
+//! | `no` | exit status 1: all went well and the answer is no |
+//! | `determinism` | the same seed gives the same bits, for any number of threads |
+//! | `interrupt` | Ctrl-C |
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "in a test a panic is the report"
+)]
+
+mod program;
+mod help;
+mod happy;
+mod malformed;
+mod no;
+mod determinism;
+#[cfg(unix)]
+mod interrupt;

@@ -1,1 +1,21 @@
-//! placeholder
+//! From readings to a fit through the library: measured scans, recovery of known models, the two forward
+//! models against each other, and what a fit does with readings that make no sense.
+//!
+//! Figures are printed; `--nocapture` shows them.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests and their helpers; figures are shown with --nocapture"
+)]
+
+mod limits;
+mod common;
+mod student;
+mod real_scans;
+mod metals;
+mod recovery;
+mod forward;
+mod forward_limits;
+mod fit_robustness;

@@ -127,7 +127,7 @@ pub enum FitError {
 }
 
 /// Starts of all that are searched from.
-const MOST_STARTS: usize = 3;
+const MOST_STARTS: usize = 2;
 
 /// Fits `method` to a measurement.
 ///
@@ -168,7 +168,7 @@ pub fn fit(
     let Some((_, start)) = found.into_iter().next() else {
         return Err(if search.interrupted() { FitError::Interrupted } else { FitError::NoStart });
     };
-    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, 1e-6) {
+    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, 5e-6) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
         Err(Stopped) => (search.best_or(start), Termination::Interrupted),

@@ -25,7 +25,7 @@ const GAIN: Parameter =
     Parameter { name: "gain", unit: "", bounds: (1e-3, 1e3), scale: Scale::Log, starts: &[] };
 
 /// Readings an incidence that a draft needs.
-const DRAFT_READINGS: usize = 240;
+const DRAFT_READINGS: usize = 120;
 
 impl<'a> Problem<'a> {
     pub(super) fn new(

@@ -92,7 +92,7 @@ impl<'a> Search<'a> {
         for (k, p) in parameters.iter().enumerate() {
             let mut corner = first.clone();
             // A start found by a draft is good: a smaller simplex keeps it.
-            let size = if effort == Effort::Full { 0.2 } else { 1.0 };
+            let size = if effort == Effort::Full { 0.06 } else { 1.0 };
             corner[k] += size * p.step(start[k]);
             simplex.push(corner);
         }

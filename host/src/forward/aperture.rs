@@ -32,8 +32,8 @@ impl Warp {
     pub(super) fn new(centre: f64, scale: f64, cells_per_unit: f64) -> Self {
         let v = |theta: f64| asinh((theta - centre) / scale);
         let ends = [v(-FRAC_PI_2), v(FRAC_PI_2)];
-        // multiples of four, so that every fourth node is a node of the coarse table
-        let cells = ends.map(|v| 4 * (v.abs() * cells_per_unit / 4.0).ceil().max(1.0) as usize);
+        // multiples of eight, so that every eighth node is a node of the coarse table
+        let cells = ends.map(|v| 8 * (v.abs() * cells_per_unit / 8.0).ceil().max(1.0) as usize);
         Self { centre, scale, ends, cells }
     }
 
@@ -56,15 +56,20 @@ impl Warp {
         (theta, self.scale * v.cosh())
     }
 
-    /// A value at `theta` between values at half cells, linearly.
+    /// A value at `theta` from values at half cells, by a cubic within each side of the centre.
     pub(super) fn interpolate(&self, at_half_cells: &[f64], theta: f64) -> f64 {
         let (cell, t) = self.locate(theta);
         let half = 2 * cell + usize::from(t > 0.5);
         let t = 2.0 * t - if t > 0.5 { 1.0 } else { 0.0 };
-        match (at_half_cells.get(half), at_half_cells.get(half + 1)) {
-            (Some(a), Some(b)) => a + t * (b - a),
-            _ => 0.0,
-        }
+        // The spacing may change at the centre, and the lobe may have a cusp there: no cubic across.
+        let centre = 2 * self.cells[0];
+        let (first, last) =
+            if half < centre { (0, centre) } else { (centre, 2 * self.cells()) };
+        let at = |k: usize| at_half_cells.get(k).copied().unwrap_or(0.0);
+        let (b, c) = (at(half), at(half + 1));
+        let a = if half > first { at(half - 1) } else { 3.0 * (b - c) + at(half + 2) };
+        let d = if half + 1 < last { at(half + 2) } else { 3.0 * (c - b) + at(half - 1) };
+        cubic([a, b, c, d], t)
     }
 
     /// Cell and place in it, 0 to 1, of an angle.
@@ -77,6 +82,12 @@ impl Warp {
         let cell = (position as usize).min(self.cells() - 1);
         (cell, position - cell as f64)
     }
+}
+
+/// Lagrange's cubic through four evenly spaced values, at `t` in [0, 1] between the middle two.
+pub(super) fn cubic([a, b, c, d]: [f64; 4], t: f64) -> f64 {
+    let (p, q, r) = (t + 1.0, t - 1.0, t - 2.0);
+    -t * q * r / 6.0 * a + p * q * r / 2.0 * b - p * t * r / 2.0 * c + p * t * q / 6.0 * d
 }
 
 /// Inverse hyperbolic sine to about 1e-15 absolute, cheaper than the library's.

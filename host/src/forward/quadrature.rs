@@ -6,7 +6,7 @@ use asperity_core::bsdf::Bsdf;
 use asperity_core::gonio::{Geometry, observation};
 use rayon::prelude::*;
 
-use super::aperture::{Integral, Warp, lines};
+use super::aperture::{Integral, Warp, cubic, lines};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
@@ -101,9 +101,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         // A lobe wider than the cone looks the same on all lines for what was scattered twice.
         let wide = lines.len() == 2;
         let solid_angle = solid_angle(self.setup.aperture_deg);
-        let mut values = vec![0.0; self.incidence.theta_deg.len()];
         let mut neglected = Neglected::default();
         let mut inner = Vec::new();
+        let mut integrals = Vec::with_capacity(lines.len());
         for (k, line) in lines.iter().enumerate() {
             if k == 0 || !wide {
                 let missing;
@@ -118,11 +118,21 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
                     (self.first_hit(theta, line.psi) + inner) * slope
                 })
                 .collect();
-            let integral = Integral::new(&self.warp, &density);
-            for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
-                *value += integral.reading(&self.warp, line, theta.to_radians());
-            }
+            integrals.push(Integral::new(&self.warp, &density));
         }
+        let reading = |theta: f64| -> f64 {
+            let parts = integrals.iter().zip(&lines);
+            parts.map(|(integral, line)| integral.reading(&self.warp, line, theta)).sum()
+        };
+        let thetas = self.incidence.theta_deg.iter().map(|t| t.to_radians());
+        let nodes = 2 * self.warp.cells() + 1;
+        let mut values: Vec<f64> = if wide && self.incidence.theta_deg.len() > nodes {
+            // Readings of a wide lobe are as smooth as the lobe: as many as it has nodes tell the rest.
+            let table: Vec<f64> = (0..nodes).map(|half| reading(self.warp.node(half).0)).collect();
+            thetas.map(|theta| self.warp.interpolate(&table, theta)).collect()
+        } else {
+            thetas.map(reading).collect()
+        };
         for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
             let theta = theta.to_radians();
             // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
@@ -153,11 +163,11 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         })
     }
 
-    /// Internal passes on a line, at half cells: computed at every fourth cell, a cubic between.
+    /// Internal passes on a line, at half cells: computed at every eighth cell, a cubic between.
     ///
     /// `Neglected::reading` of the result is a density, 1/sr.
     fn internal_density(&self, psi: f64) -> (Vec<f64>, Neglected) {
-        const STRIDE: usize = 8; // half cells
+        const STRIDE: usize = 16; // half cells
         let fine = 2 * self.warp.cells() + 1;
         let eta = match self.setup.sample {
             Sample::Plate { eta, .. } if self.effort == Effort::Full => eta.get(),
@@ -167,7 +177,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             (0..fine).step_by(STRIDE).map(|half| self.view(self.warp.node(half).0, psi)).collect();
         // Seen from the front, half of what a clear plate returns has been inside.
         let count = match self.setup.geometry {
-            Geometry::Transmission => 128,
+            Geometry::Transmission => 64,
             Geometry::Reflection => 2048,
         };
         let found = passes(self.boundary, eta, &self.entry, &views, count);
@@ -176,7 +186,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             .map(|half| {
                 let (k, t) = (half / STRIDE, (half % STRIDE) as f64 / STRIDE as f64);
                 let ends = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
-                catmull_rom(ends, t).max(0.0)
+                cubic(ends, t).max(0.0)
             })
             .collect();
         (values, Neglected { flux: found.neglected, reading: found.neglected * found.peak })
@@ -194,11 +204,6 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         };
         (self.incidence.theta_deg.iter().map(|t| value(t.to_radians())).collect(), neglected)
     }
-}
-
-/// Cubic through `b` and `c` with the slopes of their neighbours.
-fn catmull_rom([a, b, c, d]: [f64; 4], t: f64) -> f64 {
-    b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)))
 }
 
 /// Angular half width of the lobe outside the plate, rad: a scale for the warp, not a result.

@@ -1,0 +1,65 @@
+//! The same inputs and the same seed give the same bits, for any number of threads.
+
+use crate::program::{Done, Folder};
+
+fn with_threads(folder: &Folder, threads: &str, line: &str) -> Done {
+    let mut command = folder.command(line.split_whitespace());
+    command.env("RAYON_NUM_THREADS", threads).output().expect("the program runs").into()
+}
+
+fn folder_with_models() -> Folder {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o ggx.json").ok();
+    folder.run("model normals --set delta=6.9 n=1.66 --ior 1.49 -o normals.json").ok();
+    folder
+}
+
+#[test]
+fn a_monte_carlo_scan_depends_on_its_seed_alone() {
+    let folder = folder_with_models();
+    for model in ["ggx.json", "normals.json"] {
+        let line = format!("scan {model} --sigma 0,40 --step 0.5 --rays 20000 --seed");
+        let first = folder.run(&format!("{line} 3")).ok();
+        assert!(first.contains("# seed: 3\n"), "{}", &first[..300]);
+        assert!(first == folder.run(&format!("{line} 3")).ok(), "{model}: a second run differs");
+        for threads in ["1", "2"] {
+            let again = with_threads(&folder, threads, &format!("{line} 3")).ok();
+            assert!(first == again, "{model}: differs with {threads} threads");
+        }
+        let readings = |text: &str| {
+            text.lines().filter(|l| !l.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
+        };
+        let other = folder.run(&format!("{line} 4")).ok();
+        assert!(readings(&first) != readings(&other), "{model}: the seed has no effect");
+    }
+}
+
+#[test]
+fn an_incidence_does_not_depend_on_the_others() {
+    let folder = folder_with_models();
+    let readings = |sigma: &str| {
+        let line = format!("scan ggx.json --sigma {sigma} --step 1 --rays 20000 --seed 3");
+        let text = folder.run(&line).ok();
+        text.lines().filter(|l| l.starts_with("40,")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(readings("0,40"), readings("40"));
+}
+
+#[test]
+fn quadrature_and_fits_do_not_depend_on_the_number_of_threads() {
+    let folder = folder_with_models();
+    let scan = "scan ggx.json --sigma 0,30,60 --step 1";
+    let text = with_threads(&folder, "1", scan).ok();
+    assert!(text == with_threads(&folder, "2", scan).ok(), "the scan differs");
+    folder.run("scan ggx.json --sigma 0,30,60 --step 1 --rays 2e5 -o noisy.csv").ok();
+    for method in ["ggx --fit-gain", "normals --law cauchy --objective log"] {
+        let fit = |threads| {
+            let line = format!("fit noisy.csv --json --max-misfit 100 --method {method}");
+            let mut model = with_threads(&folder, threads, &line).json();
+            // wall time is all that may differ
+            model["seconds"] = 0.into();
+            model.to_string()
+        };
+        assert_eq!(fit("1"), fit("2"), "{method}");
+    }
+}

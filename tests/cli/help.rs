@@ -1,0 +1,81 @@
+//! Help that teaches, the version, tab completions.
+
+use crate::program::Folder;
+
+#[test]
+fn every_verb_explains_itself_and_names_its_flags() {
+    let folder = Folder::new();
+    for (verb, flags, lesson) in [
+        ("demo", "--output --json", "known GGX facets"),
+        (
+            "model",
+            "<METHOD> --set --ior --opaque --law --output --json",
+            "Example: asperity model normals",
+        ),
+        (
+            "scan",
+            "<MODEL> --sigma --theta-range --step --aperture --geometry --rough-side --quantity \
+             --rays --seed --output --json",
+            "internal passes",
+        ),
+        (
+            "fit",
+            "<SCAN> --method --objective --law --fit-theta0 --fit-ior --fit-gain \
+             --max-evaluations --max-misfit --output --plot --json --ior --opaque --geometry \
+             --rough-side --aperture --columns --quantity --where --delimiter --decimal-comma \
+             --skip-missing --sigma-range --theta-range",
+            "Examples:\n  asperity fit scan.csv",
+        ),
+        ("eval", "<MODEL> --input --output --json", "wix,wiy,wiz,wox,woy,woz"),
+        ("check", "<MODEL> --incidence --side --json", "R + T > 1"),
+        ("completions", "<SHELL>", "asperity completions bash >"),
+    ] {
+        let done = folder.run(&format!("{verb} --help")).with_code(0);
+        assert!(done.err.is_empty(), "{verb}: {}", done.err);
+        for flag in flags.split_whitespace() {
+            assert!(done.out.contains(flag), "{verb}: {flag} is not in\n{}", done.out);
+        }
+        assert!(done.out.contains(lesson), "{verb}: no lesson in\n{}", done.out);
+        let short = folder.run(&format!("{verb} -h")).ok();
+        assert!(short.lines().count() <= done.out.lines().count(), "{verb}");
+        // every verb is listed with a line of its own
+        let all = folder.run("--help").ok();
+        assert!(all.lines().any(|l| l.trim_start().starts_with(&format!("{verb} "))), "{verb}");
+    }
+}
+
+#[test]
+fn the_help_of_the_program_has_examples_and_the_exit_statuses() {
+    let folder = Folder::new();
+    let help = folder.run("--help").ok();
+    for words in ["Examples:", "asperity demo", "degrees", "Exit status: 0 done, 1", "2 bad usage"] {
+        assert!(help.contains(words), "{words} is not in\n{help}");
+    }
+    assert_eq!(folder.run("help").ok(), help);
+}
+
+#[test]
+fn the_version_is_the_workspaces() {
+    let folder = Folder::new();
+    let expected = format!("asperity {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(folder.run("--version").ok(), expected);
+    assert_eq!(folder.run("-V").ok(), expected);
+}
+
+#[test]
+fn no_arguments_are_answered_with_the_usage() {
+    let done = Folder::new().run("").with_code(2);
+    assert!(done.out.is_empty(), "{}", done.out);
+    assert!(done.err.contains("Usage: asperity <COMMAND>"), "{}", done.err);
+}
+
+#[test]
+fn completions_know_verbs_and_flags() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let text = folder.run(&format!("completions {shell}")).ok();
+        for word in ["asperity", "model", "scan", "check", "max-evaluations"] {
+            assert!(text.contains(word), "{shell}: {word} is missing");
+        }
+    }
+}

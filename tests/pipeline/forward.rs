@@ -1,0 +1,166 @@
+//! The quadrature of a fit against Monte Carlo of the same boundary, plate and instrument.
+
+use asperity::forward::Rays;
+use asperity::method::{GgxMethod, Method, Surface};
+use asperity_core::gonio::AngleGrid;
+use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
+use asperity_core::plate::RoughSide::{self, Detector, Source};
+use asperity_tests::{count, tolerance};
+
+use crate::common::{CAUCHY, GAUSS, Virtual, grid};
+use crate::student::Deviations;
+
+/// Batches of a Monte Carlo run of at most 64 * 65536 rays, less one; with more rays there are more
+/// batches, and the judgement is a little too mild.
+const FREEDOM: u32 = 63;
+/// Readings at a step of 0.1 degree that are at least an aperture of 0.6 degrees apart.
+const APART: usize = 7;
+/// Fewer rays than this in a reading are not normally distributed.
+const MANY: f64 = 300.0;
+
+const SIGMAS: [f64; 3] = [0.0, 30.0, 60.0];
+const SIDES: [(RoughSide, Geometry); 4] = [
+    (Source, Transmission),
+    (Detector, Transmission),
+    (Source, Reflection),
+    (Detector, Reflection),
+];
+
+/// Compares readings, and their sum, of one surface in one setup at all incidences.
+fn compare(
+    name: &str,
+    sample: &Virtual,
+    rays: usize,
+    seed: u64,
+    single: &mut Deviations,
+    total: &mut Deviations,
+) {
+    let grid = grid(10);
+    let rays = Rays { count: count(rays) as u64, seed };
+    let exact = sample.quadrature(&SIGMAS, &grid).values;
+    for (sigma, exact) in SIGMAS.iter().zip(exact.chunks(grid.count)) {
+        let drawn = sample.monte_carlo(*sigma, &grid, rays);
+        // a reading at sigma, where a narrow lobe is, and those an aperture apart from it
+        let first = at(&grid, *sigma) % APART;
+        let (mut sum, mut variance) = (0.0, 0.0);
+        for k in (first..grid.count).step_by(APART) {
+            sum += exact[k] - drawn.values[k];
+            variance += drawn.std_errors[k].powi(2);
+            let z = (exact[k] - drawn.values[k]) / drawn.std_errors[k];
+            if exact[k] * drawn.rays as f64 > MANY {
+                single.add(z, || {
+                    format!(
+                        "{name}, sigma {sigma}, theta {:.1}, seed {seed}: {:.6e}, drawn {:.6e}",
+                        grid.degrees(k),
+                        exact[k],
+                        drawn.values[k]
+                    )
+                });
+            }
+        }
+        total.add(sum / variance.sqrt(), || format!("{name}, sigma {sigma}, seed {seed}"));
+    }
+}
+
+/// Index of an angle that is on the grid.
+fn at(grid: &AngleGrid<f64>, theta_deg: f64) -> usize {
+    ((theta_deg - grid.start_deg) / grid.step_deg).round() as usize
+}
+
+/// One family of comparisons, judged together.
+fn family(
+    label: &str,
+    geometry: Geometry,
+    rays: usize,
+    seed: u64,
+    surfaces: &[(&str, &dyn Method, &[f64])],
+) {
+    let (mut single, mut total) = (Deviations::default(), Deviations::default());
+    let mut seed = seed;
+    for (name, method, values) in surfaces {
+        for (side, geometry) in SIDES.into_iter().filter(|(_, g)| *g == geometry) {
+            seed += 1;
+            let sample = Virtual::plate(*method, values, 1.49, side, geometry);
+            let name = format!("{name} {values:?} {side:?} {geometry:?}");
+            compare(&name, &sample, rays, seed, &mut single, &mut total);
+        }
+    }
+    let chance = tolerance::SIGNIFICANCE.allowed;
+    let most = tolerance::MONTE_CARLO.allowed;
+    single.judge(&format!("{label} {geometry:?}, readings"), FREEDOM, chance, most);
+    total.judge(&format!("{label} {geometry:?}, sums over the plane"), FREEDOM, chance, most);
+}
+
+const GGX: GgxMethodOfAPlate = GgxMethodOfAPlate;
+/// `GgxMethod::new` is not constant.
+struct GgxMethodOfAPlate;
+
+impl GgxMethodOfAPlate {
+    fn get(&self) -> GgxMethod {
+        GgxMethod::new(Surface::Dielectric { ior: 1.49 })
+    }
+}
+
+fn ggx(geometry: Geometry, rays: usize, seed: u64) {
+    let method = GGX.get();
+    let widths = [[0.003], [0.02], [0.05], [0.2], [0.47]];
+    let surfaces: Vec<(&str, &dyn Method, &[f64])> =
+        widths.iter().map(|w| ("ggx", &method as &dyn Method, w.as_slice())).collect();
+    family("ggx", geometry, rays, seed, &surfaces);
+}
+
+fn normals(geometry: Geometry, rays: usize, seed: u64) {
+    let surfaces: [(&str, &dyn Method, &[f64]); 5] = [
+        ("gauss", &GAUSS, &[0.3, 2.0]),
+        ("gauss", &GAUSS, &[7.0, 1.7]),
+        ("gauss", &GAUSS, &[25.0, 4.0]),
+        ("cauchy", &CAUCHY, &[2.0, 4.0]),
+        ("cauchy", &CAUCHY, &[8.5, 3.5]),
+    ];
+    family("normals", geometry, rays, seed, &surfaces);
+}
+
+#[test]
+fn ggx_in_transmission_is_what_rays_give() {
+    ggx(Transmission, 400_000, 7000);
+}
+
+#[test]
+fn ggx_in_reflection_is_what_rays_give() {
+    ggx(Reflection, 400_000, 7100);
+}
+
+#[test]
+fn normals_in_transmission_are_what_rays_give() {
+    normals(Transmission, 400_000, 7200);
+}
+
+#[test]
+fn normals_in_reflection_are_what_rays_give() {
+    normals(Reflection, 400_000, 7300);
+}
+
+#[test]
+fn an_opaque_body_is_what_rays_give() {
+    let (mut single, mut total) = (Deviations::default(), Deviations::default());
+    for (seed, alpha) in (7401..).zip([0.003, 0.05, 0.2, 0.47]) {
+        let sample = Virtual::opaque(alpha, 0.5, 0.05);
+        compare(&format!("opaque {alpha}"), &sample, 400_000, seed, &mut single, &mut total);
+    }
+    let chance = tolerance::SIGNIFICANCE.allowed;
+    single.judge("opaque, readings", FREEDOM, chance, tolerance::MONTE_CARLO.allowed);
+}
+
+#[test]
+fn other_apertures_are_what_rays_give() {
+    let (mut single, mut total) = (Deviations::default(), Deviations::default());
+    for (seed, alpha) in (7501..).zip([0.003, 0.02, 0.2]) {
+        for aperture_deg in [0.2, 4.0] {
+            let sample = Virtual::ggx(alpha, 1.49).with_aperture(aperture_deg);
+            let name = format!("ggx {alpha}, aperture {aperture_deg}");
+            compare(&name, &sample, 400_000, seed, &mut single, &mut total);
+        }
+    }
+    let chance = tolerance::SIGNIFICANCE.allowed;
+    single.judge("apertures, readings", FREEDOM, chance, tolerance::MONTE_CARLO.allowed);
+}

@@ -1,0 +1,53 @@
+//! Deviations that these tests allow, each with its reason; candidates for the common table.
+
+use asperity_tests::tolerance::Tolerance;
+
+macro_rules! limit {
+    ($($name:ident = $allowed:expr, $quantity:literal, $reason:literal;)*) => {
+        $(
+            #[doc = concat!($quantity, ": ", $reason, ".")]
+            pub(crate) const $name: Tolerance =
+                Tolerance { quantity: $quantity, allowed: $allowed, reason: $reason };
+        )*
+    };
+}
+
+limit! {
+    RECOVERED_ALPHA = 0.01, "GGX width fitted to a Monte Carlo scan, relative",
+        "several standard errors at the number of rays used, see the margins printed";
+    RECOVERED_IOR = 0.01, "refractive index fitted to a Monte Carlo scan, absolute",
+        "several standard errors at the number of rays used";
+    RECOVERED_DELTA = 0.02, "width of a law of normals fitted to a Monte Carlo scan, relative",
+        "delta and n of a law are correlated: twice what a width alone is allowed";
+    RECOVERED_EXPONENT = 0.03, "exponent of a law of normals fitted to a Monte Carlo scan, relative",
+        "delta and n of a law are correlated";
+    RECOVERED_GAIN = 0.01, "calibration factor fitted to a Monte Carlo scan, relative",
+        "several standard errors at the number of rays used";
+    RECOVERED_LAMBERT = 0.03, "Lambert floor fitted to a Monte Carlo scan, relative",
+        "the floor is the weak part of the readings";
+    PULL = 4.0, "fitted value from the truth, in its own standard errors",
+        "6e-5 two-sided a value if errors are normal, and the seeds are fixed";
+    SAMPLE_5_ALPHA = 0.03, "alpha of sample 5 against an independent fit, relative",
+        "that fit follows one pass through the plate, ours all";
+    SAMPLE_8_ALPHA = 0.04, "alpha of sample 8 against an independent fit, relative",
+        "that fit follows one pass through the plate, ours all";
+    METAL_ALPHA = 0.02, "alpha of measured metals against an independent fit, relative",
+        "that fit lets no reading be left out and may take a boundary of the floor";
+    METAL_ERROR = 0.02, "error of measured metals above that of an independent fit, relative",
+        "the same model and readings: both are at the least squares";
+    SMOOTH_PLATE = 1e-3, "reading of a nearly smooth plate against (1 - F) / (1 + F), absolute",
+        "2e-4 of the beam may be neglected, and a share (alpha / aperture)^2 lies in the tail";
+    WIDE_LOBE = 2e-3, "reading over solid angle, between apertures, relative",
+        "curvature of the lobe: (a / width)^2 / 8 at the largest aperture";
+    NEGLECTED_FLUX = 1e-3, "flux neglected in the internal passes, of the beam",
+        "what the forward model promises: 2e-4, and dropped rays of 1e-4 of an even share each";
+    NEGLECTED_READING = 1e-5, "bound of what a reading may miss, of the largest, transmission",
+        "a hundredth of the smallest error of a fit worth printing";
+    SMOOTH_OBJECTIVE = 1e-4, "second difference of the error of eq. (18) in %, at steps of 1e-4 in ln alpha",
+        "moves the minimum of an error of 1 % by less than 3e-4 in ln alpha";
+}
+
+/// Whether `found` is within a share of `exact`.
+pub(crate) fn near(found: f64, exact: f64, limit: Tolerance) -> bool {
+    (found / exact - 1.0).abs() <= limit.allowed
+}

@@ -1,0 +1,77 @@
+//! Scans of the two virtual samples that an independent ray tracer made from height maps.
+
+use asperity::fit::{Fit, MISFIT_PERCENT};
+use asperity::forward::{Sample, Setup};
+use asperity::measurement::{Measurement, csv};
+use asperity::method::{GgxMethod, Method, Surface};
+use asperity_tests::data;
+use asperity_tests::tolerance::Tolerance;
+
+use crate::common::{CAUCHY, GAUSS, fitted, options};
+use crate::limits::{SAMPLE_5_ALPHA, SAMPLE_8_ALPHA, near};
+
+const SURFACE: Surface = Surface::Dielectric { ior: 1.49 };
+
+/// The instrument that the header describes.
+fn setup(scan: &Measurement) -> Setup {
+    let meta = &scan.meta;
+    assert!(meta.ior.is_some_and(|n| (n - 1.49).abs() < 1e-12));
+    Setup {
+        sample: Sample::Plate { eta: SURFACE.eta().unwrap(), rough_side: meta.rough_side.unwrap() },
+        geometry: meta.geometry.unwrap(),
+        aperture_deg: meta.aperture_deg.unwrap(),
+        quantity: scan.quantity(),
+    }
+}
+
+/// Fits and checks what holds for every good fit.
+fn describe(name: &str, scan: &Measurement, label: &str, method: &dyn Method) -> Fit {
+    let fit = fitted(method, scan, &setup(scan), &options(SURFACE)).unwrap();
+    let values: Vec<String> = fit
+        .parameters
+        .iter()
+        .map(|p| format!("{} {:.5} +- {:.5}", p.name, p.value, p.std_error.unwrap_or(f64::NAN)))
+        .collect();
+    println!(
+        "{name} {label}: {}, RMSD {:.3} %, worst incidence {:?}, {} evaluations",
+        values.join(", "),
+        fit.rmsd_percent,
+        fit.worst_incidence(),
+        fit.evaluations
+    );
+    assert_eq!(fit.refusal(MISFIT_PERCENT), None, "{name} {label}");
+    for p in &fit.parameters {
+        // 9005 readings of a smooth lobe leave more than a part in 1e5 open and less than a tenth
+        let relative = p.std_error.expect("a standard error") / p.value;
+        assert!((1e-5..0.1).contains(&relative), "{name} {label} {p:?}");
+        assert!(!p.at_bound, "{name} {label} {p:?}");
+    }
+    fit
+}
+
+fn check(file: &str, alpha: f64, limit: Tolerance, most_percent: f64) {
+    let Some(path) = data::find(file) else { return };
+    let scan = csv::read(path).unwrap();
+    let ggx = describe(file, &scan, "ggx", &GgxMethod::new(SURFACE));
+    let found = ggx.parameters[0].value;
+    assert!(near(found, alpha, limit), "{file}: alpha {found}, expected {alpha}");
+    assert!(ggx.rmsd_percent <= most_percent, "{file}: {} %", ggx.rmsd_percent);
+    let gauss = describe(file, &scan, "normals gauss", &GAUSS);
+    let cauchy = describe(file, &scan, "normals cauchy", &CAUCHY);
+    let normals = gauss.rmsd_percent.min(cauchy.rmsd_percent);
+    assert!(
+        normals <= ggx.rmsd_percent,
+        "{file}: two parameters at {normals} % beside one at {} %",
+        ggx.rmsd_percent
+    );
+}
+
+#[test]
+fn sample_5_is_described_as_by_an_independent_fit() {
+    check("samples/scan5.csv", 0.187, SAMPLE_5_ALPHA, 1.6);
+}
+
+#[test]
+fn sample_8_is_described_as_by_an_independent_fit() {
+    check("samples/scan8.csv", 0.47, SAMPLE_8_ALPHA, 6.5);
+}
