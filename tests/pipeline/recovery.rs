@@ -2,6 +2,7 @@
 
 use asperity::fit::{Fit, FitOptions};
 use asperity::forward::Rays;
+use asperity::measurement::Measurement;
 use asperity::method::{GgxMethod, Method, Surface};
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
@@ -37,6 +38,8 @@ impl Case<'_> {
         let fit = fitted(self.method, &scan, &self.sample.setup, &self.options).unwrap();
         let name = format!("{}, seed {seed}", self.name);
         assert_eq!(fit.termination.word(), "converged", "{name}");
+        let truth_cost = self.cost_of_the_truth(&scan);
+        println!("{name}: {} {:.6}, of the truth {truth_cost:.6}", fit.objective.0, fit.objective.1);
         for &(parameter, truth, limit) in &self.truths {
             let (found, error) = value(&fit, parameter);
             let off = if parameter == "ior" { found - truth } else { found / truth - 1.0 };
@@ -50,6 +53,21 @@ impl Case<'_> {
             assert!(pull.abs() < PULL.allowed, "{name}: {parameter} pull {pull}");
         }
         fit
+    }
+}
+
+impl Case<'_> {
+    /// What the fit minimises, at the values the scan was made from.
+    fn cost_of_the_truth(&self, scan: &Measurement) -> f64 {
+        let exact = self.sample.quadrature(&SIGMAS, &grid(5)).values;
+        let largest = scan.largest_reading();
+        let squares: f64 = scan
+            .readings()
+            .iter()
+            .zip(&exact)
+            .map(|(m, s)| self.options.objective.residual(m.value, s * self.gain, largest).powi(2))
+            .sum();
+        self.options.objective.of_mean_square(squares / exact.len() as f64)
     }
 }
 

@@ -287,8 +287,8 @@ fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String {
         let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
         let _ = writeln!(text, "{:12} {}{unit}", p.name, report::with_error(p.value, p.std_error));
     }
-    if let Some(ior) = fit.ior {
-        let _ = writeln!(text, "ior          {ior:.4}");
+    if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
+        let _ = writeln!(text, "ior          {ior:.4} (given)");
     }
     let noise = noise.map_or("unknown".into(), |n| format!("{n:.3} %"));
     let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
