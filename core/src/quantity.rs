@@ -69,7 +69,11 @@ impl<T: Real> Alpha<T> {
 
 /// Relative refractive index `eta = n_dielectric / n_air`, dimensionless, 0.1 to 10.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RelativeIor<T>(T);
+pub struct RelativeIor<T> {
+    value: T,
+    /// `1 / value`, divided once: every call needs one or the other, by the side of `wi`.
+    inverse: T,
+}
 
 impl<T: Real> RelativeIor<T> {
     /// Smallest index.
@@ -82,19 +86,25 @@ impl<T: Real> RelativeIor<T> {
     /// # Errors
     /// [`QuantityError`] if not finite, or outside 0.1 to 10.
     pub fn new(eta: T) -> Result<Self, QuantityError> {
-        within(eta, Self::LEAST, Self::MOST).map(Self)
+        within(eta, Self::LEAST, Self::MOST).map(|value| Self { value, inverse: T::ONE / value })
     }
 
     /// The number.
     #[inline(always)]
     pub fn get(self) -> T {
-        self.0
+        self.value
+    }
+
+    /// Its inverse, `n_air / n_dielectric`.
+    #[inline(always)]
+    pub fn inverse(self) -> T {
+        self.inverse
     }
 
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.
     #[inline(always)]
     pub fn is_matched(self) -> bool {
-        (self.0 - T::ONE).abs() <= T::EPSILON * T::from_f64(4.0)
+        (self.value - T::ONE).abs() <= T::EPSILON * T::from_f64(4.0)
     }
 }
 

@@ -2,9 +2,12 @@
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 
+mod linear;
 pub mod output;
 pub mod provenance;
 pub mod measurement;
+pub mod surface;
+pub mod raytrace;
 pub mod boundary;
 pub mod batch;
 pub mod forward;

@@ -48,7 +48,8 @@ fn every_verb_explains_itself_and_names_its_flags() {
 fn the_help_of_the_program_has_examples_and_the_exit_statuses() {
     let folder = Folder::new();
     let help = folder.run("--help").ok();
-    for words in ["Examples:", "asperity demo", "degrees", "Exit status: 0 done, 1", "2 bad usage"] {
+    for words in ["Examples:", "asperity demo", "degrees", "Exit status: 0 done, 1", "2 bad usage"]
+    {
         assert!(help.contains(words), "{words} is not in\n{help}");
     }
     assert_eq!(folder.run("help").ok(), help);

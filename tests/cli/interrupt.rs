@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crate::program::{Done, Folder};
 
 /// A generous limit for everything that is waited for.
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_mins(1);
 
 /// A run that is ended by force if the test fails.
 struct Running(Option<Child>);
@@ -30,7 +30,7 @@ impl Running {
     /// Waits until the run has opened its output and listens to the signal.
     fn wait_until_busy(&mut self, folder: &Folder) {
         let begun = Instant::now();
-        while !(folder.names().iter().any(|n| n.ends_with(".part")) && self.listens()) {
+        while !(folder.names().iter().any(|n| n.starts_with(".scan.csv.")) && self.listens()) {
             let ended = self.child().try_wait().expect("the run can be asked");
             assert!(ended.is_none(), "ended by itself: {ended:?}");
             assert!(begun.elapsed() < LIMIT, "not busy after {LIMIT:?}: {:?}", folder.names());

@@ -3,6 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `program` | where the program is, and how it is run |
+//! | `refusal` | how a refusal is judged |
 //! | `help` | help, version, completions |
 //! | `happy` | every verb does what it says |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
@@ -17,6 +18,7 @@
 )]
 
 mod program;
+mod refusal;
 mod help;
 mod happy;
 mod malformed;

@@ -9,8 +9,7 @@ fn a_fit_that_did_not_converge_is_written_and_refused() {
     let folder = Folder::new();
     folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
     folder.run("scan m.json --sigma 0,30 --step 1 -o scan.csv").ok();
-    let done =
-        folder.run("fit scan.csv --method ggx --max-evaluations 5 -o fit.json").with_code(1);
+    let done = folder.run("fit scan.csv --method ggx --max-evaluations 5 -o fit.json").with_code(1);
     assert!(done.err.starts_with("no: not converged after"), "{}", done.err);
     assert!(done.err.contains("--max-evaluations"), "{}", done.err);
     assert!(done.out.contains("alpha"), "{}", done.out);

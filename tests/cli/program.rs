@@ -37,9 +37,11 @@ fn locate() -> Result<PathBuf, String> {
     };
     let target = folder.parent().ok_or("there is no target folder")?;
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    // The whole workspace is named so that its crates have the features they were tested with.
+    // Naming the workspace and this test gives the crates the features with which `cargo test` has built
+    // them already: only the program itself is left to do.
     let done = Command::new(cargo)
-        .args(["build", "--workspace", "--bin", "asperity", "--profile", profile, "--target-dir"])
+        .args(["build", "--workspace", "--bin", "asperity", "--test", "cli"])
+        .args(["--profile", profile, "--target-dir"])
         .arg(target)
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
@@ -178,10 +180,7 @@ impl Folder {
         self.run_args(line.split_whitespace())
     }
 
-    pub(crate) fn run_args<A: AsRef<OsStr>>(
-        &self,
-        arguments: impl IntoIterator<Item = A>,
-    ) -> Done {
+    pub(crate) fn run_args<A: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = A>) -> Done {
         self.command(arguments).output().expect("the program runs").into()
     }
 

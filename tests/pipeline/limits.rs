@@ -12,9 +12,14 @@ macro_rules! limit {
     };
 }
 
+/// Factor on all readings of an instrument out of calibration.
+pub(crate) const CALIBRATED: f64 = 0.8;
+
 limit! {
     RECOVERED_ALPHA = 0.01, "GGX width fitted to a Monte Carlo scan, relative",
         "several standard errors at the number of rays used, see the margins printed";
+    RECOVERED_ALPHA_WITHIN = 0.04, "GGX width of a back face seen in reflection, relative",
+        "a twenty-fifth of the light comes back: three standard errors at the number of rays used";
     RECOVERED_IOR = 0.01, "refractive index fitted to a Monte Carlo scan, absolute",
         "several standard errors at the number of rays used";
     RECOVERED_DELTA = 0.02, "width of a law of normals fitted to a Monte Carlo scan, relative",
@@ -27,6 +32,10 @@ limit! {
         "the floor is the weak part of the readings";
     PULL = 4.0, "fitted value from the truth, in its own standard errors",
         "6e-5 two-sided a value if errors are normal, and the seeds are fixed";
+    PULL_RMS = 1.8, "rms of the pulls of repeated fits, or its inverse",
+        "few dozen effective readings leave a third to a standard error, 24 fits a seventh to the rms";
+    BEST = 2e-3, "error a fit ends at above that of the truth, relative",
+        "a fit stops when its simplex is flat to 1e-6 of the error, the forward model jumps by 1e-4 %";
     SAMPLE_5_ALPHA = 0.03, "alpha of sample 5 against an independent fit, relative",
         "that fit follows one pass through the plate, ours all";
     SAMPLE_8_ALPHA = 0.04, "alpha of sample 8 against an independent fit, relative",
@@ -43,8 +52,10 @@ limit! {
         "what the forward model promises: 2e-4, and dropped rays of 1e-4 of an even share each";
     NEGLECTED_READING = 1e-5, "bound of what a reading may miss, of the largest, transmission",
         "a hundredth of the smallest error of a fit worth printing";
-    SMOOTH_OBJECTIVE = 1e-4, "second difference of the error of eq. (18) in %, at steps of 1e-4 in ln alpha",
+    SMOOTH_TRANSMISSION = 1e-4, "second difference of the error of eq. (18) in %, at steps of 1e-4 in ln alpha",
         "moves the minimum of an error of 1 % by less than 3e-4 in ln alpha";
+    SMOOTH_REFLECTION = 2e-3, "the same in reflection",
+        "half of the light has been inside: one of 2048 rays there turns up or is lost at a kink";
 }
 
 /// Whether `found` is within a share of `exact`.

@@ -41,9 +41,9 @@ fn describe(name: &str, scan: &Measurement, label: &str, method: &dyn Method) ->
     );
     assert_eq!(fit.refusal(MISFIT_PERCENT), None, "{name} {label}");
     for p in &fit.parameters {
-        // 9005 readings of a smooth lobe leave more than a part in 1e5 open and less than a tenth
+        // 9005 readings of one lobe leave more than a part in 1e5 open, and less than a quarter
         let relative = p.std_error.expect("a standard error") / p.value;
-        assert!((1e-5..0.1).contains(&relative), "{name} {label} {p:?}");
+        assert!((1e-5..0.25).contains(&relative), "{name} {label} {p:?}");
         assert!(!p.at_bound, "{name} {label} {p:?}");
     }
     fit

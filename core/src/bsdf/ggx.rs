@@ -33,10 +33,9 @@ impl<T: Real> Ggx<T> {
     /// A facet normal visible from `wi`, and the index of the far medium over that of `wi`'s.
     #[inline(always)]
     fn facet(&self, wi: Direction<T>, u: [T; 2]) -> Option<(Direction<T>, T)> {
-        let n = self.eta.get();
         let (front, eta) = match wi.side()? {
-            Side::Air => (wi, n),
-            Side::Dielectric => (wi.opposite(), T::ONE / n),
+            Side::Air => (wi, self.eta.get()),
+            Side::Dielectric => (wi.opposite(), self.eta.inverse()),
         };
         Some((sample_visible(self.alpha, front, u), eta))
     }
@@ -62,25 +61,26 @@ impl<T: Real> Scatter<T> for Ggx<T> {
 }
 
 impl<T: Real> Bsdf<T> for Ggx<T> {
-    #[inline]
+    #[inline(always)]
     fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         let a = self.alpha.get();
-        match HalfVector::between(self.eta, wi, wo) {
-            Some(h) => {
-                let masked = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
-                d_of_vector(a, h.xy2, h.z2) * h.share * T::from_f64(4.0) / masked
-            }
-            None => T::ZERO,
-        }
+        let h = HalfVector::between(self.eta, wi, wo);
+        let masked = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
+        let f = d_of_vector(a, h.xy2, h.z2) * h.share * T::from_f64(4.0) / masked;
+        if h.possible { f } else { T::ZERO }
     }
 
-    #[inline]
+    #[inline(always)]
+    fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        self.eval(wi, wo) * wo.z().abs()
+    }
+
+    #[inline(always)]
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         let a = self.alpha.get();
-        match HalfVector::between(self.eta, wi, wo) {
-            Some(h) => d_of_vector(a, h.xy2, h.z2) * h.share * T::TWO / shadow_sum(a, wi.xyz()),
-            None => T::ZERO,
-        }
+        let h = HalfVector::between(self.eta, wi, wo);
+        let p = d_of_vector(a, h.xy2, h.z2) * h.share * T::TWO / shadow_sum(a, wi.xyz());
+        if h.possible { p } else { T::ZERO }
     }
 
     fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {

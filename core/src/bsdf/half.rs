@@ -3,15 +3,20 @@
 //! With `h = wi + r wo` and `r = n_o / n_i` one expression serves reflection (`r = 1`, the half vector of
 //! \[Walter2007, eq. 13\]) and transmission (its eq. 16). The cosines at the facet are kept scaled by
 //! `|h|`, which the Fresnel formulas do not mind, so that no square root is spent on normalising.
+//!
+//! Nothing here branches: both cases share their quotients, whose terms are selected. A loop over pairs
+//! then becomes vector instructions, and a pair on unforeseeable sides costs no chain of mispredictions.
 
 use crate::direction::Direction;
-use crate::fresnel;
 use crate::math::Real;
 use crate::quantity::RelativeIor;
 
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfVector<T> {
+    /// Whether there is one: no direction in the surface, no facet turned away, no matched media, no NaN.
+    /// If not, the other fields mean nothing, and may be infinite or NaN.
+    pub(super) possible: bool,
     /// `h_x^2 + h_y^2`.
     pub(super) xy2: T,
     /// `h_z^2`.
@@ -24,46 +29,68 @@ pub(super) struct HalfVector<T> {
 }
 
 impl<T: Real> HalfVector<T> {
-    /// `None` if no facet can do it: a direction in the surface, a facet turned away, matched media.
+    /// The facet between two directions, on any sides.
     #[inline(always)]
-    pub(super) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Option<Self> {
+    pub(super) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
         let [ix, iy, iz] = wi.xyz();
         let [ox, oy, oz] = wo.xyz();
-        if eta.is_matched() {
-            return None;
+        let sign_i = T::ONE.copysign(iz);
+        let mirrored = sign_i * oz > T::ZERO;
+        let r = if iz < T::ZERO { eta.inverse() } else { eta.get() };
+        let weight = choose(mirrored, || T::ONE, || r);
+        let (hx, hy, hz) = (ix + weight * ox, iy + weight * oy, iz + weight * oz);
+        let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
+        let hh = xy2 + z2;
+        let eta2 = r * r;
+
+        // Reflection. For unit vectors wi.h = |h|^2 / 2: a sum of squares, symmetric in wi and wo.
+        // Total reflection is no case of its own: with g = 0 neither |rs| nor |rp| is below 1.
+        let half = T::HALF * hh;
+        let step = (r - T::ONE) * (r + T::ONE);
+
+        // Transmission. Seen from the front by both: (w.m)(w.n) > 0, where m = h times the sign of h_z.
+        let i_h = ix * hx + iy * hy + iz * hz;
+        let o_h = ox * hx + oy * hy + oz * hz;
+        let front = sign_i * T::ONE.copysign(hz);
+        let seen = || (front * i_h).min(-front * o_h).min(hz.abs());
+
+        // The Fresnel factors of `crate::fresnel` from cosines that carry the factor |h|: rs and rp of F;
+        // for 1 - F the same places hold c / s and c / p.
+        let c = choose(mirrored, || half, || i_h.abs());
+        let g = choose(mirrored, || (step * hh + half * half).sqrt_positive(), || r * o_h.abs());
+        let s = c + g;
+        let p = eta2 * c + g;
+        let first = choose(mirrored, || step * hh, || c) / choose(mirrored, || s * s, || s);
+        let second =
+            choose(mirrored, || step * (c * s - hh), || c) / choose(mirrored, || s * p, || p);
+        let reflected = || (T::HALF * (first * first + second * second)).min(T::ONE);
+        let transmitted = || T::TWO * (first * (g / s) + eta2 * second * (g / p));
+
+        // All of these are positive if there is a facet; the last term makes NaN of any NaN.
+        let least = choose(mirrored, || hh, seen).min(iz.abs()).min(oz.abs()) + T::ZERO * hh;
+        Self {
+            possible: (least > T::ZERO) & !eta.is_matched(),
+            xy2,
+            z2,
+            ih: c,
+            share: choose(
+                mirrored,
+                || reflected() * T::from_f64(0.25),
+                || transmitted() * (r * c / hh) * (g / hh),
+            ),
         }
-        let (air_i, air_o) = (wi.side()? == crate::direction::Side::Air, oz > T::ZERO);
-        wo.side()?;
-        let n = eta.get();
-        let r = if air_i { n } else { T::ONE / n };
-        if air_i == air_o {
-            let (hx, hy, hz) = (ix + ox, iy + oy, iz + oz);
-            let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
-            let hh = xy2 + z2;
-            // For unit vectors wi.h = |h|^2 / 2: a sum of squares, symmetric in wi and wo.
-            let ih = T::HALF * hh;
-            let step = (r - T::ONE) * (r + T::ONE);
-            let g2 = step * hh + ih * ih;
-            let reflected = if g2 > T::ZERO {
-                fresnel::reflectance(ih, g2.sqrt(), hh, r * r, step)
-            } else {
-                T::ONE
-            };
-            (hh > T::ZERO).then_some(Self { xy2, z2, ih, share: reflected * T::from_f64(0.25) })
-        } else {
-            let (hx, hy, hz) = (ix + r * ox, iy + r * oy, iz + r * oz);
-            let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
-            let hh = xy2 + z2;
-            let ih = ix * hx + iy * hy + iz * hz;
-            let oh = ox * hx + oy * hy + oz * hz;
-            // Seen from the front by both: (w.m)(w.n) > 0, where m = h times the sign of h_z.
-            let up = hz > T::ZERO;
-            if ((ih > T::ZERO) == up) != air_i || ((oh > T::ZERO) == up) != air_o || hh <= T::ZERO {
-                return None;
-            }
-            let (ih, oh) = (ih.abs(), oh.abs());
-            let transmitted = fresnel::transmittance(ih, r * oh, r * r);
-            Some(Self { xy2, z2, ih, share: transmitted * (r * ih / hh) * (r * oh / hh) })
-        }
+    }
+}
+
+/// One of two values. Where loops become vector instructions both are computed, and neither costs a branch
+/// that random directions mispredict; on a microcontroller only the one that is wanted is. The bits are
+/// the same.
+#[inline(always)]
+fn choose<T>(condition: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
+    if cfg!(target_arch = "arm") {
+        if condition { yes() } else { no() }
+    } else {
+        let (yes, no) = (yes(), no());
+        if condition { yes } else { no }
     }
 }

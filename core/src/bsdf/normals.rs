@@ -36,7 +36,7 @@ impl<T: Real, const N: usize> Normals<T, N> {
     fn near_side(&self, side: Side) -> (bool, T) {
         match side {
             Side::Air => (true, self.eta.get()),
-            Side::Dielectric => (false, T::ONE / self.eta.get()),
+            Side::Dielectric => (false, self.eta.inverse()),
         }
     }
 
@@ -73,15 +73,14 @@ impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
     }
 
     fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        match HalfVector::between(self.eta, wi, wo) {
-            Some(h) => {
-                let visible = self.visible(wi);
-                let facet = self.density.density(h.xy2.sqrt(), h.z2.sqrt());
-                // share / |wi.m|, with |wi.m| = ih / |h|
-                facet / visible * h.share * ((h.xy2 + h.z2).sqrt() / h.ih)
-            }
-            None => T::ZERO,
+        let h = HalfVector::between(self.eta, wi, wo);
+        if !h.possible {
+            return T::ZERO;
         }
+        let visible = self.visible(wi);
+        let facet = self.density.density(h.xy2.sqrt(), h.z2.sqrt());
+        // share / |wi.m|, with |wi.m| = ih / |h|
+        facet / visible * h.share * ((h.xy2 + h.z2).sqrt() / h.ih)
     }
 
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {

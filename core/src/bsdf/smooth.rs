@@ -21,7 +21,7 @@ impl<T: Real> Smooth<T> {
     fn relative(&self, side: Side) -> T {
         match side {
             Side::Air => self.eta.get(),
-            Side::Dielectric => T::ONE / self.eta.get(),
+            Side::Dielectric => self.eta.inverse(),
         }
     }
 

@@ -104,6 +104,8 @@ pub trait Real:
     fn is_finite(self) -> bool;
     /// Magnitude.
     fn abs(self) -> Self;
+    /// Magnitude of `self` with the sign of another, also of a zero or a NaN.
+    fn copysign(self, sign: Self) -> Self;
 
     /// The smaller of two; the second if either is NaN.
     #[inline(always)]
@@ -228,6 +230,10 @@ macro_rules! implement {
             #[inline(always)]
             fn abs(self) -> Self {
                 <$t>::abs(self)
+            }
+            #[inline(always)]
+            fn copysign(self, sign: Self) -> Self {
+                <$t>::copysign(self, sign)
             }
         }
     };

@@ -63,8 +63,7 @@ impl Warp {
         let t = 2.0 * t - if t > 0.5 { 1.0 } else { 0.0 };
         // The spacing may change at the centre, and the lobe may have a cusp there: no cubic across.
         let centre = 2 * self.cells[0];
-        let (first, last) =
-            if half < centre { (0, centre) } else { (centre, 2 * self.cells()) };
+        let (first, last) = if half < centre { (0, centre) } else { (centre, 2 * self.cells()) };
         let at = |k: usize| at_half_cells.get(k).copied().unwrap_or(0.0);
         let (b, c) = (at(half), at(half + 1));
         let a = if half > first { at(half - 1) } else { 3.0 * (b - c) + at(half + 2) };

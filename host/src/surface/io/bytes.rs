@@ -1,0 +1,141 @@
+//! What every binary reader checks: the end of the bytes, the number of points, the pixel size.
+
+use super::{MapFault, error::MOST_POINTS};
+
+/// Reads little-endian numbers one after the other; every read checks that the bytes are there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cursor<'a> {
+    format: &'static str,
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// A cursor at the start of `bytes`; `format` names the file in messages.
+    pub(super) fn new(format: &'static str, bytes: &'a [u8]) -> Self {
+        Self { format, bytes, at: 0 }
+    }
+
+    /// Bytes read or skipped so far.
+    pub(super) fn position(&self) -> usize {
+        self.at
+    }
+
+    /// The next `n` bytes.
+    pub(super) fn bytes(&mut self, n: usize) -> Result<&'a [u8], MapFault> {
+        let end = self.at.checked_add(n);
+        let Some(taken) = end.and_then(|end| self.bytes.get(self.at..end)) else {
+            let what = format!("ends early at byte {}", self.bytes.len());
+            return Err(MapFault::Damaged { format: self.format, what });
+        };
+        self.at += n;
+        Ok(taken)
+    }
+
+    /// Passes over `n` bytes.
+    pub(super) fn skip(&mut self, n: usize) -> Result<(), MapFault> {
+        self.bytes(n).map(|_| ())
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], MapFault> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.bytes(N)?);
+        Ok(array)
+    }
+
+    /// The next byte.
+    pub(super) fn u8(&mut self) -> Result<u8, MapFault> {
+        self.array().map(u8::from_le_bytes)
+    }
+
+    /// The next two bytes, unsigned.
+    pub(super) fn u16(&mut self) -> Result<u16, MapFault> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    /// The next two bytes, signed.
+    pub(super) fn i16(&mut self) -> Result<i16, MapFault> {
+        self.array().map(i16::from_le_bytes)
+    }
+
+    /// The next four bytes, unsigned.
+    pub(super) fn u32(&mut self) -> Result<u32, MapFault> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    /// The next four bytes, signed.
+    pub(super) fn i32(&mut self) -> Result<i32, MapFault> {
+        self.array().map(i32::from_le_bytes)
+    }
+
+    /// The next four bytes as a float.
+    pub(super) fn f32(&mut self) -> Result<f32, MapFault> {
+        self.array().map(f32::from_le_bytes)
+    }
+
+    /// The next eight bytes as a float.
+    pub(super) fn f64(&mut self) -> Result<f64, MapFault> {
+        self.array().map(f64::from_le_bytes)
+    }
+}
+
+/// The number of points of a map of `nx` by `ny`, at least one and at most [`MOST_POINTS`].
+pub(super) fn points(format: &'static str, nx: u64, ny: u64) -> Result<usize, MapFault> {
+    match nx.checked_mul(ny) {
+        Some(0) => {
+            Err(MapFault::Damaged { format, what: format!("the map has {nx} x {ny} points") })
+        }
+        Some(n) if n <= MOST_POINTS => Ok(n as usize),
+        _ => Err(MapFault::TooLarge { format, nx, ny }),
+    }
+}
+
+/// A pixel size, if it is positive and finite; `name` is what the file calls it.
+pub(super) fn pitch(format: &'static str, name: &str, um: f64) -> Result<f64, MapFault> {
+    if um.is_finite() && um > 0.0 {
+        return Ok(um);
+    }
+    Err(MapFault::Damaged { format, what: format!("{name} gives the pixel size {um} um") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cursor, pitch, points};
+
+    #[test]
+    fn a_cursor_reads_little_endian_and_stops_at_the_end() {
+        let bytes: Vec<u8> = (1..=32).collect();
+        let mut cursor = Cursor::new("test", &bytes);
+        assert_eq!(cursor.u8().unwrap(), 1);
+        assert_eq!(cursor.u16().unwrap(), 0x0302);
+        assert_eq!(cursor.i16().unwrap(), 0x0504);
+        assert_eq!(cursor.u32().unwrap(), 0x0908_0706);
+        assert_eq!(cursor.i32().unwrap(), 0x0d0c_0b0a);
+        assert_eq!(cursor.f32().unwrap().to_bits(), 0x1110_0f0e);
+        assert_eq!(cursor.f64().unwrap().to_bits(), 0x1918_1716_1514_1312);
+        assert_eq!(cursor.bytes(2).unwrap(), [26, 27]);
+        cursor.skip(3).unwrap();
+        assert_eq!(cursor.position(), 30);
+        for n in [3, usize::MAX] {
+            let fault = cursor.bytes(n).unwrap_err().to_string();
+            assert!(fault.starts_with("test: ends early at byte 32;"), "{fault}");
+        }
+        assert!(cursor.u32().is_err() && cursor.u16().is_ok() && cursor.u8().is_err());
+    }
+
+    #[test]
+    fn a_map_has_a_sensible_number_of_points() {
+        assert_eq!(points("test", 3, 4).unwrap(), 12);
+        for (nx, ny) in [(0, 4), (1 << 20, 1 << 20), (u64::MAX, 2)] {
+            assert!(points("test", nx, ny).is_err());
+        }
+    }
+
+    #[test]
+    fn a_pixel_size_is_positive() {
+        assert!(pitch("test", "dx", 0.5).is_ok());
+        for um in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(pitch("test", "dx", um).is_err());
+        }
+    }
+}

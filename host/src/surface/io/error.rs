@@ -1,0 +1,67 @@
+//! What can be wrong with a height-map file.
+
+use std::path::PathBuf;
+
+use crate::surface::HeightMapError;
+
+/// A height-map file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {fault}", path.display())]
+pub struct MapError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong and what to do.
+    pub fault: MapFault,
+}
+
+/// What is wrong; the text ends with the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MapFault {
+    /// It cannot be opened.
+    #[error("cannot be read ({0}); check the path and the permissions")]
+    Io(#[from] std::io::Error),
+    /// No reader knows it.
+    #[error("no known height-map format; known are {known}")]
+    Unknown {
+        /// Names of the formats.
+        known: String,
+    },
+    /// It breaks the rules of its format.
+    #[error("{format}: {what}; the file is damaged or not of this format, export it again")]
+    Damaged {
+        /// The format.
+        format: &'static str,
+        /// What is wrong and where.
+        what: String,
+    },
+    /// It uses a part of its format that is not supported.
+    #[error("{format}: {what} is not supported; {remedy}")]
+    Unsupported {
+        /// The format.
+        format: &'static str,
+        /// What.
+        what: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// More points than are sensible.
+    #[error("{format}: {nx} x {ny} points are more than {} million; crop the map", MOST_POINTS / 1_000_000)]
+    TooLarge {
+        /// The format.
+        format: &'static str,
+        /// Columns.
+        nx: u64,
+        /// Rows.
+        ny: u64,
+    },
+    /// The file gives no pixel size.
+    #[error("the file gives no pixel size; give --pixel-um")]
+    NoPixelSize,
+    /// The numbers make no map.
+    #[error("{0}; check the file")]
+    Map(#[from] HeightMapError),
+}
+
+/// Most points of a map that is read: 16384 x 16384.
+pub const MOST_POINTS: u64 = 1 << 28;

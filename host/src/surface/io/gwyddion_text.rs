@@ -1,0 +1,108 @@
+//! Gwyddion's text export: a matrix below four comments.
+//!
+//! ```text
+//! # Channel: Height
+//! # Width: 2.0 µm
+//! # Height: 1.6 µm
+//! # Value units: m
+//! 1.5e-9	1.6e-9
+//! ```
+//! Gwyddion translates the words into the user's language, so only their places count. Width and
+//! height are those of all pixels. Without the comments the file is a plain matrix.
+
+use super::text::{
+    comment, decode, excerpt, head, is_pitch, length_um, lines, matrix, quantity_um,
+};
+use super::{MapFault, RawMap};
+
+const FORMAT: &str = "Gwyddion text";
+
+/// Whether the file begins with the four comments.
+pub(super) fn detect(bytes: &[u8]) -> bool {
+    head(bytes).is_some_and(|text| header(&text).is_some())
+}
+
+/// Reads the map; a height without unit is in um.
+pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+    let text = decode(bytes);
+    let damaged = |what: &str| MapFault::Damaged { format: FORMAT, what: what.into() };
+    let header = header(&text).ok_or_else(|| damaged("the four comments are not at the top"))?;
+    let um = match header.unit {
+        "" => 1.0,
+        unit => length_um(unit).ok_or_else(|| MapFault::Unsupported {
+            format: FORMAT,
+            what: format!("the unit `{}` of the values", excerpt(unit)),
+            remedy: "export a channel of heights",
+        })?,
+    };
+    let map = matrix(FORMAT, lines(&text), um)?;
+    let (dx, dy) = (header.width_um / map.nx as f64, header.height_um / map.ny as f64);
+    if !(is_pitch(dx) && is_pitch(dy)) {
+        return Err(damaged("the width or the height is not positive"));
+    }
+    Ok(RawMap { dx_um: Some(dx), dy_um: Some(dy), ..map })
+}
+
+/// What the four comments say.
+struct Header<'a> {
+    width_um: f64,
+    height_um: f64,
+    unit: &'a str,
+}
+
+fn header(text: &str) -> Option<Header<'_>> {
+    // translations may put a blank before the colon, and a channel may have one in its name
+    let mut values = lines(text).map(|(_, l)| comment(l)?.split_once(':').map(|(_, v)| v.trim()));
+    values.next()??;
+    let width_um = quantity_um(values.next()??)?;
+    let height_um = quantity_um(values.next()??)?;
+    let unit = values.next()??;
+    Some(Header { width_um, height_um, unit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{detect, read};
+
+    #[test]
+    fn size_and_unit_come_from_the_comments() {
+        for (head, dx) in [
+            (
+                "# Channel: Height: a\n# Width: 2.0 \u{b5}m\n# Height: 1.0 \u{b5}m\n# Value units: m",
+                1.0,
+            ),
+            ("# Kanal: H\n# Breite: 2.0 nm\r\n# H\u{f6}he: 1.0 nm\n# Einheit: m\n", 1e-3),
+        ] {
+            let utf8 = format!("{head}\n1e-9\t2e-9\t\n3e-9\tnan\n");
+            let latin: Vec<u8> = utf8.chars().map(|c| c as u8).collect();
+            for file in [utf8.as_bytes(), &latin] {
+                assert!(detect(file));
+                let map = read(file).unwrap();
+                assert_eq!((map.nx, map.ny), (2, 2));
+                assert!((map.dx_um.unwrap() / dx - 1.0).abs() < 1e-12);
+                assert!((map.dy_um.unwrap() / dx - 0.5).abs() < 1e-12);
+                assert!((map.heights_um[2] - 3e-3).abs() < 1e-12 && map.heights_um[3].is_nan());
+            }
+        }
+    }
+
+    #[test]
+    fn malformed_exports_are_refused() {
+        let file = |w: &str, unit: &str, rows: &str| {
+            format!("# Channel: a\n# Width: {w}\n# Height: 1 mm\n# Value units: {unit}\n{rows}\n")
+        };
+        for (text, word) in [
+            (file("-1 mm", "m", "1 2\n3 4"), "not positive"),
+            (file("nan mm", "m", "1 2\n3 4"), "not positive"),
+            (file("1 V", "m", "1 2\n3 4"), "four comments"),
+            (file("1 mm", "V", "1 2\n3 4"), "`V`"),
+            (file("1 mm", "m", "1 2\n3"), "line 6 has 1"),
+            (file("1 mm", "m", "1 2\n3 4 5"), "line 6 has 3"),
+            (file("1 mm", "m", "1 2\n3 four"), "`four`"),
+            (file("1 mm", "m", ""), "0 x 0"),
+        ] {
+            let fault = read(text.as_bytes()).unwrap_err().to_string();
+            assert!(fault.contains(word), "{fault}");
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Surfaces in text files: decoding, units of length, columns of numbers.
+
+use std::borrow::Cow;
+
+use super::bytes::points;
+use super::error::MOST_POINTS;
+use super::{MapFault, RawMap};
+
+/// The text of a file: UTF-8 with or without byte order mark, else Latin-1 (for the micro sign).
+pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
+    }
+}
+
+/// The first lines of a text file for a quick look, at most 2 MiB; `None` if it is not text.
+///
+/// A line that the limit cuts is left out.
+pub(super) fn head(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let start = bytes.get(..4096).unwrap_or(bytes);
+    let binary = |b: &u8| *b < b' ' && !b"\t\n\r\x0c".contains(b);
+    if start.is_empty() || start.iter().any(binary) {
+        return None;
+    }
+    let Some(cut) = bytes.get(..2 << 20) else { return Some(decode(bytes)) };
+    let end = cut.iter().rposition(|b| *b == b'\n')?;
+    cut.get(..end).map(decode)
+}
+
+/// The lines of a text with their numbers from one, without those that are blank.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    text.lines().enumerate().map(|(k, line)| (k + 1, line)).filter(|(_, l)| !l.trim().is_empty())
+}
+
+/// The text of a comment, if the line is one.
+pub(super) fn comment(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    ["#", "%", "//"].iter().find_map(|mark| line.strip_prefix(mark)).map(str::trim)
+}
+
+/// The start of a text, short enough for a message.
+pub(super) fn excerpt(text: &str) -> String {
+    text.trim().chars().take(24).collect()
+}
+
+/// Micrometres of a unit of length; `None` if it is not one.
+pub(super) fn length_um(unit: &str) -> Option<f64> {
+    Some(match unit.trim().trim_end_matches('\0') {
+        "m" => 1e6,
+        "dm" => 1e5,
+        "cm" => 1e4,
+        "mm" => 1e3,
+        // the micro sign, and mu
+        "um" | "\u{b5}m" | "\u{3bc}m" => 1.0,
+        "nm" => 1e-3,
+        "\u{c5}" | "\u{212b}" => 1e-4,
+        "pm" => 1e-6,
+        other => match other.to_ascii_lowercase().as_str() {
+            "meter" | "metre" | "meters" | "metres" => 1e6,
+            "micron" | "microns" | "micrometer" | "micrometre" => 1.0,
+            "nanometer" | "nanometre" => 1e-3,
+            "angstrom" => 1e-4,
+            _ => return None,
+        },
+    })
+}
+
+/// A number with its unit of length, such as `2.0 um`, in um.
+pub(super) fn quantity_um(text: &str) -> Option<f64> {
+    let (number, unit) = text.trim().split_once(char::is_whitespace)?;
+    let value: f64 = number.trim().parse().ok()?;
+    Some(value * length_um(unit)?)
+}
+
+/// Whether a pitch can be one.
+pub(super) fn is_pitch(pitch_um: f64) -> bool {
+    pitch_um.is_finite() && pitch_um > 0.0
+}
+
+/// How the columns of a text are written; learnt from its first lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layout {
+    /// `None`: any number of blanks.
+    separator: Option<char>,
+    /// The decimal mark, once one was seen.
+    decimal: Option<char>,
+}
+
+impl Layout {
+    /// Guesses from the first line with numbers.
+    ///
+    /// A comma is the separator if no semicolon or tab is there, unless blanks separate and no
+    /// comma stands beside one (`1,5 2,5`).
+    pub(super) fn of(line: &str) -> Self {
+        let line = line.trim();
+        let has = |mark: &str| line.contains(mark);
+        let separator = if has(";") {
+            Some(';')
+        } else if has("\t") {
+            Some('\t')
+        } else if has(",") && (!has(" ") || has(", ") || has(" ,")) {
+            Some(',')
+        } else {
+            None
+        };
+        Self { separator, decimal: None }
+    }
+
+    /// The fields of a line; a separator at its end opens no further field.
+    pub(super) fn fields<'a>(self, line: &'a str) -> impl Iterator<Item = &'a str> + use<'a> {
+        let line = line.trim_matches([' ', '\r', '\u{c}']);
+        let (split, blanks) = match self.separator {
+            Some(mark) => (Some(line.strip_suffix(mark).unwrap_or(line).split(mark)), None),
+            None => (None, Some(line.split_whitespace())),
+        };
+        split.into_iter().flatten().chain(blanks.into_iter().flatten()).map(str::trim)
+    }
+
+    /// Adds the numbers of a line to `values` and returns how many; else the field that is none.
+    pub(super) fn numbers<'a>(
+        &mut self,
+        line: &'a str,
+        values: &mut Vec<f64>,
+    ) -> Result<usize, &'a str> {
+        let before = values.len();
+        for field in self.fields(line) {
+            values.push(self.number(field).ok_or(field)?);
+        }
+        Ok(values.len() - before)
+    }
+
+    /// A finite number, or NaN for a missing one: an empty field, `nan` or `BAD`.
+    fn number(&mut self, field: &str) -> Option<f64> {
+        let mark = field.chars().find(|c| ",.".contains(*c));
+        if let Some(mark) = mark.filter(|_| field.len() > 1) {
+            if *self.decimal.get_or_insert(mark) != mark {
+                return missing(field);
+            }
+            if mark == ',' {
+                let pointed = field.replacen(',', ".", 1);
+                return pointed.parse().ok().filter(|v: &f64| v.is_finite());
+            }
+        }
+        match field.parse::<f64>() {
+            Ok(value) if value.is_finite() => Some(value),
+            _ => missing(field),
+        }
+    }
+}
+
+/// NaN if a field marks a missing point.
+fn missing(field: &str) -> Option<f64> {
+    let words = ["", "nan", "+nan", "-nan", "-nan(ind)", "1.#qnan", "-1.#ind", "bad"];
+    words.iter().any(|word| field.eq_ignore_ascii_case(word)).then_some(f64::NAN)
+}
+
+/// Reads rows of numbers, all of the same length; comments are left out.
+///
+/// The map has no pixel size, and its heights are the numbers times `um`.
+pub(super) fn matrix<'a>(
+    format: &'static str,
+    lines: impl Iterator<Item = (usize, &'a str)>,
+    um: f64,
+) -> Result<RawMap, MapFault> {
+    let damaged = |what| MapFault::Damaged { format, what };
+    let (mut heights_um, mut layout, mut nx, mut ny) = (Vec::new(), None, 0, 0);
+    for (number, line) in lines.filter(|(_, line)| comment(line).is_none()) {
+        let layout = layout.get_or_insert_with(|| Layout::of(line));
+        let columns = layout.numbers(line, &mut heights_um).map_err(|field| {
+            damaged(format!("line {number}: `{}` is not a number", excerpt(field)))
+        })?;
+        if ny > 0 && columns != nx {
+            let what = format!("line {number} has {columns} numbers, the lines above {nx}");
+            return Err(damaged(what));
+        }
+        (nx, ny) = (columns, ny + 1);
+        if heights_um.len() as u64 > MOST_POINTS {
+            return Err(MapFault::TooLarge { format, nx: nx as u64, ny });
+        }
+    }
+    points(format, nx as u64, ny)?;
+    for h in &mut heights_um {
+        *h *= um;
+    }
+    Ok(RawMap {
+        format,
+        nx,
+        ny: ny as usize,
+        dx_um: None,
+        dy_um: None,
+        heights_um,
+        instrument: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Layout, decode, head, length_um, quantity_um};
+
+    fn numbers(line: &str) -> Option<Vec<f64>> {
+        let mut values = Vec::new();
+        Layout::of(line).numbers(line, &mut values).ok().map(|_| values)
+    }
+
+    #[test]
+    fn columns_are_told_by_their_separator() {
+        for line in ["1.5 2 -3e-1", "1.5\t2\t-3e-1\t", " 1.5;2 ;-0.3;", "1.5, 2, -0.3", "1.5,2,-.3"]
+        {
+            assert_eq!(numbers(line), Some(vec![1.5, 2.0, -0.3]), "{line}");
+        }
+        for line in ["1,5 2 -3,0e-1", "1,5;2;-0,3", "1,5\t2\t-0,3"] {
+            assert_eq!(numbers(line), Some(vec![1.5, 2.0, -0.3]), "{line}");
+        }
+        for line in ["1.5 2,5 3", "1.234,5;2", "1 inf", "1 1e999", "1 x", "1,5,2 3", "1 ."] {
+            assert_eq!(numbers(line), None, "{line}");
+        }
+        let values = numbers("1;;nan;BAD;2").unwrap();
+        assert_eq!(values.iter().filter(|v| v.is_nan()).count(), 3);
+    }
+
+    #[test]
+    fn the_micro_sign_is_read_in_all_its_encodings() {
+        for bytes in [&b"2.0 \xb5m"[..], b"2.0 \xc2\xb5m", b"\xef\xbb\xbf2.0 \xce\xbcm", b"2.0  um"]
+        {
+            assert_eq!(quantity_um(&decode(bytes)), Some(2.0));
+        }
+        assert_eq!(length_um("V"), None);
+        assert!(head(b"1 2\n\0").is_none() && head(b"").is_none());
+    }
+}

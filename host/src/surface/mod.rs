@@ -1,0 +1,10 @@
+//! Measured surfaces: height maps, their files and figures.
+
+pub mod heightmap;
+pub mod form;
+pub mod roughness;
+pub mod io;
+
+pub use form::Form;
+pub use heightmap::{HeightMap, HeightMapError};
+pub use roughness::Roughness;
