@@ -7,16 +7,17 @@ use crate::math::Real;
 /// Pairs beyond the shorter slice are ignored. `None` without pairs, or if the largest measured
 /// reading is not positive.
 pub fn rmsd_percent<T: Real>(measured: &[T], simulated: &[T]) -> Option<T> {
+    let largest = measured.iter().fold(T::ZERO, |largest, &m| m.max(largest));
     let mut sum = T::ZERO;
-    let mut largest = T::ZERO;
     let mut count = 0_u32;
     for (&m, &s) in measured.iter().zip(simulated) {
-        sum = sum + (m - s) * (m - s);
-        largest = largest.max(m);
+        // divided first, so that neither huge nor tiny readings leave the range of the squares
+        let deviation = (m - s) / largest;
+        sum = sum + deviation * deviation;
         count += 1;
     }
     (count > 0 && largest > T::ZERO)
-        .then(|| (sum / T::from_f64(f64::from(count))).sqrt() / largest * T::from_f64(100.0))
+        .then(|| (sum / T::from_f64(f64::from(count))).sqrt() * T::from_f64(100.0))
 }
 
 #[cfg(test)]
@@ -29,6 +30,8 @@ mod tests {
         let error = rmsd_percent::<f64>(&[0.0, 2.0, 1.0, 0.0], &[0.0, 1.0, 1.0, 1.0]);
         // sqrt(2/4) / 2
         assert!((error.unwrap() - 35.35533905932738).abs() < 1e-12);
+        let huge = rmsd_percent(&[0.0, 2e300, 1e300, 0.0], &[0.0, 1e300, 1e300, 1e300]);
+        assert!((huge.unwrap() - error.unwrap()).abs() < 1e-12);
         assert!(rmsd_percent::<f64>(&[], &[]).is_none());
         assert!(rmsd_percent(&[0.0], &[1.0]).is_none());
     }

@@ -1,12 +1,15 @@
 //! The model file: a boundary's parameters, and how they were found. JSON, `"asperity": 1`.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use asperity_core::ndf::law::Profile;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::boundary::Boundary;
+use crate::measurement::excerpt;
 use crate::method::{self, BuildError, Method, Surface};
 use crate::provenance::Provenance;
 
@@ -66,6 +69,7 @@ pub struct Model {
     #[serde(default)]
     pub ior: Option<f64>,
     /// The parameters by name.
+    #[serde(deserialize_with = "distinct")]
     pub parameters: BTreeMap<String, Value>,
     /// Error of eq. (18), %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -105,6 +109,33 @@ pub struct Model {
     pub provenance: Option<Provenance>,
 }
 
+/// The parameters, each given once: JSON itself lets the last of two win.
+fn distinct<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BTreeMap<String, Value>, D::Error> {
+    struct Distinct;
+    impl<'de> Visitor<'de> for Distinct {
+        type Value = BTreeMap<String, Value>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("parameters by name")
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+            let mut found = BTreeMap::new();
+            while let Some((name, value)) = map.next_entry::<String, Value>()? {
+                if found.contains_key(&name) {
+                    let what = format!("parameter `{}` is given twice", excerpt(&name));
+                    return Err(A::Error::custom(what));
+                }
+                found.insert(name, value);
+            }
+            Ok(found)
+        }
+    }
+    deserializer.deserialize_map(Distinct)
+}
+
 /// A model file that cannot be used: where, what, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {what}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
@@ -133,7 +164,9 @@ pub fn method_by_name(
     let profile = match law {
         None | Some("gauss") => Profile::Gauss,
         Some("cauchy") => Profile::Cauchy,
-        Some(other) => return Err(format!("law `{other}` is unknown; write gauss or cauchy")),
+        Some(other) => {
+            return Err(format!("law `{}` is unknown; write gauss or cauchy", excerpt(other)));
+        }
     };
     match name {
         "ggx" => Ok(Box::new(method::GgxMethod::new(surface))),
@@ -143,9 +176,11 @@ pub fn method_by_name(
                 .into())
         }
         "normals" => Ok(Box::new(method::NormalsMethod { profile, centre })),
-        other => {
-            Err(format!("method `{other}` is unknown; the methods are {}", METHODS.join(", ")))
-        }
+        other => Err(format!(
+            "method `{}` is unknown; the methods are {}",
+            excerpt(other),
+            METHODS.join(", ")
+        )),
     }
 }
 
@@ -256,7 +291,8 @@ impl Model {
                 }
                 let names: Vec<&str> = method.parameters().iter().map(|p| p.name).collect();
                 let what = format!(
-                    "parameter `{name}` is unknown to method {}; it has {}",
+                    "parameter `{}` is unknown to method {}; it has {}",
+                    excerpt(name),
                     self.method,
                     names.join(", ")
                 );
@@ -265,7 +301,8 @@ impl Model {
             if known.unit != value.unit && !value.unit.is_empty() {
                 let what = format!(
                     "parameter `{name}` is in `{}`; write it in `{}`",
-                    value.unit, known.unit
+                    excerpt(&value.unit),
+                    known.unit
                 );
                 return Err((name.clone(), what));
             }

@@ -10,6 +10,7 @@ mod common;
 mod harness;
 mod fresnel;
 mod ggx;
+mod heightfield;
 mod normals;
 mod energy;
 mod reciprocity;

@@ -18,11 +18,11 @@ use crate::common::{CAUCHY, GAUSS, Virtual, angles, fitted, grid, measurement, o
 const OBJECTIVES: [Objective; 3] = [Objective::Rmsd, Objective::Relative, Objective::Log];
 const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
 /// Evaluations that a senseless fit may take.
-const BUDGET: u64 = 300;
+const BUDGET: u64 = 40;
 
-/// Readings at incidences of 0 and 45 degrees, every second degree.
+/// Readings at incidences of 0 and 45 degrees, every fifth degree.
 fn readings(value: impl Fn(f64, f64) -> f64) -> Vec<Reading> {
-    let thetas = (-45..=45).map(|k| 2.0 * f64::from(k));
+    let thetas = (-18..=18).map(|k| 5.0 * f64::from(k));
     let points = thetas.flat_map(|theta| [(0.0, theta), (45.0, theta)]);
     let reading = |(sigma_deg, theta_deg)| Reading {
         sigma_deg,
@@ -42,14 +42,14 @@ fn noise(seed: u128) -> impl FnMut() -> f64 {
 fn pathological() -> Vec<(&'static str, Vec<Reading>)> {
     let spike = |at: f64, height: f64| {
         move |sigma: f64, theta: f64| {
-            if sigma < 1.0 && (theta - at).abs() < 0.5 { height } else { 0.0 }
+            if sigma < 1.0 && (theta - at).abs() < 2.5 { height } else { 0.0 }
         }
     };
     let lobe = |scale: f64| {
         move |sigma: f64, theta: f64| scale * (-((theta - sigma) / 10.0_f64).powi(2)).exp()
     };
     let mut uniform = noise(9001);
-    let values: Vec<f64> = (0..182).map(|_| uniform()).collect();
+    let values: Vec<f64> = (0..74).map(|_| uniform()).collect();
     let mut random = readings(|_, _| 0.0);
     for (reading, value) in random.iter_mut().zip(&values) {
         reading.value = *value;
@@ -66,7 +66,7 @@ fn pathological() -> Vec<(&'static str, Vec<Reading>)> {
         ("a spike at the centre", readings(spike(0.0, 1.0))),
         ("a spike at the horizon", readings(spike(90.0, 1.0))),
         ("a spike far from the beam", readings(spike(-60.0, 1e3))),
-        ("a mirror", readings(|s, t| if (t - s).abs() < 1.5 { 1.0 } else { 0.0 })),
+        ("a mirror", readings(|s, t| if (t - s).abs() < 2.5 { 1.0 } else { 0.0 })),
         ("noise alone", random),
         ("a lobe with noise about zero", noisy),
         ("huge", readings(lobe(1e300))),
@@ -113,8 +113,8 @@ fn complaint(result: &Result<Fit, FitError>) -> Option<String> {
             return Some(format!("{p:?}"));
         }
     }
-    if !fit.readings.iter().all(|r| r.is_finite() && *r >= 0.0) {
-        return Some("a simulated reading is not a finite flux".into());
+    if let Some(r) = fit.readings.iter().find(|r| !(r.is_finite() && **r >= 0.0)) {
+        return Some(format!("a simulated reading is {r:e}"));
     }
     if !(fit.rmsd_percent.is_finite() && fit.objective.1.is_finite()) {
         return Some(format!("RMSD {} %, objective {:?}", fit.rmsd_percent, fit.objective));
@@ -138,8 +138,9 @@ fn readings_without_sense_give_finite_numbers_or_a_clear_error() {
         for (label, method, surface, setup) in setups() {
             for objective in OBJECTIVES {
                 for free in [false, true] {
-                    // both at once only with a plate, and only one law of normals
-                    if free && (surface == Surface::Opaque || (label == "cauchy" && !extensive())) {
+                    // `free` is the index and the calibration of a plate
+                    let quick = matches!(label, "ggx" | "opaque") || objective == Objective::Log;
+                    if free && surface == Surface::Opaque || !(quick || extensive()) {
                         continue;
                     }
                     let options = FitOptions {
@@ -242,7 +243,10 @@ fn a_fit_stopped_on_the_way_keeps_the_best_values_so_far() {
             }
         }
     }
-    println!("{} evaluations: {errors} stops give no result, {interrupted} the best so far", all.evaluations);
+    println!(
+        "{} evaluations: {errors} stops give no result, {interrupted} the best so far",
+        all.evaluations
+    );
     assert!(errors > 0 && interrupted > 5);
     let (near, best) = (value(&last.unwrap(), "alpha").0, value(&all, "alpha").0);
     assert!((near / best - 1.0).abs() < 1e-2, "{near} shortly before the end, {best} at it");
@@ -255,10 +259,17 @@ fn evaluations_are_limited_and_the_limit_is_told() {
     for max_evaluations in [1, 2, 5, 10, 20, 30] {
         let limited = FitOptions { max_evaluations, ..options(CLEAR) };
         let fit = fitted(&method, &scan, &setup, &limited).unwrap();
-        println!("at most {max_evaluations}: {} evaluations, {:?}", fit.evaluations, fit.termination);
+        println!(
+            "at most {max_evaluations}: {} evaluations, {:?}",
+            fit.evaluations, fit.termination
+        );
         assert_eq!(fit.termination, Termination::MaxEvaluations, "{max_evaluations}");
         // the starts are tried whatever the limit, and a step under way is finished
-        assert!(fit.evaluations <= max_evaluations + 20, "{} of {max_evaluations}", fit.evaluations);
+        assert!(
+            fit.evaluations <= max_evaluations + 20,
+            "{} of {max_evaluations}",
+            fit.evaluations
+        );
         let refusal = fit.refusal(MISFIT_PERCENT).expect("a refusal");
         assert!(refusal.contains("--max-evaluations"), "{refusal}");
         assert_eq!(complaint(&Ok(fit)), None);

@@ -14,7 +14,7 @@ use crate::forward::{Rays, Sample, Setup};
 use crate::measurement::{Metadata, Quantity, write};
 use crate::method::{GgxMethod, Method, Surface};
 use crate::model::method_by_name;
-use crate::output::write_text;
+use crate::output::{AtomicFile, write_text};
 use crate::plot::{self, Scale};
 use crate::provenance::InputFile;
 use crate::report::{self, Entry};
@@ -67,11 +67,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ..Metadata::default()
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
+    let mut scan_file = AtomicFile::create(folder.join("scan.csv"))?;
     let scan = simulate(&truth, &setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?.measurement;
-    let scan_path = folder.join("scan.csv");
     let mut bytes = Vec::new();
     write::write(&scan, &mut bytes).map_err(Failure::bad)?;
-    write_text(&scan_path, &String::from_utf8_lossy(&bytes))?;
+    std::io::Write::write_all(&mut scan_file, &bytes).map_err(Failure::bad)?;
+    scan_file.commit()?;
     let input = InputFile::of_bytes("scan.csv", &bytes);
 
     let options = FitOptions {

@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::error::Failure;
 use super::print;
 use crate::boundary::with_boundary;
+use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
 
@@ -128,7 +129,13 @@ fn parse<'a>(name: &str, text: &'a str) -> Result<Vec<Pair<'a>>, Failure> {
         for field in line.split(',') {
             let value = field.trim().parse::<f64>().ok().filter(|x| x.is_finite());
             let Some(value) = value else {
-                return Err(bad(n + 1, format!("`{}` is not a finite number", field.trim())));
+                return Err(bad(
+                    n + 1,
+                    format!(
+                        "`{}` is not a finite number; write one like 0.5",
+                        excerpt(field.trim())
+                    ),
+                ));
             };
             if let Some(slot) = v.get_mut(count) {
                 *slot = value;

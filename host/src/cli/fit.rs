@@ -15,7 +15,7 @@ use crate::method::Method;
 use crate::model::{IncidenceRecord, METHODS, Model, Value, method_by_name};
 use crate::output::AtomicFile;
 use crate::provenance::{InputFile, Provenance};
-use crate::report::{self, Entry};
+use crate::report::{self, Entry, FigureFiles};
 
 /// What is minimised, as a flag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -133,6 +133,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .collect::<Result<Vec<_>, _>>()
         .map_err(Failure::Bad)?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
+    let plots = args.plot.as_deref().map(open_plots).transpose()?;
     let job = Job {
         measurement: &measurement,
         setup,
@@ -145,7 +146,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         },
         max_misfit: args.max_misfit,
     };
-    let (method, entry) = best(&methods, &job)?;
+    let (method, entry) = best(&methods, &job).map_err(|e| match e {
+        Failure::Bad(what) => Failure::Bad(format!("{}: {what}", args.scan.display())),
+        other => other,
+    })?;
     let noise = noise_floor(&measurement);
     let model = record(&*methods[method], &entry, &job, noise, vec![input]);
     let text = model.to_json();
@@ -155,8 +159,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
         file.commit()?;
     }
-    if let Some(stem) = &args.plot {
-        plots(stem, args, &measurement, std::slice::from_ref(&entry))?;
+    if let Some(files) = plots {
+        let title = measurement.meta.sample.clone();
+        let title = title.unwrap_or_else(|| args.scan.display().to_string());
+        let entries = std::slice::from_ref(&entry);
+        for path in files.write(&title, &measurement, entries).map_err(Failure::bad)? {
+            eprintln!("wrote {}", path.display());
+        }
     }
     if args.json {
         print(&text)?;
@@ -258,23 +267,12 @@ fn warnings(fit: &Fit) -> Vec<String> {
         .collect()
 }
 
-fn plots(
-    stem: &std::path::Path,
-    args: &Args,
-    measurement: &Measurement,
-    entries: &[Entry],
-) -> Result<(), Failure> {
+fn open_plots(stem: &std::path::Path) -> Result<FigureFiles, Failure> {
     let name = stem.file_name().map(|n| n.to_string_lossy().into_owned()).ok_or_else(|| {
         Failure::bad(format!("--plot {}: give a stem for file names", stem.display()))
     })?;
     let folder = stem.parent().unwrap_or(std::path::Path::new(""));
-    let title = measurement.meta.sample.clone().unwrap_or_else(|| args.scan.display().to_string());
-    let written =
-        report::write_figures(folder, &name, &title, measurement, entries).map_err(Failure::bad)?;
-    for path in written {
-        eprintln!("wrote {}", path.display());
-    }
-    Ok(())
+    Ok(FigureFiles::create(folder, &name)?)
 }
 
 fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String {

@@ -45,7 +45,7 @@ pub(super) struct Args {
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
     set: Vec<String>,
     /// Refractive index over that of air
-    #[arg(long, value_name = "N", conflicts_with = "opaque")]
+    #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true)]
     ior: Option<f64>,
     /// The body is opaque (ggx only)
     #[arg(long)]
@@ -94,7 +94,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         values.push((name.clone(), Value { value, unit, std_error: None }));
     }
     let mut model = Model::new(&*method, surface, values);
-    model.boundary().map_err(|(_, what)| Failure::bad(format!("{what}; set it with --set")))?;
+    model.boundary().map_err(|(key, what)| {
+        let flag = if key == "ior" { "--ior" } else { "--set" };
+        Failure::bad(format!("{what}; set it with {flag}"))
+    })?;
     let mut provenance = Provenance::of_this_program(None);
     provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
     model.provenance = Some(provenance);

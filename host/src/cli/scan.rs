@@ -84,6 +84,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--sigma {bad} is not usable; give 0 to below 90 degrees"
         )));
     }
+    let twice = |k: usize| args.sigma[..k].iter().any(|s| s.total_cmp(&args.sigma[k]).is_eq());
+    if let Some(k) = (1..args.sigma.len()).find(|&k| twice(k)) {
+        return Err(Failure::bad(format!(
+            "--sigma {} is given twice; leave one out",
+            args.sigma[k]
+        )));
+    }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let mut meta = Metadata {
         sample: Some(format!("virtual: {}", args.model.display())),
@@ -137,8 +144,13 @@ fn grid(args: &Args) -> Result<AngleGrid<f64>, Failure> {
     let range: AngleRange =
         args.theta_range.parse().map_err(|e| Failure::bad(format!("--theta-range: {e}")))?;
     let (from, to) = (range.min_deg().max(-90.0), range.max_deg().min(90.0));
+    if from > to {
+        return Err(Failure::bad(format!(
+            "--theta-range {range} is outside -90:90; give degrees from the plate normal"
+        )));
+    }
     let count = ((to - from) / args.step + 1e-6).floor();
-    if !(args.step > 0.0 && (0.0..=1e6).contains(&count)) {
+    if !(args.step > 0.0 && args.step.is_finite() && (0.0..=1e6).contains(&count)) {
         return Err(Failure::bad(format!(
             "--step {} over {from} to {to} degrees is not usable; give a positive step of at most a \
              million angles",

@@ -72,7 +72,7 @@ impl From<QuantityFlag> for Quantity {
 #[command(next_help_heading = "Sample and instrument (a flag goes before the file's header)")]
 pub(super) struct SetupFlags {
     /// Refractive index of the plate over that of air
-    #[arg(long, value_name = "N", conflicts_with = "opaque")]
+    #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true)]
     pub(super) ior: Option<f64>,
     /// The body is opaque (a metal, a paint): one reflection, no inside
     #[arg(long)]

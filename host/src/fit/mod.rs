@@ -119,7 +119,10 @@ pub enum FitError {
         parameters: usize,
     },
     /// No start gave a finite error.
-    #[error("no start gave a finite error: the readings do not look like scatter of such a sample")]
+    #[error(
+        "no start gave a finite error: the readings do not look like scatter of such a \
+             sample; check their unit and the column"
+    )]
     NoStart,
     /// Stopped before the first result.
     #[error("interrupted before the first result; nothing was written")]

@@ -97,15 +97,25 @@ impl<'a> Search<'a> {
             simplex.push(corner);
         }
         let target = Target { search: self, problem, effort };
-        let at_start = target.cost(&first).map_err(|_| Stopped)?;
-        let iterations = self.budget.saturating_sub(self.evaluations()).min(400);
+        let spent = || End { values: start.to_vec(), cost: IMPOSSIBLE, converged: false };
+        let Ok(at_start) = target.cost(&first) else {
+            return if self.interrupted() { Err(Stopped) } else { Ok(spent()) };
+        };
+        let iterations = self.budget.saturating_sub(self.evaluations());
         let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(1e-6))
         else {
             return Ok(End { values: start.to_vec(), cost: at_start, converged: false });
         };
         let run =
             Executor::new(target, solver).configure(|state| state.max_iters(iterations)).run();
-        let Ok(run) = run else { return Err(Stopped) };
+        let Ok(run) = run else {
+            if self.interrupted() {
+                return Err(Stopped);
+            }
+            // The evaluations ran out: the best of them is the answer.
+            let best = self.best.lock().ok().and_then(|best| best.clone());
+            return Ok(best.map_or_else(spent, |(cost, values)| End { values, cost, converged: false }));
+        };
         let converged = matches!(
             run.state().get_termination_status(),
             TerminationStatus::Terminated(
@@ -135,6 +145,9 @@ impl CostFunction for Target<'_, '_> {
     fn cost(&self, free: &Vec<f64>) -> Result<f64, Error> {
         if self.search.interrupted() {
             return Err(Error::msg("interrupted"));
+        }
+        if self.search.evaluations() >= self.search.budget {
+            return Err(Error::msg("no evaluations left"));
         }
         let done = self.search.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
         (self.search.progress)(done);

@@ -71,15 +71,18 @@ pub(super) fn std_errors(
         .collect()
 }
 
-/// Variance of a sum of correlated terms: products of neighbours within an incidence, Bartlett weights
-/// up to a lag of one and a half times the root of the number of readings.
+/// Variance of a sum of correlated terms: products of neighbours within an incidence, Bartlett weights up
+/// to twice the lag at which two detector cones no longer overlap.
+///
+/// No further: the scores sum to zero at the optimum, so a reach as wide as the lobe would find no
+/// variance at all.
 fn correlated_sum(problem: &Problem<'_>, series: &[f64]) -> f64 {
     let mut from = 0;
     let mut variance = 0.0;
     for incidence in &problem.plan().incidences {
         let part = &series[from..from + incidence.theta_deg.len()];
         from += part.len();
-        let reach = (1.5 * (part.len() as f64).sqrt()).ceil() as usize;
+        let reach = 1 + 2 * problem.overlap(&incidence.theta_deg);
         for lag in 0..reach.min(part.len()) {
             let sum: f64 = part.iter().zip(&part[lag..]).map(|(a, b)| a * b).sum();
             let weight = 1.0 - lag as f64 / reach as f64;

@@ -236,7 +236,7 @@ impl Display for Place<'_> {
 }
 
 /// The beginning of a text, safe to print on one line.
-pub(super) fn excerpt(text: &str) -> String {
+pub(crate) fn excerpt(text: &str) -> String {
     let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let mut shown: String = text.chars().take(EXCERPT).map(printable).collect();
     if text.chars().nth(EXCERPT).is_some() {

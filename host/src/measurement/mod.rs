@@ -28,6 +28,7 @@ pub mod noise;
 mod malformed;
 
 pub use self::columns::ColumnMap;
+pub(crate) use self::error::excerpt;
 pub use self::error::{ScanError, ScanFault};
 pub use self::import::{Import, RowCounts};
 pub use self::meta::{Metadata, Quantity};

@@ -78,6 +78,9 @@ impl FromStr for AngleRange {
 
 impl Display for AngleRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if *self == Self::ALL {
+            return f.write_str("any");
+        }
         let end = |angle: f64| {
             if angle.is_finite() { angle.to_string() } else { String::new() }
         };

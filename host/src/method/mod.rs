@@ -24,7 +24,7 @@ pub enum BuildError {
     #[error("parameter `{0}` is missing; the method needs it")]
     Missing(&'static str),
     /// A parameter is outside its domain.
-    #[error("parameter `{name}` = {value} is outside its domain, {least} to {most} {unit}")]
+    #[error("parameter `{name}` = {value} is outside its domain, {least} to {most}{}{unit}", if unit.is_empty() { "" } else { " " })]
     OutOfDomain {
         /// Its name.
         name: &'static str,

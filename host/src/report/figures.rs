@@ -44,6 +44,49 @@ pub fn figure(title: &str, measurement: &Measurement, entries: &[Entry], scale: 
     sigma_panels(title, &measured, &fits, scale)
 }
 
+/// The files `stem-linear` and `stem-log`, each as SVG and PNG, opened before there is what to draw.
+#[derive(Debug)]
+pub struct FigureFiles(Vec<AtomicFile>);
+
+impl FigureFiles {
+    /// Opens all four.
+    ///
+    /// # Errors
+    /// Those of [`AtomicFile::create`].
+    pub fn create(folder: &Path, stem: &str) -> Result<Self, OutputError> {
+        let name = |word, extension| folder.join(format!("{stem}-{word}.{extension}"));
+        let names = ["linear", "log"].map(|word| [name(word, "svg"), name(word, "png")]);
+        names.into_iter().flatten().map(AtomicFile::create).collect::<Result<_, _>>().map(Self)
+    }
+
+    /// Draws and completes all four; returns their paths.
+    ///
+    /// # Errors
+    /// [`FigureError`]; files completed before it stay.
+    pub fn write(
+        self,
+        title: &str,
+        measurement: &Measurement,
+        entries: &[Entry],
+    ) -> Result<Vec<PathBuf>, FigureError> {
+        let mut contents = Vec::new();
+        for scale in [Scale::Linear, Scale::LOG] {
+            let figure = figure(title, measurement, entries, scale);
+            contents.push(plot::svg(&figure)?.into_bytes());
+            contents.push(plot::png(&figure)?);
+        }
+        let mut written = Vec::new();
+        for (mut file, bytes) in self.0.into_iter().zip(contents) {
+            let path = file.path().to_owned();
+            file.write_all(&bytes)
+                .map_err(|source| OutputError::Write { path: path.clone(), source })?;
+            file.commit()?;
+            written.push(path);
+        }
+        Ok(written)
+    }
+}
+
 /// Writes `stem-linear` and `stem-log` as SVG and PNG; returns their paths.
 ///
 /// # Errors
@@ -55,19 +98,5 @@ pub fn write_figures(
     measurement: &Measurement,
     entries: &[Entry],
 ) -> Result<Vec<PathBuf>, FigureError> {
-    let mut written = Vec::new();
-    for (word, scale) in [("linear", Scale::Linear), ("log", Scale::LOG)] {
-        let figure = figure(title, measurement, entries, scale);
-        for (extension, bytes) in
-            [("svg", plot::svg(&figure)?.into_bytes()), ("png", plot::png(&figure)?)]
-        {
-            let path = folder.join(format!("{stem}-{word}.{extension}"));
-            let mut file = AtomicFile::create(&path)?;
-            file.write_all(&bytes)
-                .map_err(|source| OutputError::Write { path: path.clone(), source })?;
-            file.commit()?;
-            written.push(path);
-        }
-    }
-    Ok(written)
+    FigureFiles::create(folder, stem)?.write(title, measurement, entries)
 }

@@ -40,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     for _ in 0..ny {
         for _ in 0..nx {
             let metres = rows.f32()?;
-            let missing = !metres.is_finite() || metres.to_bits() == invalid.to_bits();
+            let missing = !metres.is_finite() || (metres - invalid).abs() <= 1e-6 * invalid.abs();
             heights_um.push(if missing { f64::NAN } else { 1e6 * f64::from(metres) });
         }
         rows.skip(padding)?;

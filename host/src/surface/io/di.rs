@@ -74,8 +74,7 @@ fn sections(header: &str) -> Result<Vec<Section<'_>>, MapFault> {
             return Ok(sections);
         }
         if let Some(name) = line.strip_prefix(r"\*") {
-            sections
-                .push(Section { name: name.trim().to_ascii_lowercase(), fields: Vec::new() });
+            sections.push(Section { name: name.trim().to_ascii_lowercase(), fields: Vec::new() });
         } else if let (Some(line), Some(section)) = (line.strip_prefix('\\'), sections.last_mut()) {
             let (key, value) = line.split_once(": ").unwrap_or((line, ""));
             section.fields.push((key.trim_end_matches(':'), value.trim()));
@@ -181,8 +180,7 @@ fn map(
     let mut heights_um = vec![f64::NAN; count];
     for line in heights_um.chunks_exact_mut(nx).rev() {
         for height in line {
-            let value =
-                if size == 2 { f64::from(cursor.i16()?) } else { f64::from(cursor.i32()?) };
+            let value = if size == 2 { f64::from(cursor.i16()?) } else { f64::from(cursor.i32()?) };
             *height = value * unit_um;
         }
     }

@@ -4,8 +4,8 @@
 //! no unit, which are taken as um; a channel without lateral unit has no pixel size. Masks are not
 //! applied: the file does not say whether one marks missing points or grains.
 
-use super::bytes::{Cursor, points};
-use super::text::{decode, excerpt, is_pitch, length_um};
+use super::bytes::{Cursor, pitch, points};
+use super::text::{decode, excerpt, length_um};
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "Gwyddion";
@@ -193,25 +193,22 @@ impl<'a> Channel<'a> {
             let (nx, ny, found) = (self.nx, self.ny, values.len());
             return Err(damaged(&format!("{found} values do not fill {nx} x {ny} pixels")));
         }
-        let pitch = |size: Option<f64>, n: i32| {
+        let distance = |size: Option<f64>, n: i32| {
             let (Some(size), false) = (size, self.xy_unit.is_empty()) else { return Ok(None) };
             let um = length_um(&self.xy_unit).ok_or_else(|| MapFault::Unsupported {
                 format: FORMAT,
                 what: format!("the lateral unit `{}`", excerpt(&self.xy_unit)),
                 remedy: "save a channel of heights over lengths",
             })?;
-            let pitch = size * um / f64::from(n);
-            is_pitch(pitch)
-                .then_some(Some(pitch))
-                .ok_or_else(|| damaged("its size is not positive"))
+            pitch(FORMAT, "its size", size * um / f64::from(n)).map(Some)
         };
         let z_um = length_um(&self.z_unit).unwrap_or(1.0);
         Ok(RawMap {
             format: FORMAT,
             nx: self.nx as usize,
             ny: self.ny as usize,
-            dx_um: pitch(self.width, self.nx)?,
-            dy_um: pitch(self.height, self.ny)?,
+            dx_um: distance(self.width, self.nx)?,
+            dy_um: distance(self.height, self.ny)?,
             heights_um: values
                 .iter()
                 .map(|b| f64::from_le_bytes(*b) * z_um)

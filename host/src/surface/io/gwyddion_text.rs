@@ -5,14 +5,13 @@
 //! # Width: 2.0 µm
 //! # Height: 1.6 µm
 //! # Value units: m
-//! 1.5e-9	1.6e-9
+//! 1.5e-9    1.6e-9
 //! ```
 //! Gwyddion translates the words into the user's language, so only their places count. Width and
 //! height are those of all pixels. Without the comments the file is a plain matrix.
 
-use super::text::{
-    comment, decode, excerpt, head, is_pitch, length_um, lines, matrix, quantity_um,
-};
+use super::bytes::pitch;
+use super::text::{comment, decode, excerpt, head, length_um, lines, matrix, quantity_um};
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "Gwyddion text";
@@ -36,10 +35,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         })?,
     };
     let map = matrix(FORMAT, lines(&text), um)?;
-    let (dx, dy) = (header.width_um / map.nx as f64, header.height_um / map.ny as f64);
-    if !(is_pitch(dx) && is_pitch(dy)) {
-        return Err(damaged("the width or the height is not positive"));
-    }
+    let dx = pitch(FORMAT, "the width", header.width_um / map.nx as f64)?;
+    let dy = pitch(FORMAT, "the height", header.height_um / map.ny as f64)?;
     Ok(RawMap { dx_um: Some(dx), dy_um: Some(dy), ..map })
 }
 
@@ -92,8 +89,8 @@ mod tests {
             format!("# Channel: a\n# Width: {w}\n# Height: 1 mm\n# Value units: {unit}\n{rows}\n")
         };
         for (text, word) in [
-            (file("-1 mm", "m", "1 2\n3 4"), "not positive"),
-            (file("nan mm", "m", "1 2\n3 4"), "not positive"),
+            (file("-1 mm", "m", "1 2\n3 4"), "the width gives"),
+            (file("nan mm", "m", "1 2\n3 4"), "the width gives"),
             (file("1 V", "m", "1 2\n3 4"), "four comments"),
             (file("1 mm", "V", "1 2\n3 4"), "`V`"),
             (file("1 mm", "m", "1 2\n3"), "line 6 has 1"),

@@ -9,9 +9,8 @@
 //! height conversion factor (-> m)=2.91818e-008
 //! ```
 
-use super::text::{
-    Layout, comment, decode, excerpt, head, is_pitch, length_um, lines, matrix, quantity_um,
-};
+use super::bytes::pitch;
+use super::text::{Layout, comment, decode, excerpt, head, length_um, lines, matrix, quantity_um};
 use super::{MapFault, RawMap, gwyddion_text, xyz};
 
 const FORMAT: &str = "matrix text";
@@ -54,10 +53,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
             return Err(damaged(format!("the header says {said} {what}, the file has {found}")));
         }
     }
-    if header.pixel_um.is_some_and(|p| !is_pitch(p)) {
-        return Err(damaged("the pixel size is not positive".into()));
-    }
-    Ok(RawMap { dx_um: header.pixel_um, dy_um: header.pixel_um, ..map })
+    let pixel_um = header.pixel_um.map(|um| pitch(FORMAT, "the header", um)).transpose()?;
+    Ok(RawMap { dx_um: pixel_um, dy_um: pixel_um, ..map })
 }
 
 fn damaged(what: String) -> MapFault {
@@ -169,9 +166,9 @@ mod tests {
             (dhm("3", "1e-6 m", "rad", factor), "says 3 columns"),
             (dhm("x", "1e-6 m", "rad", factor), "line 1: `h=2 w=x`"),
             (dhm("99999999999999999999", "1e-6 m", "rad", factor), "line 1"),
-            (dhm("2", "-1e-6 m", "rad", factor), "pixel size is not positive"),
+            (dhm("2", "-1e-6 m", "rad", factor), "pixel size -1 um"),
             (dhm("2", "1e-6 s", "rad", factor), "line 2"),
-            (dhm("2", "inf m", "rad", factor), "not positive"),
+            (dhm("2", "inf m", "rad", factor), "pixel size inf um"),
             (dhm("2", "1e-6 m", "rad", ""), "`rad`"),
             (dhm("2", "1e-6 m", "rad", "height conversion factor (-> m)=0\n"), "line 4"),
             (dhm("2", "1e-6 m", "rad", "height conversion factor (-> V)=1\n"), "line 4"),

@@ -1,4 +1,4 @@
-//! NumPy arrays: `.npy`, and `.npz` with one array of two dimensions.
+//! Arrays of `NumPy`: `.npy`, and `.npz` with one array of two dimensions.
 //!
 //! The array is `[row = y, col = x]`. It knows no units: heights are in um and there is no pixel
 //! size. Numbers that are not finite are missing points.
@@ -39,7 +39,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     let mut found = None;
     for k in 0..archive.len() {
         let file = archive.by_index(k).map_err(broken)?;
-        if file.name().ends_with(".npy") && !Array::open(file, 0)?.is_scalar_or_list() {
+        let is_array = file.name().map_err(broken)?.ends_with(".npy");
+        if is_array && !Array::open(file, 0)?.is_scalar_or_list() {
             if found.is_some() {
                 return Err(unsupported("a file of several arrays".into()));
             }
@@ -95,7 +96,7 @@ impl<R: Read> Array<R> {
         guard(&decode(dictionary))?;
         let file = NpyFile::new(Cursor::new(head).chain(file))
             .map_err(|e| damaged(format!("its header: {}", excerpt(&e.to_string()))))?;
-        Ok(Self { file, length })
+        Ok(Self { file, length: length.saturating_sub(text as u64) })
     }
 
     fn is_scalar_or_list(&self) -> bool {

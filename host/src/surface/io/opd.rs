@@ -155,7 +155,7 @@ mod tests {
         {
             bytes.extend(format!("{name:\0<16}").bytes());
             bytes.extend([0, 0]);
-            bytes.extend((length as i32).to_le_bytes());
+            bytes.extend(u32::try_from(length).unwrap().to_le_bytes());
             bytes.extend([8, 0]);
         }
         bytes.extend(blocks.iter().flat_map(|(_, b)| b.clone()));

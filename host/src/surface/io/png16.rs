@@ -8,8 +8,8 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder};
 
-use super::bytes::points;
-use super::text::{decode, excerpt, is_pitch, length_um};
+use super::bytes::{pitch, points};
+use super::text::{decode, excerpt, length_um};
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "PNG";
@@ -80,13 +80,13 @@ fn damaged(what: String) -> MapFault {
 }
 
 /// The content of a chunk in front of the pixels.
-fn chunk<'a>(bytes: &'a [u8], name: &[u8; 4]) -> Option<&'a [u8]> {
+fn chunk(bytes: &[u8], name: [u8; 4]) -> Option<&[u8]> {
     let mut rest = bytes.get(MAGIC.len()..)?;
     loop {
         let (length, tail) = rest.split_first_chunk::<4>()?;
         let (kind, tail) = tail.split_first_chunk::<4>()?;
         let length = u32::from_be_bytes(*length) as usize;
-        if kind == name {
+        if *kind == name {
             return tail.get(..length);
         }
         if kind == b"IDAT" {
@@ -98,7 +98,7 @@ fn chunk<'a>(bytes: &'a [u8], name: &[u8; 4]) -> Option<&'a [u8]> {
 
 /// The height of a count and of the count zero in um, from a `pCAL` chunk.
 fn pcal(bytes: &[u8]) -> Result<Option<[f64; 2]>, MapFault> {
-    let Some(content) = chunk(bytes, b"pCAL") else { return Ok(None) };
+    let Some(content) = chunk(bytes, *b"pCAL") else { return Ok(None) };
     let parse = || {
         let start = content.iter().position(|b| *b == 0)? + 1;
         let (x0, rest) = content.get(start..)?.split_first_chunk::<4>()?;
@@ -122,13 +122,10 @@ fn pcal(bytes: &[u8]) -> Result<Option<[f64; 2]>, MapFault> {
 
 /// The pixel sizes in um from an `sCAL` chunk in metres.
 fn scal(bytes: &[u8]) -> Result<Option<[f64; 2]>, MapFault> {
-    let Some([1, text @ ..]) = chunk(bytes, b"sCAL") else { return Ok(None) };
+    let Some([1, text @ ..]) = chunk(bytes, *b"sCAL") else { return Ok(None) };
     let mut sizes = text.split(|b| *b == 0).map(|word| decode(word).trim().parse::<f64>().ok());
-    let mut pitch = || sizes.next()?.map(|m| m * 1e6).filter(|p| is_pitch(*p));
-    let (Some(dx), Some(dy)) = (pitch(), pitch()) else {
-        return Err(damaged("the pixel size in sCAL is not a positive number".into()));
-    };
-    Ok(Some([dx, dy]))
+    let mut side = || pitch(FORMAT, "sCAL", sizes.next().flatten().unwrap_or(0.0) * 1e6);
+    Ok(Some([side()?, side()?]))
 }
 
 #[cfg(test)]

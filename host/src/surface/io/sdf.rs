@@ -231,7 +231,7 @@ mod tests {
     }
 
     fn binary(kind: u8, shape: [u16; 2], points: &[Vec<u8>]) -> Vec<u8> {
-        let mut bytes = b"bISO-1.0maker\0\0\0\0\0010120200000010120200000".to_vec();
+        let mut bytes = [&b"bISO-1.0maker\0\0\0\0\0"[..], b"010120200000010120200000"].concat();
         bytes.extend(shape.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend([5e-7f64, 2.5e-7, 1e-9, 0.0].iter().flat_map(|x| x.to_le_bytes()));
         bytes.extend([0, kind, 0]);

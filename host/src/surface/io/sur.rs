@@ -10,8 +10,8 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use super::bytes::{Cursor, points};
-use super::text::{decode, excerpt, is_pitch, length_um};
+use super::bytes::{Cursor, pitch, points};
+use super::text::{decode, excerpt, length_um};
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "Digital Surf";
@@ -122,9 +122,10 @@ impl Header {
         let z_offset = f64::from(cursor.f32()?);
         cursor.skip(34)?; // the axis of a series
         cursor.skip(comments)?;
-        let (dx_um, dy_um): (f64, f64) = (dx * x_um, dy * y_um);
-        if !(is_pitch(dx_um) && is_pitch(dy_um) && dz.is_finite() && z_offset.is_finite()) {
-            return Err(damaged(format!("the spacings {dx}, {dy}, {dz} are not positive numbers")));
+        let dx_um = pitch(FORMAT, "the spacing of x", dx * x_um)?;
+        let dy_um = pitch(FORMAT, "the spacing of y", dy * y_um)?;
+        if !(dz.is_finite() && z_offset.is_finite()) {
+            return Err(damaged(format!("the spacing of z is {dz}, its offset {z_offset}")));
         }
         let missing = special.then_some(lowest - 2);
         Ok(Self { point_bytes, nx, ny, dx_um, dy_um, dz, z_offset, z_um, missing, instrument })
@@ -196,7 +197,9 @@ pub(super) mod tests {
     pub(in crate::surface::io) fn sample(compressed: bool, bits: i16) -> Vec<u8> {
         let mut file = if compressed { b"DSCOMPRESSED" } else { b"DIGITAL SURF" }.to_vec();
         let shorts = |file: &mut Vec<u8>, v: &[i16]| {
-            v.iter().for_each(|v| file.extend(v.to_le_bytes()));
+            for v in v {
+                file.extend(v.to_le_bytes());
+            }
         };
         shorts(&mut file, &[0, 1, 1, 2]);
         file.extend([b' '; 60]);
@@ -246,7 +249,9 @@ pub(super) mod tests {
             file.extend((*raw as u32).to_le_bytes());
             file.extend((zip.len() as u32).to_le_bytes());
         }
-        halves.iter().for_each(|(_, zip)| file.extend(zip));
+        for (_, zip) in &halves {
+            file.extend(zip);
+        }
         file
     }
 
@@ -283,9 +288,9 @@ pub(super) mod tests {
             (with(108, &[0; 4]), "are not 6"),
             (with(108, &[255; 4]), "-1 points"),
             (with(108, &[0, 0, 255, 127, 0, 0, 1, 0]), "are not 6"),
-            (with(120, &(-1_f32).to_le_bytes()), "not positive"),
-            (with(124, &f32::NAN.to_le_bytes()), "not positive"),
-            (with(128, &f32::INFINITY.to_le_bytes()), "not positive"),
+            (with(120, &(-1_f32).to_le_bytes()), "pixel size -1 um"),
+            (with(124, &f32::NAN.to_le_bytes()), "pixel size NaN um"),
+            (with(128, &f32::INFINITY.to_le_bytes()), "spacing of z"),
             (with(180, b"V\0"), "unit"),
             (with(518, &[255; 4]), "ends early"),
             (with(522, &[255; 4]), "more than 24"),

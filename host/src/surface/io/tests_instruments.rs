@@ -58,10 +58,9 @@ fn rq_um(map: &RawMap) -> f64 {
     }
     for k in 0..3 {
         let pivot = rows[k];
-        for (j, row) in rows.iter_mut().enumerate().filter(|(j, _)| *j != k) {
+        for (_, row) in rows.iter_mut().enumerate().filter(|(j, _)| *j != k) {
             let factor = row[k] / pivot[k];
             row.iter_mut().zip(pivot).for_each(|(x, p)| *x -= factor * p);
-            assert!(j < 3);
         }
     }
     let plane = [0, 1, 2].map(|k| rows[k][3] / rows[k][k]);
@@ -99,8 +98,7 @@ fn figures_of_measured_surfaces() {
             let agreed = agreed.as_f64().unwrap();
             assert!((read - agreed).abs() <= 1e-4 * agreed, "{name}: {what} {read} for {agreed}");
         }
-        let x = |p: f64| (p * 1e5).round() / 1e5;
-        assert!(map.clone().into_map(None).is_ok() && x(0.0).abs() < 1.0);
+        assert!(map.into_map(None).is_ok());
     }
 }
 
@@ -185,7 +183,7 @@ fn random_damage_of_measured_files_never_panics() {
         let ends = [bytes.len(), bytes.len().min(25_000)];
         for round in 0..300 {
             let mut damaged = bytes.clone();
-            for _ in 0..1 + random.next_u32() % 8 {
+            for _ in 0..=random.next_u32() % 8 {
                 let at = random.next_u32() as usize % ends[round % 2];
                 damaged[at] = random.next_u32() as u8;
             }

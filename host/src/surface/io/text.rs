@@ -74,11 +74,6 @@ pub(super) fn quantity_um(text: &str) -> Option<f64> {
     Some(value * length_um(unit)?)
 }
 
-/// Whether a pitch can be one.
-pub(super) fn is_pitch(pitch_um: f64) -> bool {
-    pitch_um.is_finite() && pitch_um > 0.0
-}
-
 /// How the columns of a text are written; learnt from its first lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
@@ -109,7 +104,7 @@ impl Layout {
     }
 
     /// The fields of a line; a separator at its end opens no further field.
-    pub(super) fn fields<'a>(self, line: &'a str) -> impl Iterator<Item = &'a str> + use<'a> {
+    pub(super) fn fields(self, line: &str) -> impl Iterator<Item = &str> + use<'_> {
         let line = line.trim_matches([' ', '\r', '\u{c}']);
         let (split, blanks) = match self.separator {
             Some(mark) => (Some(line.strip_suffix(mark).unwrap_or(line).split(mark)), None),

