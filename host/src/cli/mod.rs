@@ -17,6 +17,7 @@ mod eval;
 mod fit;
 mod model;
 mod scan;
+mod stats;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -45,6 +46,7 @@ Examples:
   asperity scan m.json --sigma 0,30,60 -o virtual.csv  what a goniophotometer would read
   asperity check m.json                                where the flux goes, from both sides
   asperity eval m.json < pairs.csv                     values of the BSDF
+  asperity stats map.x3p                               roughness of a height map
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, 2 bad usage or bad input.";
 
@@ -56,6 +58,7 @@ enum Verb {
     Fit(fit::Args),
     Eval(eval::Args),
     Check(check::Args),
+    Stats(stats::Args),
     Completions(completions::Args),
 }
 
@@ -77,6 +80,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Fit(a) => fit::run(&a),
         Verb::Eval(a) => eval::run(&a),
         Verb::Check(a) => check::run(&a),
+        Verb::Stats(a) => stats::run(&a),
         Verb::Completions(a) => completions::run(&a),
     };
     match done {

@@ -96,7 +96,11 @@ impl<'a> Problem<'a> {
     pub(super) fn overlap(&self, theta_deg: &[f64]) -> usize {
         let span = theta_deg.last().zip(theta_deg.first()).map_or(0.0, |(b, a)| b - a);
         let step = span / theta_deg.len().saturating_sub(1).max(1) as f64;
-        if step > 0.0 { (self.setup.aperture_deg / step).ceil().clamp(1.0, 1e4) as usize } else { 1 }
+        if step > 0.0 {
+            (self.setup.aperture_deg / step).ceil().clamp(1.0, 1e4) as usize
+        } else {
+            1
+        }
     }
 
     /// Whether what is not fitted makes sense.

@@ -114,7 +114,11 @@ impl<'a> Search<'a> {
             }
             // The evaluations ran out: the best of them is the answer.
             let best = self.best.lock().ok().and_then(|best| best.clone());
-            return Ok(best.map_or_else(spent, |(cost, values)| End { values, cost, converged: false }));
+            return Ok(best.map_or_else(spent, |(cost, values)| End {
+                values,
+                cost,
+                converged: false,
+            }));
         };
         let converged = matches!(
             run.state().get_termination_status(),

@@ -64,4 +64,4 @@ pub enum MapFault {
 }
 
 /// Most points of a map that is read: 16384 x 16384.
-pub const MOST_POINTS: u64 = 1 << 28;
+pub(super) const MOST_POINTS: u64 = 1 << 28;

@@ -16,6 +16,7 @@ mod matrix;
 mod npy;
 mod png16;
 mod tiff_float;
+mod open;
 #[cfg(test)]
 mod tests_instruments;
 #[cfg(test)]
@@ -24,6 +25,7 @@ mod tests_gwy;
 mod tests_b;
 
 pub use error::{MapError, MapFault};
+pub use open::{OpenOptions, open};
 
 use super::HeightMap;
 

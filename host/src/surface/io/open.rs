@@ -1,0 +1,93 @@
+//! Opening a file of any known format: the first reader that knows its content reads it.
+
+use std::path::Path;
+
+use super::{MapError, MapFault, RawMap};
+use super::{
+    al3d, di, gwy, gwyddion_text, matrix, npy, opd, png16, sdf, sur, tiff_float, x3p, xyz,
+};
+
+/// Largest file that is read, bytes.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// What a file may not say and the user can.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OpenOptions {
+    /// Height of one grey level of an image, um.
+    pub z_um_per_count: Option<f64>,
+}
+
+/// A format: its name, whether bytes are of it, and its reader.
+struct Format {
+    name: &'static str,
+    detect: fn(&[u8]) -> bool,
+    read: fn(&[u8], &OpenOptions) -> Result<RawMap, MapFault>,
+}
+
+/// Told apart by content, in this order: those with a signature first, plain numbers last.
+const FORMATS: [Format; 13] = [
+    Format { name: "x3p", detect: x3p::detect, read: |b, _| x3p::read(b) },
+    Format { name: "SDF", detect: sdf::detect, read: |b, _| sdf::read(b) },
+    Format { name: "Alicona al3d", detect: al3d::detect, read: |b, _| al3d::read(b) },
+    Format { name: "Wyko opd", detect: opd::detect, read: |b, _| opd::read(b) },
+    Format { name: "Bruker/DI", detect: di::detect, read: |b, _| di::read(b) },
+    Format { name: "Digital Surf sur", detect: sur::detect, read: |b, _| sur::read(b) },
+    Format { name: "Gwyddion gwy", detect: gwy::detect, read: |b, _| gwy::read(b) },
+    Format { name: "npy/npz", detect: npy::detect, read: |b, _| npy::read(b) },
+    Format { name: "PNG", detect: png16::detect, read: |b, o| png16::read(b, o.z_um_per_count) },
+    Format { name: "TIFF", detect: tiff_float::detect, read: |b, _| tiff_float::read(b) },
+    Format {
+        name: "Gwyddion text",
+        detect: gwyddion_text::detect,
+        read: |b, _| gwyddion_text::read(b),
+    },
+    Format { name: "xyz", detect: xyz::detect, read: |b, _| xyz::read(b) },
+    Format { name: "matrix text", detect: matrix::detect, read: |b, _| matrix::read(b) },
+];
+
+/// Reads a height-map file of any known format; also returns its bytes, for the provenance.
+///
+/// # Errors
+/// [`MapError`] with the file and what to do.
+pub fn open(path: &Path, options: &OpenOptions) -> Result<(RawMap, Vec<u8>), MapError> {
+    let fail = |fault| MapError { path: path.into(), fault };
+    let load = || -> Result<Vec<u8>, std::io::Error> {
+        let size = std::fs::metadata(path)?;
+        if size.is_dir() || size.len() > MOST_BYTES {
+            let what = if size.is_dir() { "it is a folder" } else { "it is larger than 4 GiB" };
+            return Err(std::io::Error::other(what));
+        }
+        std::fs::read(path)
+    };
+    let bytes = load().map_err(|e| fail(MapFault::Io(e)))?;
+    let map = parse(&bytes, options).map_err(fail)?;
+    Ok((map, bytes))
+}
+
+/// The map in the bytes of a file.
+fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
+    match FORMATS.iter().find(|f| (f.detect)(bytes)) {
+        Some(format) => (format.read)(bytes, options),
+        None => Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FORMATS, OpenOptions, parse};
+
+    #[test]
+    fn garbage_is_of_no_format_and_the_message_names_those_known() {
+        for bytes in [&b""[..], b"hello", &[0xff; 64], b"PK\x03\x04"] {
+            let error = parse(bytes, &OpenOptions::default()).unwrap_err().to_string();
+            assert!(bytes.starts_with(b"PK") || error.contains("x3p, SDF"), "{error}");
+        }
+    }
+
+    #[test]
+    fn plain_numbers_are_a_matrix_and_triples_are_points() {
+        let name = |bytes: &[u8]| FORMATS.iter().find(|f| (f.detect)(bytes)).map(|f| f.name);
+        assert_eq!(name(b"1 2 3 4\n5 6 7 8\n"), Some("matrix text"));
+        assert_eq!(name(b"0 0 5\n1 0 6\n0 1 7\n1 1 8\n"), Some("xyz"));
+    }
+}
