@@ -18,7 +18,7 @@ const MAY_IMPORT: [(&str, &[&str]); 4] = [
 ];
 
 /// The only places for `unsafe`: a hardware square root, and loops compiled for several processors.
-const MAY_BE_UNSAFE: [&str; 2] = ["core/src/math/hardware.rs", "host/src/batch.rs"];
+const MAY_BE_UNSAFE: [&str; 1] = ["core/src/math/hardware.rs"];
 
 /// Lines of a source file, without its tests, beyond which it holds more than one concept.
 const MOST_LINES: usize = 600;

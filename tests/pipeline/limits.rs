@@ -48,6 +48,8 @@ limit! {
         "2e-4 of the beam may be neglected, and a share (alpha / aperture)^2 lies in the tail";
     WIDE_LOBE = 2e-3, "reading over solid angle, between apertures, relative",
         "curvature of the lobe: (a / width)^2 / 8 at the largest aperture";
+    INSIDE = 0.03, "reading of light that met the rough face more than once, beyond noise, relative",
+        "64 (transmission) or 2048 (reflection) rays of the internal rule, and a cubic between directions";
     NEGLECTED_FLUX = 1e-3, "flux neglected in the internal passes, of the beam",
         "what the forward model promises: 2e-4, and dropped rays of 1e-4 of an even share each";
     NEGLECTED_READING = 1e-5, "bound of what a reading may miss, of the largest, transmission",

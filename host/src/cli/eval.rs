@@ -84,21 +84,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {
     let mut bytes = Vec::new();
-    let name = match input {
-        Some(path) => {
-            bytes = std::fs::read(path).map_err(|e| {
-                Failure::bad(format!("{}: cannot be read ({e}); check the path", path.display()))
-            })?;
-            path.display().to_string()
-        }
-        None => {
-            std::io::stdin()
-                .lock()
-                .read_to_end(&mut bytes)
-                .map_err(|e| Failure::bad(format!("stdin cannot be read: {e}")))?;
-            "stdin".to_owned()
-        }
-    };
+    let mut name = "stdin".to_owned();
+    if let Some(path) = input {
+        name = path.display().to_string();
+        bytes = std::fs::read(path)
+            .map_err(|e| Failure::bad(format!("{name}: cannot be read ({e}); check the path")))?;
+    } else {
+        std::io::stdin()
+            .lock()
+            .read_to_end(&mut bytes)
+            .map_err(|e| Failure::bad(format!("stdin cannot be read: {e}")))?;
+    }
     String::from_utf8(bytes).map(|text| (name.clone(), text)).map_err(|_| {
         Failure::bad(format!("{name}: is not text; give CSV with the columns {COLUMNS}"))
     })

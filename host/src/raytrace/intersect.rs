@@ -173,7 +173,7 @@ impl<'a> Walk<'a> {
                 return Some(Fate::Hits(hit));
             }
         }
-        if !(out < self.passed) {
+        if out >= self.passed || out.is_nan() {
             // All heights are behind it. On the way to the surface that is rounding's fault.
             return Some(if self.away() { Fate::Escapes } else { Fate::Lost });
         }

@@ -1,4 +1,5 @@
 //! Geometrical optics on a height map: every bounce, shadow and mask.
+#![allow(clippy::inline_always, reason = "the walk through the pyramid is one loop")]
 
 mod field;
 mod intersect;
