@@ -116,12 +116,14 @@ fn complaint(result: &Result<Fit, FitError>) -> Option<String> {
     if let Some(r) = fit.readings.iter().find(|r| !(r.is_finite() && **r >= 0.0)) {
         return Some(format!("a simulated reading is {r:e}"));
     }
-    if !(fit.rmsd_percent.is_finite() && fit.objective.1.is_finite()) {
-        return Some(format!("RMSD {} %, objective {:?}", fit.rmsd_percent, fit.objective));
-    }
-    let bad = fit.incidences.iter().find(|i| i.rmsd_percent.is_some_and(|e| !e.is_finite()));
-    if let Some(incidence) = bad {
-        return Some(format!("{incidence:?}"));
+    // readings of 1e-300 are beyond any percentage, but then the answer must be no
+    let errors = fit.incidences.iter().filter_map(|i| i.rmsd_percent);
+    let finite = errors.chain([fit.rmsd_percent, fit.objective.1]).all(f64::is_finite);
+    if !finite && fit.refusal(MISFIT_PERCENT).is_none() {
+        return Some(format!(
+            "described, with RMSD {} %, objective {:?}, {:?}",
+            fit.rmsd_percent, fit.objective, fit.incidences
+        ));
     }
     if fit.evaluations == 0 || !fit.neglected.flux.is_finite() || !fit.neglected.reading.is_finite()
     {

@@ -128,7 +128,7 @@ fn the_light_left_out_is_reported_and_too_little_to_matter() {
 
 /// Steps of `ln alpha`, and how many.
 const STEP: f64 = 1e-4;
-const STEPS: u32 = 24;
+const STEPS: u32 = 16;
 
 /// The largest second difference of the error of eq. (18), %, over a fine grid of `ln alpha` about a
 /// width, against readings of a surface a twentieth wider.

@@ -260,7 +260,7 @@ fn standard_errors_are_as_large_as_the_scatter_of_the_fits() {
             continue;
         }
         let sample = Virtual::plate(&method, &[alpha], 1.49, side, geometry);
-        let seeds = 8001..8001 + count(24) as u64;
+        let seeds = 8001..8001 + count(16) as u64;
         let n = seeds.clone().count() as f64;
         let pulls: Vec<f64> = seeds
             .map(|seed| {

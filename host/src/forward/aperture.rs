@@ -49,11 +49,15 @@ impl Warp {
         self.ends[side] * (position.abs() / self.cells[side] as f64)
     }
 
-    /// `theta` and `d theta / dv` at a half cell.
-    pub(super) fn node(&self, half: usize) -> (f64, f64) {
-        let v = self.v(half);
-        let theta = (self.centre + self.scale * v.sinh()).clamp(-FRAC_PI_2, FRAC_PI_2);
-        (theta, self.scale * v.cosh())
+    /// All half cells, from -pi/2 to pi/2.
+    pub(super) fn nodes(&self) -> Vec<Node> {
+        let node = |half: usize| {
+            let e = self.v(half).exp();
+            let (sinh, cosh) = (0.5 * (e - 1.0 / e), 0.5 * (e + 1.0 / e));
+            let theta = (self.centre + self.scale * sinh).clamp(-FRAC_PI_2, FRAC_PI_2);
+            Node { slope: self.scale * cosh, ..Node::at(theta) }
+        };
+        (0..=2 * self.cells()).map(node).collect()
     }
 
     /// A value at `theta` from values at half cells, by a cubic within each side of the centre.
@@ -80,6 +84,24 @@ impl Warp {
         let position = if side == 1 { self.cells[0] as f64 + along } else { n - along };
         let cell = (position as usize).min(self.cells() - 1);
         (cell, position - cell as f64)
+    }
+}
+
+/// A place in the plane of incidence.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    /// Angle of observation, rad.
+    pub(super) theta: f64,
+    /// Its sine and cosine.
+    pub(super) sin_cos: (f64, f64),
+    /// `d theta / dv` of the warp.
+    pub(super) slope: f64,
+}
+
+impl Node {
+    /// At an angle, of no warp.
+    pub(super) fn at(theta: f64) -> Self {
+        Self { theta, sin_cos: theta.sin_cos(), slope: 1.0 }
     }
 }
 
@@ -184,12 +206,8 @@ mod tests {
         lines(0.3_f64.to_radians(), scale)
             .iter()
             .map(|line| {
-                let values: Vec<f64> = (0..=2 * warp.cells())
-                    .map(|half| {
-                        let (t, slope) = warp.node(half);
-                        density(t, line.psi) * slope
-                    })
-                    .collect();
+                let values: Vec<f64> =
+                    warp.nodes().iter().map(|n| density(n.theta, line.psi) * n.slope).collect();
                 Integral::new(&warp, &values).reading(&warp, line, theta)
             })
             .sum()

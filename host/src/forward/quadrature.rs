@@ -3,10 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use asperity_core::bsdf::Bsdf;
-use asperity_core::gonio::{Geometry, observation};
+use asperity_core::direction::Direction;
+use asperity_core::gonio::Geometry;
 use rayon::prelude::*;
 
-use super::aperture::{Integral, Warp, cubic, lines};
+use super::aperture::{Integral, Node, Warp, cubic, lines};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
@@ -102,21 +103,20 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         let wide = lines.len() == 2;
         let solid_angle = solid_angle(self.setup.aperture_deg);
         let mut neglected = Neglected::default();
+        let nodes = self.warp.nodes();
         let mut inner = Vec::new();
         let mut integrals = Vec::with_capacity(lines.len());
         for (k, line) in lines.iter().enumerate() {
             if k == 0 || !wide {
                 let missing;
-                (inner, missing) = self.internal_density(line.psi);
+                (inner, missing) = self.internal_density(&nodes, line.psi);
                 neglected = neglected
                     .or_more(Neglected { reading: missing.reading * solid_angle, ..missing });
             }
-            let density: Vec<f64> = (0..=2 * self.warp.cells())
+            let density: Vec<f64> = nodes
+                .iter()
                 .zip(&inner)
-                .map(|(half, inner)| {
-                    let (theta, slope) = self.warp.node(half);
-                    (self.first_hit(theta, line.psi) + inner) * slope
-                })
+                .map(|(node, inner)| (self.first_hit(node, line.psi) + inner) * node.slope)
                 .collect();
             integrals.push(Integral::new(&self.warp, &density));
         }
@@ -125,10 +125,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             parts.map(|(integral, line)| integral.reading(&self.warp, line, theta)).sum()
         };
         let thetas = self.incidence.theta_deg.iter().map(|t| t.to_radians());
-        let nodes = 2 * self.warp.cells() + 1;
-        let mut values: Vec<f64> = if wide && self.incidence.theta_deg.len() > nodes {
+        let mut values: Vec<f64> = if wide && self.incidence.theta_deg.len() > nodes.len() {
             // Readings of a wide lobe are as smooth as the lobe: as many as it has nodes tell the rest.
-            let table: Vec<f64> = (0..nodes).map(|half| reading(self.warp.node(half).0)).collect();
+            let table: Vec<f64> = nodes.iter().map(|node| reading(node.theta)).collect();
             thetas.map(|theta| self.warp.interpolate(&table, theta)).collect()
         } else {
             thetas.map(reading).collect()
@@ -148,17 +147,23 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         (values, neglected)
     }
 
-    fn view(&self, theta: f64, psi: f64) -> Option<View> {
+    fn view(&self, node: &Node, psi: f64) -> Option<View> {
         // The horizon itself receives nothing, and is where rounding decides the side.
-        if FRAC_PI_2 - theta.abs() < 1e-9 {
+        if FRAC_PI_2 - node.theta.abs() < 1e-9 {
             return None;
         }
-        look(self.setup, observation(self.setup.geometry, theta, psi))
+        let (sin, cos) = node.sin_cos;
+        let (out, along) = psi.sin_cos();
+        let z = match self.setup.geometry {
+            Geometry::Transmission => -cos,
+            Geometry::Reflection => cos,
+        };
+        look(self.setup, Direction::from_unit(along * sin, out, along * z))
     }
 
     /// Flux per solid angle after one hit of the rough face.
-    fn first_hit(&self, theta: f64, psi: f64) -> f64 {
-        self.view(theta, psi).map_or(0.0, |v| {
+    fn first_hit(&self, node: &Node, psi: f64) -> f64 {
+        self.view(node, psi).map_or(0.0, |v| {
             self.entry.flux * v.factor * self.boundary.ars(self.entry.w, v.towards)
         })
     }
@@ -166,15 +171,15 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
     /// Internal passes on a line, at half cells: computed at every eighth cell, a cubic between.
     ///
     /// `Neglected::reading` of the result is a density, 1/sr.
-    fn internal_density(&self, psi: f64) -> (Vec<f64>, Neglected) {
+    fn internal_density(&self, nodes: &[Node], psi: f64) -> (Vec<f64>, Neglected) {
         const STRIDE: usize = 16; // half cells
-        let fine = 2 * self.warp.cells() + 1;
+        let fine = nodes.len();
         let eta = match self.setup.sample {
             Sample::Plate { eta, .. } if self.effort == Effort::Full => eta.get(),
             _ => return (vec![0.0; fine], Neglected::default()),
         };
         let views: Vec<Option<View>> =
-            (0..fine).step_by(STRIDE).map(|half| self.view(self.warp.node(half).0, psi)).collect();
+            nodes.iter().step_by(STRIDE).map(|node| self.view(node, psi)).collect();
         // Seen from the front, half of what a clear plate returns has been inside.
         let count = match self.setup.geometry {
             Geometry::Transmission => 64,
@@ -194,13 +199,13 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
 
     /// The BSDF at single directions: `ars / cos` without a detector.
     fn point_values(&self) -> (Vec<f64>, Neglected) {
-        let (inner, neglected) = self.internal_density(0.0);
+        let (inner, neglected) = self.internal_density(&self.warp.nodes(), 0.0);
         let value = |theta: f64| {
             let cosine = theta.cos();
             if cosine < 1e-9 {
                 return 0.0;
             }
-            (self.first_hit(theta, 0.0) + self.warp.interpolate(&inner, theta)) / cosine
+            (self.first_hit(&Node::at(theta), 0.0) + self.warp.interpolate(&inner, theta)) / cosine
         };
         (self.incidence.theta_deg.iter().map(|t| value(t.to_radians())).collect(), neglected)
     }
