@@ -90,6 +90,9 @@ pub fn reciprocity_error(boundary: &Boundary, side: Side, incidence_deg: f64) ->
                 boundary.eval(wi, ray.wo) / index2(ray.wo),
                 boundary.eval(ray.wo, wi) / index2(wi),
             );
+            if !(a.is_finite() && b.is_finite()) {
+                return f64::INFINITY;
+            }
             if a > 0.0 || b > 0.0 {
                 worst = worst.max((a - b).abs() / a.max(b));
             }

@@ -3,6 +3,7 @@
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 
 mod linear;
+mod input;
 pub mod output;
 pub mod provenance;
 pub mod measurement;

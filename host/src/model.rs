@@ -9,12 +9,15 @@ use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::boundary::Boundary;
+use crate::input::read_file;
 use crate::measurement::excerpt;
 use crate::method::{self, BuildError, Method, Surface};
 use crate::provenance::Provenance;
 
 /// Version of the format.
 pub const FORMAT: u32 = 1;
+/// Largest model file that is read.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// A value with its unit, and its standard error if it was fitted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,7 +101,7 @@ pub struct Model {
     /// Flux left out of the internal passes, as a fraction of the beam's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub neglected_flux: Option<f64>,
-    /// Bound of what that can add to a reading, in % of the largest reading.
+    /// Estimate of what that adds to a reading at most, in % of the largest reading.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub neglected_percent: Option<f64>,
     /// Warnings about the model's validity, in plain words.
@@ -223,7 +226,7 @@ impl Model {
     /// [`ModelError`] with the line, where there is one.
     pub fn read(path: &Path) -> Result<(Self, Boundary, Vec<u8>), ModelError> {
         let error = |line, what: String| ModelError { path: path.into(), line, what };
-        let bytes = std::fs::read(path).map_err(|e| {
+        let bytes = read_file(path, MOST_BYTES).map_err(|e| {
             let remedy = "give the path of a model made by `asperity model` or `asperity fit`";
             error(None, format!("cannot be read ({e}); {remedy}"))
         })?;
@@ -279,6 +282,16 @@ impl Model {
     /// The key at fault and what is wrong.
     pub fn boundary(&self) -> Result<Boundary, (String, String)> {
         let surface = self.surface()?;
+        if self.method == "normals" && self.law.is_none() {
+            let what = "`law` is missing; write gauss or cauchy";
+            return Err(("method".into(), what.into()));
+        }
+        if let (Some(fitted), Some(ior)) = (self.parameters.get("ior"), self.ior)
+            && (fitted.value - ior).abs() > 1e-9
+        {
+            let what = format!("`ior` is {ior}, but {} among the parameters", fitted.value);
+            return Err(("ior".into(), what + "; keep one of the two"));
+        }
         let centre = self.parameters.contains_key("theta0");
         let method = method_by_name(&self.method, self.law.as_deref(), surface, centre)
             .map_err(|what| ("method".to_owned(), what))?;
@@ -357,7 +370,7 @@ mod tests {
         for (from, to, line, words) in [
             ("\"asperity\": 1", "\"asperity\": 7", Some(2), "format 7"),
             ("\"ggx\"", "\"phong\"", Some(3), "ggx, normals"),
-            ("\"ggx\"", "\"normals\"", Some(6), "unknown to method normals"),
+            ("\"ggx\"", "\"normals\", \"law\": \"gauss\"", Some(6), "unknown to method normals"),
             ("1.49", "-1.49", Some(4), "refractive index"),
             ("1.49", "1e999", Some(4), "number out of range"),
             ("\"ior\": 1.49,", "", None, "ior"),

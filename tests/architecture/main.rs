@@ -17,7 +17,7 @@ const MAY_IMPORT: [(&str, &[&str]); 4] = [
     ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim"]),
 ];
 
-/// The only places for `unsafe`: a hardware square root, and loops compiled for several processors.
+/// The only place for `unsafe`: the hardware square root.
 const MAY_BE_UNSAFE: [&str; 1] = ["core/src/math/hardware.rs"];
 
 /// Lines of a source file, without its tests, beyond which it holds more than one concept.

@@ -168,7 +168,7 @@ fn ggx_and_the_refractive_index_from_a_wrong_start() {
         let truths = vec![("alpha", alpha, RECOVERED_ALPHA), ("ior", ior, RECOVERED_IOR)];
         let case = Case::plate(&method, &[alpha], ior, (side, Transmission), truths);
         let mut case = case.with_light(3_000_000, aperture_deg);
-        case.name += &format!(" from {start}");
+        case.name = format!("{} from {start}", case.name);
         let start = Surface::Dielectric { ior: start };
         case.options = FitOptions { fit_ior: true, ..options(start) };
         case
@@ -185,7 +185,7 @@ fn a_calibration_factor_on_all_readings() {
         let truths = vec![("alpha", alpha, RECOVERED_ALPHA), ("gain", gain, RECOVERED_GAIN)];
         let case = Case::plate(&method, &[alpha], 1.49, (side, Transmission), truths);
         let mut case = case.with_light(1_500_000, aperture_deg);
-        case.name += &format!(" times {gain}");
+        case.name = format!("{} times {gain}", case.name);
         case.options.fit_gain = true;
         case.gain = gain;
         case

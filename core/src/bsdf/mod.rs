@@ -23,7 +23,7 @@ use crate::math::Real;
 pub struct Scattered<T: Real> {
     /// Direction, away from the surface, on either side.
     pub wo: Direction<T>,
-    /// `ars / pdf`: the flux the ray carries away for unit flux in, 0 to 1.
+    /// The flux the ray carries away for unit flux in: `ars / pdf`, at most 1 from `sample` of a dielectric.
     pub weight: T,
 }
 

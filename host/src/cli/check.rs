@@ -80,7 +80,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     let fine = |e: &Energy| e.lost >= -TOLERANCE && e.lost.is_finite();
-    let conserves_energy = energy.iter().all(fine);
+    let conserves_energy = energy.iter().all(fine) && reciprocity.iter().all(|e| e.is_finite());
     let reciprocal = reciprocity.iter().all(|e| *e <= RECIPROCAL);
     if args.json {
         let answer = Answer {
@@ -100,7 +100,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if conserves_energy {
         Ok(())
     } else {
-        Err(Failure::No("the model gives more flux than it receives".into()))
+        Err(Failure::No(
+            "the model gives more flux than it receives, or values that are not finite".into(),
+        ))
     }
 }
 

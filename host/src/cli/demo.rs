@@ -68,7 +68,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
     let mut scan_file = AtomicFile::create(folder.join("scan.csv"))?;
-    let scan = simulate(&truth, &setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?.measurement;
+    let done = simulate(&truth, &setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
+    if done.interrupted {
+        return Err(Failure::No(
+            "interrupted while the scan was traced; nothing was written".into(),
+        ));
+    }
+    let scan = done.measurement;
     let mut bytes = Vec::new();
     write::write(&scan, &mut bytes).map_err(Failure::bad)?;
     std::io::Write::write_all(&mut scan_file, &bytes).map_err(Failure::bad)?;

@@ -9,8 +9,6 @@ pub(super) enum Failure {
     No(String),
     /// Exit 2: bad usage or bad input; the text says what, where and what to do.
     Bad(String),
-    /// Whoever read stdout has gone; exit 0.
-    BrokenPipe,
 }
 
 impl Failure {

@@ -1,7 +1,6 @@
 //! `eval`: values of the BSDF for pairs of directions.
 
 use std::fmt::Write as _;
-use std::io::Read;
 use std::path::PathBuf;
 
 use asperity_core::bsdf::Bsdf;
@@ -11,6 +10,7 @@ use serde::Serialize;
 use super::error::Failure;
 use super::print;
 use crate::boundary::with_boundary;
+use crate::input::{read_all, read_file};
 use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
@@ -35,6 +35,8 @@ pub(super) struct Args {
     json: bool,
 }
 
+/// Largest list of pairs that is read.
+const MOST_BYTES: u64 = 1 << 30;
 const COLUMNS: &str = "wix,wiy,wiz,wox,woy,woz";
 /// Deviation of a length from 1 that is taken as rounding; more is taken as a mistake.
 const LENGTH: f64 = 1e-3;
@@ -83,17 +85,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {
-    let mut bytes = Vec::new();
+    let bytes;
     let mut name = "stdin".to_owned();
     if let Some(path) = input {
         name = path.display().to_string();
-        bytes = std::fs::read(path)
+        bytes = read_file(path, MOST_BYTES)
             .map_err(|e| Failure::bad(format!("{name}: cannot be read ({e}); check the path")))?;
     } else {
-        std::io::stdin()
-            .lock()
-            .read_to_end(&mut bytes)
-            .map_err(|e| Failure::bad(format!("stdin cannot be read: {e}")))?;
+        bytes = read_all(std::io::stdin().lock(), MOST_BYTES)
+            .map_err(|e| Failure::bad(format!("stdin cannot be read: {e}; give fewer pairs")))?;
     }
     String::from_utf8(bytes).map(|text| (name.clone(), text)).map_err(|_| {
         Failure::bad(format!("{name}: is not text; give CSV with the columns {COLUMNS}"))

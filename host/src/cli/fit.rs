@@ -8,10 +8,10 @@ use super::error::Failure;
 use super::model::LawFlag;
 use super::source::{ReadFlags, SetupFlags};
 use super::{interrupt, print, progress};
-use crate::fit::{Fit, FitOptions, MISFIT_PERCENT, Objective, Termination, fit};
+use crate::fit::{Fit, FitError, FitOptions, MISFIT_PERCENT, Objective, Termination, fit};
 use crate::forward::Setup;
 use crate::measurement::{Measurement, noise};
-use crate::method::Method;
+use crate::method::{Method, Surface};
 use crate::model::{IncidenceRecord, METHODS, Model, Value, method_by_name};
 use crate::output::AtomicFile;
 use crate::provenance::{InputFile, Provenance};
@@ -122,6 +122,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let (measurement, input) = args.read.read(&args.scan)?;
     let (surface, setup) = args.setup.resolve(&measurement, &args.scan)?;
+    if surface == Surface::Opaque && (args.fit_ior || args.fit_gain) {
+        return Err(Failure::bad(
+            "--fit-ior and --fit-gain are for a plate; an opaque body has a gain anyway and no index",
+        ));
+    }
     let laws: &[Option<&str>] = match (args.method.as_str(), args.law) {
         ("normals", None) => &[Some("gauss"), Some("cauchy")],
         ("normals", Some(law)) => &[Some(law.word())],
@@ -148,17 +153,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let (method, entry) = best(&methods, &job).map_err(|e| match e {
         Failure::Bad(what) => Failure::Bad(format!("{}: {what}", args.scan.display())),
-        other => other,
+        no @ Failure::No(_) => no,
     })?;
     let noise = noise_floor(&measurement);
     let model = record(&*methods[method], &entry, &job, noise, vec![input]);
     let text = model.to_json();
-    if let Some(mut file) = output {
-        let path = file.path().to_owned();
-        std::io::Write::write_all(&mut file, text.as_bytes())
-            .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
-        file.commit()?;
-    }
     if let Some(files) = plots {
         let title = measurement.meta.sample.clone();
         let title = title.unwrap_or_else(|| args.scan.display().to_string());
@@ -166,6 +165,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         for path in files.write(&title, &measurement, entries).map_err(Failure::bad)? {
             eprintln!("wrote {}", path.display());
         }
+    }
+    if let Some(mut file) = output {
+        let path = file.path().to_owned();
+        std::io::Write::write_all(&mut file, text.as_bytes())
+            .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+        file.commit()?;
     }
     if args.json {
         print(&text)?;
@@ -179,6 +184,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 pub(super) fn best(methods: &[Box<dyn Method>], job: &Job<'_>) -> Result<(usize, Entry), Failure> {
     let stop = interrupt::flag();
     let mut found: Option<(usize, Entry)> = None;
+    let (mut evaluations, mut seconds, mut cut_short) = (0, 0.0, false);
     for (k, method) in methods.iter().enumerate() {
         let label = match method.law() {
             Some(law) => format!("{} ({law})", method.name()),
@@ -194,18 +200,32 @@ pub(super) fn best(methods: &[Box<dyn Method>], job: &Job<'_>) -> Result<(usize,
             // An earlier law's result is not thrown away when a later one is interrupted.
             Err(e) if found.is_some() => {
                 eprintln!("warning: {label}: {e}");
+                cut_short |= matches!(e, FitError::Interrupted);
                 continue;
             }
-            Err(e @ crate::fit::FitError::Interrupted) => return Err(Failure::No(e.to_string())),
+            Err(FitError::Interrupted) => {
+                let what = FitError::Interrupted;
+                return Err(Failure::No(format!("{what}; no fit was written")));
+            }
             Err(e) => return Err(Failure::bad(e)),
         };
+        evaluations += done.evaluations;
+        seconds += done.seconds;
         let better = found.as_ref().is_none_or(|(_, b)| done.objective.1 < b.fit.objective.1);
         if better {
             let refusal = done.refusal(job.max_misfit);
             found = Some((k, Entry { label, fit: done, refusal }));
         }
     }
-    found.ok_or_else(|| Failure::bad("there is no method to fit"))
+    let (k, mut entry) = found.ok_or_else(|| Failure::bad("there is no method to fit"))?;
+    // What the answer cost, with all the laws that were tried.
+    entry.fit.evaluations = evaluations;
+    entry.fit.seconds = seconds;
+    if cut_short {
+        let why = "interrupted; not every law was tried, the best so far is given";
+        entry.refusal.get_or_insert_with(|| why.into());
+    }
+    Ok((k, entry))
 }
 
 /// Noise of a measurement in the terms of eq. (18), %: as its header says, else as its scatter says.
@@ -226,7 +246,7 @@ pub(super) fn record(
 ) -> Model {
     let fit = &entry.fit;
     let surface = match fit.ior {
-        Some(ior) => crate::method::Surface::Dielectric { ior },
+        Some(ior) => Surface::Dielectric { ior },
         None => job.options.surface,
     };
     let values = fit.parameters.iter().map(|p| {
@@ -262,7 +282,7 @@ fn warnings(fit: &Fit) -> Vec<String> {
     let at_bound = fit.parameters.iter().filter(|p| p.at_bound);
     let unknown = fit.parameters.iter().filter(|p| p.std_error.is_none() && !p.at_bound);
     at_bound
-        .map(|p| format!("{} ended at a bound of its range: the data do not determine it", p.name))
+        .map(|p| format!("{} = {:.3e} ended at the bound of its range", p.name, p.value))
         .chain(unknown.map(|p| format!("the data do not determine {}", p.name)))
         .collect()
 }
@@ -302,7 +322,7 @@ fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String {
     }
     let _ = writeln!(
         text,
-        "neglected    {:.1e} of the flux in internal passes, at most {:.1e} % of the largest reading",
+        "neglected    {:.1e} of the flux in internal passes, about {:.1e} % of the largest reading",
         fit.neglected.flux,
         100.0 * fit.neglected.reading / job.measurement.largest_reading()
     );

@@ -7,7 +7,7 @@ use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
-use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture};
+use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture, check_plate};
 use super::{interrupt, print, progress};
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::{Effort, Plan, Rays, Sample, Setup, monte_carlo, quadrature, solid_angle};
@@ -72,7 +72,9 @@ pub(super) struct Virtual {
     pub(super) measurement: Measurement,
     /// Reflected, transmitted and lost flux of each incidence, Monte Carlo only.
     outcomes: Vec<(f64, asperity_core::plate::Outcome<f64>)>,
-    interrupted: bool,
+    /// Flux left out of the internal passes, quadrature only.
+    neglected: Option<f64>,
+    pub(super) interrupted: bool,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -124,6 +126,7 @@ fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
     let (sample, usual) = match boundary.eta() {
         Some(eta) => {
             let eta = RelativeIor::new(eta).map_err(Failure::bad)?;
+            check_plate(eta)?;
             let rough_side = RoughSide::from(args.rough_side);
             (Sample::Plate { eta, rough_side }, Geometry::Transmission)
         }
@@ -173,13 +176,14 @@ pub(super) fn simulate(
     let mut readings = Vec::new();
     let mut outcomes = Vec::new();
     let mut variance = 0.0;
-    let mut interrupted = false;
+    let (mut interrupted, mut neglected, mut traced) = (false, None, 0);
     let reading =
         |sigma_deg: f64, (&theta_deg, value): (&f64, f64)| Reading { sigma_deg, theta_deg, value };
     match rays {
         None => {
             let plan = Plan::product(sigmas_deg, &angles);
             let done = with_boundary!(boundary, b => quadrature(b, setup, &plan, Effort::Full));
+            neglected = Some(done.neglected.flux);
             for (k, &sigma) in sigmas_deg.iter().enumerate() {
                 let values = &done.values[k * angles.len()..(k + 1) * angles.len()];
                 readings
@@ -188,7 +192,7 @@ pub(super) fn simulate(
         }
         Some(rays) => {
             let stop = interrupt::flag();
-            let bar = progress::bar(rays.count * sigmas_deg.len() as u64, "tracing");
+            let bar = progress::bar(rays.count.saturating_mul(sigmas_deg.len() as u64), "tracing");
             for &sigma in sigmas_deg {
                 let tick = |n| bar.inc(n);
                 let done = with_boundary!(boundary, b =>
@@ -213,6 +217,7 @@ pub(super) fn simulate(
                     readings.push(reading(sigma, (theta, value * scale(*theta))));
                     variance += (error * scale(*theta)).powi(2);
                 }
+                traced = done.rays;
                 outcomes.push((sigma, done.outcome));
             }
             bar.finish_and_clear();
@@ -224,7 +229,7 @@ pub(super) fn simulate(
     }
     let how = match rays {
         None => "quadrature".to_owned(),
-        Some(rays) => format!("Monte Carlo, {} rays an incidence", rays.count),
+        Some(_) => format!("Monte Carlo, {traced} rays an incidence"),
     };
     meta.instrument = Some(format!("asperity scan, {how}"));
     meta.geometry = Some(setup.geometry);
@@ -243,7 +248,7 @@ pub(super) fn simulate(
     }
     let measurement = Measurement::new(meta, readings)
         .map_err(|e| Failure::bad(format!("the model gives no usable scan: {e}")))?;
-    Ok(Virtual { measurement, outcomes, interrupted })
+    Ok(Virtual { measurement, outcomes, neglected, interrupted })
 }
 
 fn summary(done: &Virtual, json: bool) -> String {
@@ -266,6 +271,7 @@ fn summary(done: &Virtual, json: bool) -> String {
             "asperity": 1,
             "readings": done.measurement.readings().len(),
             "noise_floor_percent": noise,
+            "neglected_flux": done.neglected,
             "flux": flux,
         });
         return format!("{answer:#}\n");
@@ -273,6 +279,9 @@ fn summary(done: &Virtual, json: bool) -> String {
     let mut text = format!("{} readings", done.measurement.readings().len());
     if let Some(noise) = noise {
         let _ = write!(text, ", noise floor {noise:.3} %");
+    }
+    if let Some(neglected) = done.neglected {
+        let _ = write!(text, ", {neglected:.1e} of the flux neglected in internal passes");
     }
     text.push('\n');
     for (sigma, o) in &done.outcomes {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
+use asperity_core::quantity::RelativeIor;
 use clap::ValueEnum;
 
 use super::error::Failure;
@@ -220,7 +221,9 @@ impl SetupFlags {
                     self.rough_side.map(RoughSide::from).or(meta.rough_side).ok_or_else(|| {
                         ask("which side is rough", "--rough-side source or --rough-side detector")
                     })?;
-                Sample::Plate { eta: surface.eta().map_err(Failure::bad)?, rough_side }
+                let eta = surface.eta().map_err(Failure::bad)?;
+                check_plate(eta)?;
+                Sample::Plate { eta, rough_side }
             }
         };
         let quantity = scan.quantity();
@@ -238,6 +241,14 @@ impl SetupFlags {
         check_aperture(aperture_deg, quantity)?;
         Ok((surface, Setup { sample, geometry, aperture_deg, quantity }))
     }
+}
+
+/// Refuses a plate that is not there.
+pub(super) fn check_plate(eta: RelativeIor<f64>) -> Result<(), Failure> {
+    if eta.is_matched() {
+        return Err(Failure::bad("a plate of the index of air is no plate; give another --ior"));
+    }
+    Ok(())
 }
 
 /// Checks a full aperture angle in degrees.

@@ -125,7 +125,7 @@ pub enum FitError {
     )]
     NoStart,
     /// Stopped before the first result.
-    #[error("interrupted before the first result; nothing was written")]
+    #[error("interrupted before the first result")]
     Interrupted,
 }
 
@@ -160,17 +160,20 @@ pub fn fit(
 
     let draft = problem.thinned();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
-    for start in search.best_starts(&draft, MOST_STARTS) {
+    for (cost, start) in search.best_starts(&draft, MOST_STARTS) {
         match search.minimise(&draft, &start, Effort::Draft, 1e-3) {
-            Ok(end) => found.push((end.cost, end.values)),
+            Ok(end) if end.cost < cost => found.push((end.cost, end.values)),
+            Ok(_) => found.push((cost, start)),
             Err(Stopped) => break,
         }
     }
     found.retain(|(cost, _)| *cost < simplex::IMPOSSIBLE);
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, start)) = found.into_iter().next() else {
+    let Some((_, mut start)) = found.into_iter().next() else {
         return Err(if search.interrupted() { FitError::Interrupted } else { FitError::NoStart });
     };
+    // A floor lost in the draft lies far down a flat logarithm: its least-squares value is where to look.
+    problem.solve_linear(&mut start);
     let (values, termination) = match search.minimise(&problem, &start, Effort::Full, 5e-6) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),

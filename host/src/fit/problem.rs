@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
         let span = theta_deg.last().zip(theta_deg.first()).map_or(0.0, |(b, a)| b - a);
         let step = span / theta_deg.len().saturating_sub(1).max(1) as f64;
         if step > 0.0 {
-            (self.setup.aperture_deg / step).ceil().clamp(1.0, 1e4) as usize
+            (self.setup.aperture_deg / step).ceil().clamp(1.0, 256.0) as usize
         } else {
             1
         }
@@ -140,6 +140,7 @@ impl<'a> Problem<'a> {
             with_boundary!(&boundary, b => quadrature(b, &setup, &self.plan, effort));
         if let Some(gain) = self.named(values, "gain") {
             readings.values.iter_mut().for_each(|r| *r *= gain);
+            readings.neglected.reading *= gain;
         }
         Ok(readings)
     }
@@ -179,7 +180,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Sets `gain` and `lambert`, in which the readings are linear, to their least-squares values.
-    fn solve_linear(&self, point: &mut [f64]) {
+    pub(super) fn solve_linear(&self, point: &mut [f64]) {
         let index = |name| self.parameters.iter().position(|p| p.name == name);
         let Some(gain) = index("gain") else { return };
         let lambert = index("lambert");

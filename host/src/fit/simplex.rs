@@ -59,7 +59,7 @@ impl<'a> Search<'a> {
     }
 
     /// The starts with the lowest costs, at most `most`, the best first.
-    pub(super) fn best_starts(&self, problem: &Problem<'_>, most: usize) -> Vec<Vec<f64>> {
+    pub(super) fn best_starts(&self, problem: &Problem<'_>, most: usize) -> Vec<(f64, Vec<f64>)> {
         let target = Target { search: self, problem, effort: Effort::Draft };
         let mut rated: Vec<(f64, Vec<f64>)> = problem
             .starts()
@@ -67,11 +67,12 @@ impl<'a> Search<'a> {
             .map_while(|start| {
                 let free: Vec<f64> =
                     problem.parameters().iter().zip(&start).map(|(p, &v)| p.to_free(v)).collect();
-                target.cost(&free).ok().map(|cost| (cost, start))
+                let cost = target.cost(&free).ok()?;
+                (!self.interrupted()).then_some((cost, start))
             })
             .collect();
         rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-        rated.into_iter().take(most).map(|(_, start)| start).collect()
+        rated.into_iter().take(most).collect()
     }
 
     /// Minimises from a start until the costs of the simplex differ by less than `tolerance` times the
@@ -98,9 +99,7 @@ impl<'a> Search<'a> {
         }
         let target = Target { search: self, problem, effort };
         let spent = || End { values: start.to_vec(), cost: IMPOSSIBLE, converged: false };
-        let Ok(at_start) = target.cost(&first) else {
-            return if self.interrupted() { Err(Stopped) } else { Ok(spent()) };
-        };
+        let at_start = target.cost(&first).map_err(|_| Stopped)?;
         let iterations = self.budget.saturating_sub(self.evaluations());
         let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(1e-6))
         else {
@@ -108,10 +107,11 @@ impl<'a> Search<'a> {
         };
         let run =
             Executor::new(target, solver).configure(|state| state.max_iters(iterations)).run();
-        let Ok(run) = run else {
-            if self.interrupted() {
-                return Err(Stopped);
-            }
+        let Ok(run) = run else { return Err(Stopped) };
+        if self.interrupted() {
+            return Err(Stopped);
+        }
+        if self.evaluations() >= self.budget {
             // The evaluations ran out: the best of them is the answer.
             let best = self.best.lock().ok().and_then(|best| best.clone());
             return Ok(best.map_or_else(spent, |(cost, values)| End {
@@ -119,7 +119,7 @@ impl<'a> Search<'a> {
                 cost,
                 converged: false,
             }));
-        };
+        }
         let converged = matches!(
             run.state().get_termination_status(),
             TerminationStatus::Terminated(
@@ -147,11 +147,9 @@ impl CostFunction for Target<'_, '_> {
     type Output = f64;
 
     fn cost(&self, free: &Vec<f64>) -> Result<f64, Error> {
-        if self.search.interrupted() {
-            return Err(Error::msg("interrupted"));
-        }
-        if self.search.evaluations() >= self.search.budget {
-            return Err(Error::msg("no evaluations left"));
+        // Never an error: argmin unwraps the costs of a shrinking simplex.
+        if self.search.interrupted() || self.search.evaluations() >= self.search.budget {
+            return Ok(IMPOSSIBLE);
         }
         let done = self.search.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
         (self.search.progress)(done);

@@ -33,7 +33,7 @@ pub(super) fn std_errors(
     }
     let mut columns = Vec::with_capacity(p);
     for (k, parameter) in problem.parameters().iter().enumerate() {
-        let step = 1e-3 * parameter.step(values[k]).abs().clamp(0.05, 5.0);
+        let step = 1e-2 * parameter.step(values[k]).abs().clamp(0.05, 5.0);
         let free = parameter.to_free(values[k]);
         let side = |sign: f64| {
             let mut probe = values.to_vec();
@@ -71,23 +71,30 @@ pub(super) fn std_errors(
         .collect()
 }
 
-/// Variance of a sum of correlated terms: products of neighbours within an incidence, Bartlett weights up
-/// to twice the lag at which two detector cones no longer overlap.
+/// Variance of a sum of correlated terms: the largest of three estimates from products of neighbours
+/// within an incidence: none; those whose cones overlap; all up to one and a half times the root of
+/// the number of readings, with falling weights.
 ///
-/// No further: the scores sum to zero at the optimum, so a reach as wide as the lobe would find no
-/// variance at all.
+/// The third sees the shape of a misfit, but the scores sum to zero at the optimum, so a reach as wide as
+/// the lobe finds too little; the second sees the noise that overlapping cones share.
 fn correlated_sum(problem: &Problem<'_>, series: &[f64]) -> f64 {
     let mut from = 0;
-    let mut variance = 0.0;
+    let mut estimates = [0.0; 3];
     for incidence in &problem.plan().incidences {
         let part = &series[from..from + incidence.theta_deg.len()];
         from += part.len();
-        let reach = 1 + 2 * problem.overlap(&incidence.theta_deg);
-        for lag in 0..reach.min(part.len()) {
+        let overlap = problem.overlap(&incidence.theta_deg);
+        let reach = (1.5 * (part.len() as f64).sqrt()).ceil().min(MOST_REACH) as usize;
+        for lag in 0..=reach.max(overlap).min(part.len().saturating_sub(1)) {
             let sum: f64 = part.iter().zip(&part[lag..]).map(|(a, b)| a * b).sum();
-            let weight = 1.0 - lag as f64 / reach as f64;
-            variance += if lag == 0 { sum } else { 2.0 * weight * sum };
+            let both = if lag == 0 { sum } else { 2.0 * sum };
+            estimates[0] += if lag == 0 { both } else { 0.0 };
+            estimates[1] += if lag <= overlap { both } else { 0.0 };
+            estimates[2] += both * (1.0 - lag as f64 / (reach + 1) as f64).max(0.0);
         }
     }
-    variance.max(0.0)
+    estimates.into_iter().fold(0.0, f64::max)
 }
+
+/// Longest lag that is looked at, readings.
+const MOST_REACH: f64 = 256.0;

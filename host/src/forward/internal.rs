@@ -1,6 +1,6 @@
 //! Light that meets the rough face more than once: internal passes, by a fixed low-discrepancy rule.
 //!
-//! What leaves after the first hit is known in closed form. What stays is followed as a few hundred
+//! What leaves after the first hit is known in closed form. What stays is followed as a fixed number of
 //! weighted rays, all lobes taken with their Fresnel share and none chosen, so that the result is a
 //! smooth function of the parameters; at every further hit all rays look at all detectors.
 
@@ -37,29 +37,32 @@ pub(super) fn passes<B: Bsdf<f64>>(
     count: usize,
 ) -> Passes {
     let mut found = Passes { density: vec![0.0; views.len()], neglected: 0.0, peak: 0.0 };
-    let mut rays: Vec<(Direction<f64>, f64)> = vec![(entry.w, entry.flux / count as f64); count];
+    // Every ray keeps its number: where one is dropped, the others' points stay theirs.
+    let mut rays: Vec<(usize, Direction<f64>, f64)> =
+        (0..count).map(|k| (k, entry.w, entry.flux / count as f64)).collect();
     let least = NOTHING / count as f64;
     for hit in 0..=MOST_HITS {
-        let before: f64 = rays.iter().map(|r| r.1).sum();
-        if before < ENOUGH || hit == MOST_HITS {
+        let before: f64 = rays.iter().map(|r| r.2).sum();
+        // The second hit is always looked at, or there would be no estimate of what is left out.
+        if (hit > 1 && before < ENOUGH) || hit == MOST_HITS {
             found.neglected += before;
             break;
         }
-        if hit > 0 {
+        if hit > 0 && before > 0.0 {
             found.peak = 0.0;
             for (sum, view) in found.density.iter_mut().zip(views) {
                 let Some(view) = view else { continue };
                 let seen: f64 =
-                    rays.iter().map(|(w, flux)| flux * boundary.ars(*w, view.towards)).sum();
+                    rays.iter().map(|(_, w, flux)| flux * boundary.ars(*w, view.towards)).sum();
                 *sum += seen * view.factor;
                 found.peak = found.peak.max(seen * view.factor / before);
             }
         }
-        for (k, (w, flux)) in rays.iter_mut().enumerate() {
-            let u = point(hit, k, count);
+        for (k, w, flux) in &mut rays {
+            let u = point(hit, *k, count);
             (*w, *flux) = onward(boundary, eta, *w, *flux, u).unwrap_or((*w, 0.0));
         }
-        rays.retain(|(_, flux)| {
+        rays.retain(|(_, _, flux)| {
             let dropped = *flux < least;
             if dropped {
                 found.neglected += flux;
@@ -89,6 +92,22 @@ fn onward<B: Bsdf<f64>>(
 /// from hit to hit so that the hits are independent of each other.
 fn point(hit: usize, k: usize, count: usize) -> [f64; 2] {
     const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    let index = (k * (2 * hit + 1) * 17 + 41 * hit) % count;
+    let index = permuted(hit, k, count);
     STEP.map(|s| (0.5 + s * index as f64).fract())
+}
+
+/// Place of ray `k` in the order of a hit; `count` is a power of two.
+///
+/// Not a multiple of `k`: points whose numbers are multiples of each other are correlated.
+fn permuted(hit: usize, k: usize, count: usize) -> usize {
+    let mask = count - 1;
+    let half = (count.trailing_zeros() / 2).max(1);
+    let mut x = k;
+    for round in 0..3 {
+        // an odd factor, a difference and a shift are permutations of the numbers below `count`
+        let key = ((hit * 3 + round + 1) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        x = (x.wrapping_mul((key >> 20) as usize | 1) ^ (key >> 40) as usize) & mask;
+        x ^= x >> half;
+    }
+    x
 }

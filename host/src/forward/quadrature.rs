@@ -36,8 +36,8 @@ pub struct Readings {
 pub struct Neglected {
     /// As a fraction of the beam's flux: the sum of all that is missing from anywhere cannot be more.
     pub flux: f64,
-    /// Bound of the part missing from a single reading, in the unit of the readings: the neglected
-    /// flux times the highest density the last hit followed gave, times the detector's solid angle.
+    /// Estimate of the part missing from a single reading, in the unit of the readings: the neglected
+    /// flux times the highest density that the last hit followed gave, times the detector's solid angle.
     pub reading: f64,
 }
 
@@ -100,7 +100,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         }
         let lines = lines(half_angle, self.scale);
         // A lobe wider than the cone looks the same on all lines for what was scattered twice.
-        let wide = lines.len() == 2;
+        let wide = lines.len() == 2 && self.setup.geometry == Geometry::Transmission;
         let solid_angle = solid_angle(self.setup.aperture_deg);
         let mut neglected = Neglected::default();
         let nodes = self.warp.nodes();
@@ -110,8 +110,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             if k == 0 || !wide {
                 let missing;
                 (inner, missing) = self.internal_density(&nodes, line.psi);
-                neglected = neglected
-                    .or_more(Neglected { reading: missing.reading * solid_angle, ..missing });
+                neglected = neglected.or_more(self.in_readings(missing));
             }
             let density: Vec<f64> = nodes
                 .iter()
@@ -133,6 +132,8 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             thetas.map(reading).collect()
         };
         for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
+            // differences of integrals and the cubic between readings may undershoot zero
+            *value = value.max(0.0);
             let theta = theta.to_radians();
             // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
             if self.entry.mirrored > 0.0 && (theta - self.sigma).abs() <= half_angle * (1.0 + 1e-9)
@@ -145,6 +146,24 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             }
         }
         (values, neglected)
+    }
+
+    /// From a missing density, 1/sr, to what is missing from a reading.
+    fn in_readings(&self, missing: Neglected) -> Neglected {
+        let factor = match self.setup.quantity {
+            Quantity::Flux => solid_angle(self.setup.aperture_deg),
+            Quantity::Bsdf => {
+                let cosines = self.incidence.theta_deg.iter().map(|t| t.to_radians().cos());
+                1.0 / cosines.filter(|c| *c > 1e-9).fold(1.0, f64::min)
+            }
+        };
+        let reading = missing.reading * factor;
+        // No detector receives more than all of it.
+        let most = match self.setup.quantity {
+            Quantity::Flux => missing.flux,
+            Quantity::Bsdf => f64::INFINITY,
+        };
+        Neglected { reading: reading.min(most), ..missing }
     }
 
     fn view(&self, node: &Node, psi: f64) -> Option<View> {
@@ -172,26 +191,37 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
     ///
     /// `Neglected::reading` of the result is a density, 1/sr.
     fn internal_density(&self, nodes: &[Node], psi: f64) -> (Vec<f64>, Neglected) {
-        const STRIDE: usize = 16; // half cells
+        // half cells; off the front what was inside is half of the light
+        let stride: usize = if self.setup.geometry == Geometry::Reflection { 8 } else { 16 };
         let fine = nodes.len();
         let eta = match self.setup.sample {
             Sample::Plate { eta, .. } if self.effort == Effort::Full => eta.get(),
             _ => return (vec![0.0; fine], Neglected::default()),
         };
         let views: Vec<Option<View>> =
-            nodes.iter().step_by(STRIDE).map(|node| self.view(node, psi)).collect();
+            nodes.iter().step_by(stride).map(|node| self.view(node, psi)).collect();
         // Seen from the front, half of what a clear plate returns has been inside.
         let count = match self.setup.geometry {
             Geometry::Transmission => 64,
             Geometry::Reflection => 2048,
         };
         let found = passes(self.boundary, eta, &self.entry, &views, count);
-        let at = |k: usize| found.density[k.min(found.density.len() - 1)];
+        // What the way out through the smooth face takes falls steeply to the horizon, where there is no
+        // view: it is left out of the cubic, which goes on there as it was.
+        let way_out = |view: &Option<View>| view.as_ref().map_or(0.0, |v| v.factor);
+        let last = views.len() - 1;
+        let at = |k: usize| {
+            let k = k.min(last);
+            let beside = k.clamp(1.min(last), (last - 1).max(1.min(last)));
+            let straight_out = way_out(&views[beside]) >= 1.0;
+            let k = if straight_out { k } else { beside };
+            found.density[k] / way_out(&views[k]).max(f64::MIN_POSITIVE)
+        };
         let values = (0..fine)
             .map(|half| {
-                let (k, t) = (half / STRIDE, (half % STRIDE) as f64 / STRIDE as f64);
+                let (k, t) = (half / stride, (half % stride) as f64 / stride as f64);
                 let ends = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
-                cubic(ends, t).max(0.0)
+                cubic(ends, t).max(0.0) * way_out(&self.view(&nodes[half], psi))
             })
             .collect();
         (values, Neglected { flux: found.neglected, reading: found.neglected * found.peak })
@@ -207,14 +237,15 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             }
             (self.first_hit(&Node::at(theta), 0.0) + self.warp.interpolate(&inner, theta)) / cosine
         };
-        (self.incidence.theta_deg.iter().map(|t| value(t.to_radians())).collect(), neglected)
+        let values = self.incidence.theta_deg.iter().map(|t| value(t.to_radians())).collect();
+        (values, self.in_readings(neglected))
     }
 }
 
 /// Angular half width of the lobe outside the plate, rad: a scale for the warp, not a result.
 fn lobe_width(slope: f64, setup: &Setup) -> f64 {
     let gain = match (setup.geometry, setup.sample) {
-        (Geometry::Transmission, Sample::Plate { eta, .. }) => (eta.get() - 1.0).abs(),
+        (_, Sample::Plate { eta, .. }) => (eta.get() - 1.0).abs(),
         _ => 2.0,
     };
     (slope * gain).clamp(1e-8, 0.5)

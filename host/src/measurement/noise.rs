@@ -95,7 +95,9 @@ fn runs<'a>(scan: &Measurement, incidence: &Incidence<'a>) -> Vec<Run<'a>> {
     };
     let aperture = scan.meta.aperture_deg.unwrap_or(0.0);
     // one step more than the aperture: its edge is never sharp
-    let lag = (aperture / step * (1.0 + 1e-9)).floor() as usize + 1;
+    let lag = ((aperture / step * (1.0 + 1e-9)).floor() as usize)
+        .saturating_add(1)
+        .min(incidence.readings.len().max(1));
     let regular = |a: &Reading, b: &Reading| {
         (b.theta_deg - a.theta_deg - step).abs() <= STEP_TOLERANCE * step
     };

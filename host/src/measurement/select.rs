@@ -141,7 +141,11 @@ impl Selection {
             return Err(SelectionFault::Nothing { asked: *self, covered: Self::covering(points) });
         }
         // Sorted and free of repetitions as part of the whole; negative noise was judged there too.
-        let part = Measurement { meta: scan.meta.clone(), readings: kept };
+        let mut part = Measurement { meta: scan.meta.clone(), readings: kept };
+        if part.readings.len() < scan.readings().len() {
+            // It was relative to the whole.
+            part.meta.noise_floor_percent = None;
+        }
         if part.largest_reading() <= 0.0 {
             return Err(SelectionFault::Dark { asked: *self });
         }

@@ -1,7 +1,7 @@
 //! A rough boundary whose scatter is traced: refraction and reflection at every facet, all bounces.
 
 use asperity_core::bsdf::{Scatter, Scattered};
-use asperity_core::direction::Direction;
+use asperity_core::direction::{Direction, Side};
 use asperity_core::fresnel;
 use asperity_core::quantity::RelativeIor;
 
@@ -28,7 +28,7 @@ impl Scatter<f64> for TracedBoundary<'_> {
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
         let (nx, ny) = self.field.size();
-        let mut above = wi.z() > 0.0;
+        let mut above = wi.side()? == Side::Air;
         let start = if above { self.field.highest } else { self.field.lowest };
         let inside =
             |u: f64, n: usize| ((u * n as f64) as f32).min(n as f32 * (1.0 - f32::EPSILON));

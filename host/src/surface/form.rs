@@ -31,7 +31,8 @@ impl Form {
 
     /// The map without this form.
     ///
-    /// Where the points do not determine a form (one row, say) the terms they do determine are removed.
+    /// One row or column has no slope or curvature across it; where the points do not determine the rest,
+    /// the mean alone is removed.
     pub fn removed(self, map: &HeightMap) -> HeightMap {
         // Powers of coordinates from -1 to 1 are nearly independent.
         let unit = |k: usize, n: usize| {

@@ -50,7 +50,7 @@ impl Roughness {
         let sum = |part: &[f64]| part.iter().sum::<f64>() / five as f64;
         let rz5 = sum(&highest) - sum(&lowest);
         let (rv, rp) = (
-            -lowest.iter().copied().fold(0.0, f64::min),
+            0.0 - lowest.iter().copied().fold(0.0, f64::min),
             highest.iter().copied().fold(0.0, f64::max),
         );
         let shape = |k: i32| if rq > 0.0 { moment(k) / rq.powi(k) } else { 0.0 };
@@ -100,28 +100,43 @@ fn rms_slope(map: &HeightMap, step: (usize, usize), pitch: f64) -> Option<f64> {
     (count > 0).then(|| (sum / count as f64).sqrt() / pitch)
 }
 
-/// Lag in points at which the normalised autocorrelation crosses 1/e, interpolated.
+/// Lines that the autocorrelation is averaged over, at most.
+const MOST_LINES: usize = 256;
+
+/// Lag in points at which the normalised autocorrelation crosses 1/e, interpolated between lags that
+/// are at most 1/32 apart.
 fn acl(map: &HeightMap, mean: f64, variance: f64, along: (usize, usize)) -> Option<f64> {
     if variance <= 0.0 {
         return None;
     }
+    let (length, lines) = if along.0 > 0 { (map.nx(), map.ny()) } else { (map.ny(), map.nx()) };
+    let at = |k: usize, line: usize| {
+        let (col, row) = if along.0 > 0 { (k, line) } else { (line, k) };
+        map.height_um(col, row).map(|h| h - mean)
+    };
     let level = (-1.0_f64).exp();
-    let longest = if along.0 > 0 { map.nx() } else { map.ny() };
-    let mut last = 1.0;
-    for lag in 1..longest {
+    let (mut last_lag, mut last) = (0, 1.0);
+    let mut lag = 1;
+    while lag < length {
         let (mut sum, mut count) = (0.0, 0_u64);
-        for (a, b) in pairs(map, (along.0 * lag, along.1 * lag)) {
-            sum += (a - mean) * (b - mean);
-            count += 1;
+        for line in (0..lines).step_by(lines.div_ceil(MOST_LINES)) {
+            for k in 0..length - lag {
+                if let (Some(a), Some(b)) = (at(k, line), at(k + lag, line)) {
+                    sum += a * b;
+                    count += 1;
+                }
+            }
         }
         if count == 0 {
             return None;
         }
         let here = sum / count as f64 / variance;
         if here <= level {
-            return Some((lag - 1) as f64 + (last - level) / (last - here));
+            let share = (last - level) / (last - here);
+            return Some(last_lag as f64 + share * (lag - last_lag) as f64);
         }
-        last = here;
+        (last_lag, last) = (lag, here);
+        lag += 1 + lag / 32;
     }
     None
 }

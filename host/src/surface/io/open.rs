@@ -6,6 +6,7 @@ use super::{MapError, MapFault, RawMap};
 use super::{
     al3d, di, gwy, gwyddion_text, matrix, npy, opd, png16, sdf, sur, tiff_float, x3p, xyz,
 };
+use crate::input::read_file;
 
 /// Largest file that is read, bytes.
 const MOST_BYTES: u64 = 4 << 30;
@@ -51,15 +52,7 @@ const FORMATS: [Format; 13] = [
 /// [`MapError`] with the file and what to do.
 pub fn open(path: &Path, options: &OpenOptions) -> Result<(RawMap, Vec<u8>), MapError> {
     let fail = |fault| MapError { path: path.into(), fault };
-    let load = || -> Result<Vec<u8>, std::io::Error> {
-        let size = std::fs::metadata(path)?;
-        if size.is_dir() || size.len() > MOST_BYTES {
-            let what = if size.is_dir() { "it is a folder" } else { "it is larger than 4 GiB" };
-            return Err(std::io::Error::other(what));
-        }
-        std::fs::read(path)
-    };
-    let bytes = load().map_err(|e| fail(MapFault::Io(e)))?;
+    let bytes = read_file(path, MOST_BYTES).map_err(|e| fail(MapFault::Io(e)))?;
     let map = parse(&bytes, options).map_err(fail)?;
     Ok((map, bytes))
 }
