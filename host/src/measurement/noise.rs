@@ -202,6 +202,15 @@ mod tests {
     }
 
     #[test]
+    fn steps_far_below_the_aperture_are_no_trouble() {
+        let reading = |theta_deg| Reading { sigma_deg: 0.0, theta_deg, value: 1.0 };
+        let meta = Metadata { aperture_deg: Some(0.6), ..Metadata::default() };
+        let readings = vec![reading(0.0), reading(1e-20), reading(2e-20)];
+        let scan = Measurement::new(meta, readings).unwrap();
+        assert!(estimate(&scan).is_none());
+    }
+
+    #[test]
     fn shot_noise_of_the_virtual_samples_is_found() {
         for (name, percent) in [("scan5", 0.12), ("scan8", 0.17)] {
             let Some(path) = data_file(&format!("samples/{name}.csv")) else {
