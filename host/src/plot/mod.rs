@@ -1,6 +1,6 @@
 //! Plots of measured against fitted readings, as SVG and as PNG.
 //!
-//! [`sigma_panels`] turns readings into a [`Figure`], one panel an incidence; [`svg`] and [`png`] draw it:
+//! [`sigma_panels`] turns readings into a [`Figure`], one panel an incidence; [`svg`] and [`png()`] draw it:
 //!
 //! ```
 //! use asperity::plot::{Scale, sigma_panels, svg};

@@ -4,7 +4,7 @@ mod figures;
 mod html;
 mod table;
 
-pub use figures::{FigureFiles, figure, write_figures};
+pub use figures::{FigureError, FigureFiles, figure, write_figures};
 pub use html::page;
 pub use table::table;
 
