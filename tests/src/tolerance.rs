@@ -55,8 +55,8 @@ table! {
         "the table is a Monte Carlo estimate with 0.003 noise";
     RECIPROCITY = 1e-12, "reciprocity of f / n^2, relative",
         "some fifty roundings of 1e-16, and the sum of directions, counted apart";
-    RECIPROCITY_CONDITIONING = 32.0, "roundings of the half vector, each magnified by its conditioning",
-        "h = wi + eta wo loses digits as 1 / |h| <= 1 / |eta - 1|; D turns an angle into 4 / alpha";
+    RECIPROCITY_CONDITIONING = 0.1, "roundings of the half vector, each magnified by its conditioning",
+        "h = n_i wi + n_o wo is the same to the last bit both ways, so its conditioning hardly counts";
     NORMALISATION = 1e-6, "integral of a density of normals, absolute",
         "eight-point panels against half a million midpoints";
     FACET_REFERENCE = 2e-5, "facet BSDF against the reference file, relative",

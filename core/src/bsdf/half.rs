@@ -1,8 +1,10 @@
 //! One facet between two directions: its normal, its Fresnel factor, its Jacobian.
 //!
-//! With `h = wi + r wo` and `r = n_o / n_i` one expression serves reflection (`r = 1`, the half vector of
-//! \[Walter2007, eq. 13\]) and transmission (its eq. 16). The cosines at the facet are kept scaled by
-//! `|h|`, which the Fresnel formulas do not mind, so that no square root is spent on normalising.
+//! With `h = n_i wi + n_o wo` one expression serves reflection (`n_i = n_o`, the half vector of
+//! \[Walter2007, eq. 13\]) and transmission (its eq. 16), and it is the same to the last bit from both
+//! ends of a path, which is what keeps the law reciprocal where `h` is a small difference. The cosines
+//! at the facet stay scaled by `|h|`, which the Fresnel formulas do not mind, so that no square root is
+//! spent on normalising.
 //!
 //! Nothing here branches: both cases share their quotients, whose terms are selected. A loop over pairs
 //! then becomes vector instructions, and a pair on unforeseeable sides costs no chain of mispredictions.
@@ -37,8 +39,13 @@ impl<T: Real> HalfVector<T> {
         let sign_i = T::ONE.copysign(iz);
         let mirrored = sign_i * oz > T::ZERO;
         let r = if iz < T::ZERO { eta.inverse() } else { eta.get() };
-        let weight = choose(mirrored, || T::ONE, || r);
-        let (hx, hy, hz) = (ix + weight * ox, iy + weight * oy, iz + weight * oz);
+        // The indices of the two sides; in reflection their common factor is left out.
+        let (n_i, n_o) = choose(
+            mirrored,
+            || (T::ONE, T::ONE),
+            || if iz < T::ZERO { (eta.get(), T::ONE) } else { (T::ONE, eta.get()) },
+        );
+        let (hx, hy, hz) = (n_i * ix + n_o * ox, n_i * iy + n_o * oy, n_i * iz + n_o * oz);
         let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
         let hh = xy2 + z2;
         let eta2 = r * r;
@@ -76,7 +83,7 @@ impl<T: Real> HalfVector<T> {
             share: choose(
                 mirrored,
                 || reflected() * T::from_f64(0.25),
-                || transmitted() * (r * c / hh) * (g / hh),
+                || transmitted() * (n_o * c / hh) * (n_i * g / hh),
             ),
         }
     }
