@@ -38,14 +38,14 @@ impl<T: Real> HalfVector<T> {
         let [ox, oy, oz] = wo.xyz();
         let sign_i = T::ONE.copysign(iz);
         let mirrored = sign_i * oz > T::ZERO;
-        let r = if iz < T::ZERO { eta.inverse() } else { eta.get() };
-        // The indices of the two sides; in reflection their common factor is left out.
-        let (n_i, n_o) = choose(
-            mirrored,
-            || (T::ONE, T::ONE),
-            || if iz < T::ZERO { (eta.get(), T::ONE) } else { (T::ONE, eta.get()) },
-        );
-        let (hx, hy, hz) = (n_i * ix + n_o * ox, n_i * iy + n_o * oy, n_i * iz + n_o * oz);
+        let (n, below) = (eta.get(), iz < T::ZERO);
+        let r = if below { eta.inverse() } else { n };
+        // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
+        // the common index is left out.
+        let weight = choose(mirrored, || T::ONE, || n);
+        let swap = |i: T, o: T| if below { (o, i) } else { (i, o) };
+        let ((ax, bx), (ay, by), (az, bz)) = (swap(ix, ox), swap(iy, oy), swap(iz, oz));
+        let (hx, hy, hz) = (ax + weight * bx, ay + weight * by, az + weight * bz);
         let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
         let hh = xy2 + z2;
         let eta2 = r * r;
@@ -83,7 +83,7 @@ impl<T: Real> HalfVector<T> {
             share: choose(
                 mirrored,
                 || reflected() * T::from_f64(0.25),
-                || transmitted() * (n_o * c / hh) * (n_i * g / hh),
+                || transmitted() * (n * c / hh) * (g / hh),
             ),
         }
     }
