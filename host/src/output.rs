@@ -128,6 +128,16 @@ impl AtomicFile {
         Ok(Self { path, sink: Sink::Temporary { file, target } })
     }
 
+    /// Writes all of the content and commits it.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`], or those of [`commit`](Self::commit); the target is then as it was.
+    pub fn finish(mut self, content: &[u8]) -> Result<(), OutputError> {
+        let path = self.path().to_owned();
+        self.write_all(content).map_err(|source| OutputError::Write { path, source })?;
+        self.commit()
+    }
+
     /// The destination, as it was asked for.
     pub fn path(&self) -> &Path {
         &self.path

@@ -67,7 +67,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ..Metadata::default()
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
-    let mut scan_file = AtomicFile::create(folder.join("scan.csv"))?;
+    let scan_file = AtomicFile::create(folder.join("scan.csv"))?;
     let done = simulate(&truth, &setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
     if done.interrupted {
         return Err(Failure::No(
@@ -77,8 +77,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let scan = done.measurement;
     let mut bytes = Vec::new();
     write::write(&scan, &mut bytes).map_err(Failure::bad)?;
-    std::io::Write::write_all(&mut scan_file, &bytes).map_err(Failure::bad)?;
-    scan_file.commit()?;
+    scan_file.finish(&bytes)?;
     let input = InputFile::of_bytes("scan.csv", &bytes);
 
     let options = FitOptions {

@@ -74,12 +74,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         csv
     };
     match output {
-        Some(mut file) => {
-            let path = file.path().to_owned();
-            std::io::Write::write_all(&mut file, text.as_bytes())
-                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
-            Ok(file.commit()?)
-        }
+        Some(file) => Ok(file.finish(text.as_bytes())?),
         None => print(&text),
     }
 }

@@ -166,11 +166,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             eprintln!("wrote {}", path.display());
         }
     }
-    if let Some(mut file) = output {
-        let path = file.path().to_owned();
-        std::io::Write::write_all(&mut file, text.as_bytes())
-            .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
-        file.commit()?;
+    if let Some(file) = output {
+        file.finish(text.as_bytes())?;
     }
     if args.json {
         print(&text)?;

@@ -106,11 +106,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mut text = Vec::new();
     write::write(&done.measurement, &mut text).map_err(Failure::bad)?;
     match output {
-        Some(mut file) => {
-            let path = file.path().to_owned();
-            std::io::Write::write_all(&mut file, &text)
-                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
-            file.commit()?;
+        Some(file) => {
+            file.finish(&text)?;
             print(&summary(&done, args.json))?;
         }
         None => print(&String::from_utf8_lossy(&text))?,
