@@ -50,11 +50,16 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
     /// what is left after these a matter of rounding.
     pub const MOST_PASSES: usize = 4096;
 
+    /// Flux below which a roulette decides whether a ray goes on: a ray of a few percent costs as much
+    /// as a whole one and tells less.
+    pub const ROULETTE: f64 = 0.25;
+
     /// Follows one ray of unit flux from `wi` (towards the source, z > 0) through all internal passes.
     ///
     /// Each hit of the smooth face splits the ray, so that the part that leaves is counted exactly;
-    /// below a weight of 1/1000 what goes on is decided by roulette. `exit(wo, flux)` is called for
-    /// every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
+    /// below [`Self::ROULETTE`] what goes on is decided by roulette. `exit(wo, flux)` is called for
+    /// every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted); on average over
+    /// rays the parts are the outcome, which for each ray sums to 1.
     pub fn trace(
         &self,
         wi: Direction<T>,
@@ -105,14 +110,19 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
                 leave(gone, flux * share, &mut out);
             }
             let kept = flux * (T::ONE - share);
-            let least = T::from_f64(1e-3);
+            let least = T::from_f64(Self::ROULETTE);
             if kept < least {
-                // The survivor carries what the others lose: right on average, and flux stays counted.
-                if kept <= T::ZERO || uniform() * least >= kept {
-                    out.lost = out.lost + kept;
+                // The survivor carries what the others lose: right on average. The balance, zero on
+                // average, is booked where most of such light leaves, so that the sum stays 1.
+                let survives = kept > T::ZERO && uniform() * least < kept;
+                let balance = if survives { kept - least } else { kept };
+                match self.rough_side {
+                    RoughSide::Source => out.reflected = out.reflected + balance,
+                    RoughSide::Detector => out.transmitted = out.transmitted + balance,
+                }
+                if !survives {
                     return out;
                 }
-                out.lost = out.lost - (least - kept);
                 flux = least;
             } else {
                 flux = kept;

@@ -1,9 +1,11 @@
 //! The rough boundary of a model, whichever method made it.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Lobe, Normals, OpaqueGgx, Scatter, Scattered};
+use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 
-/// A boundary that can be evaluated and sampled from both sides (an opaque one from the air only).
+use crate::raytrace::TracedBoundary;
+
+/// A boundary, seen from both sides (an opaque one from the air only).
 #[derive(Clone, Debug)]
 pub enum Boundary {
     /// GGX facets on a dielectric.
@@ -12,11 +14,14 @@ pub enum Boundary {
     Normals(Box<Normals<f64>>),
     /// GGX facets and a Lambert floor on an opaque body.
     Opaque(OpaqueGgx<f64>),
+    /// A height map on a dielectric, traced; it can be sampled, not evaluated.
+    Traced(TracedBoundary),
 }
 
-/// Runs an expression with the concrete boundary, so that hot loops do not branch on its kind.
+/// Runs an expression with the concrete boundary, so that hot loops do not branch on its kind: one for
+/// boundaries that can be evaluated, another for those that can only be sampled.
 macro_rules! with_boundary {
-    ($boundary:expr, $name:ident => $body:expr) => {
+    ($boundary:expr, $name:ident => $body:expr, traced $traced:ident => $other:expr) => {
         match $boundary {
             $crate::boundary::Boundary::Ggx($name) => $body,
             $crate::boundary::Boundary::Normals(boxed) => {
@@ -24,6 +29,7 @@ macro_rules! with_boundary {
                 $body
             }
             $crate::boundary::Boundary::Opaque($name) => $body,
+            $crate::boundary::Boundary::Traced($traced) => $other,
         }
     };
 }
@@ -35,6 +41,7 @@ impl Boundary {
         match self {
             Self::Ggx(b) => Some(b.eta.get()),
             Self::Normals(b) => Some(b.eta.get()),
+            Self::Traced(t) => Some(t.eta.get()),
             Self::Opaque(_) => None,
         }
     }
@@ -46,24 +53,6 @@ impl Scatter<f64> for Boundary {
         wi: Direction<f64>,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
-        with_boundary!(self, b => b.sample(wi, uniform))
-    }
-}
-
-impl Bsdf<f64> for Boundary {
-    fn eval(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
-        with_boundary!(self, b => b.eval(wi, wo))
-    }
-    fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
-        with_boundary!(self, b => b.ars(wi, wo))
-    }
-    fn pdf(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
-        with_boundary!(self, b => b.pdf(wi, wo))
-    }
-    fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>> {
-        with_boundary!(self, b => b.sample_lobe(wi, lobe, u))
-    }
-    fn slope(&self) -> f64 {
-        with_boundary!(self, b => b.slope())
+        with_boundary!(self, b => b.sample(wi, uniform), traced t => t.sample(wi, uniform))
     }
 }

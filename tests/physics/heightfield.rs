@@ -1,7 +1,9 @@
 //! Rays on a height map against brute force over all triangles, and against what must hold.
 
+use std::sync::Arc;
+
 use asperity::raytrace::{Fate, Field, Ray, TracedBoundary};
-use asperity::surface::HeightMap;
+use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::Scatter;
 use asperity_core::direction::Direction;
 use asperity_core::fresnel;
@@ -70,7 +72,7 @@ fn rays_from_above_and_below_meet_what_brute_force_finds() {
         [(8, 8, (1.0, 1.0), 0.7), (7, 5, (0.5, 0.8), 2.0), (2, 3, (2.0, 1.0), 0.3)]
     {
         let map = rough(nx, ny, pitch, slope, 9);
-        let field = Field::new(&map).unwrap();
+        let field = Field::new(&map, Edges::Periodic).unwrap();
         let (low, high) = map
             .points()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.2), b.max(p.2)));
@@ -107,9 +109,9 @@ fn rays_from_above_and_below_meet_what_brute_force_finds() {
 #[test]
 fn a_flat_map_is_the_smooth_boundary() {
     let map = HeightMap::new((4, 3), (1.0, 1.5), vec![2.5; 12]).unwrap();
-    let field = Field::new(&map).unwrap();
+    let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
     let eta = RelativeIor::new(1.49).unwrap();
-    let boundary = TracedBoundary { field: &field, eta };
+    let boundary = TracedBoundary { field, eta };
     let mut generator = Pcg64Mcg::new(3);
     for (z, n) in [(0.9, 1.49), (0.3, 1.49), (-0.9, 1.0 / 1.49), (-0.4, 1.0 / 1.49)] {
         let x: f64 = -Real::sqrt(1.0 - z * z);
@@ -134,8 +136,8 @@ fn no_ray_is_lost_on_steep_surfaces_at_grazing_incidence() {
     let mut generator = Pcg64Mcg::new(8);
     for (slope, seed) in [(0.3, 1), (1.0, 2), (3.0, 3)] {
         let map = rough(64, 48, (1.0, 1.0), slope, seed);
-        let field = Field::new(&map).unwrap();
-        let boundary = TracedBoundary { field: &field, eta };
+        let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
+        let boundary = TracedBoundary { field, eta };
         for theta in [0.0_f64, 45.0, 85.0, 89.99] {
             for side in [1.0, -1.0] {
                 let (s, c) = theta.to_radians().sin_cos();
@@ -157,8 +159,8 @@ fn spikes_and_tiny_maps_neither_panic_nor_hang() {
     spike[100] = 1e4;
     for heights in [spike, vec![0.0; 256], (0..256).map(|k| f64::from(k % 2)).collect()] {
         let map = HeightMap::new((16, 16), (1.0, 1.0), heights).unwrap();
-        let field = Field::new(&map).unwrap();
-        let boundary = TracedBoundary { field: &field, eta };
+        let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
+        let boundary = TracedBoundary { field, eta };
         for z in [1.0, 0.1, 1e-4, -1e-4, -1.0] {
             let wi = Direction::new(-1.0 + f64::abs(z), 0.1, z).unwrap();
             for _ in 0..200 {
@@ -169,7 +171,7 @@ fn spikes_and_tiny_maps_neither_panic_nor_hang() {
         }
     }
     let small = HeightMap::new((2, 1), (1.0, 1.0), vec![0.0; 2]).unwrap();
-    assert!(Field::new(&small).is_err());
+    assert!(Field::new(&small, Edges::Periodic).is_err());
     let holed = HeightMap::new((2, 2), (1.0, 1.0), vec![0.0, f64::NAN, 1.0, 2.0]).unwrap();
-    assert!(Field::new(&holed).is_err());
+    assert!(Field::new(&holed, Edges::Periodic).is_err());
 }

@@ -44,6 +44,13 @@ pub trait Scatter<T: Real> {
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>>;
 }
 
+impl<T: Real, S: Scatter<T>> Scatter<T> for &S {
+    #[inline(always)]
+    fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
+        (**self).sample(wi, uniform)
+    }
+}
+
 /// A ray sent by one facet of unit normal `m`, with the Fresnel share of the lobe as its weight.
 ///
 /// `None` if the facet cannot: total reflection, or a ray that would meet the surface again.

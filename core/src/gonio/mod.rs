@@ -11,7 +11,7 @@ mod simulate;
 
 pub use grid::AngleGrid;
 pub use scan::Scan;
-pub use simulate::Goniophotometer;
+pub use simulate::{Cone, Goniophotometer};
 
 use crate::direction::Direction;
 use crate::math::Real;

@@ -23,38 +23,15 @@ impl<T: Real> Goniophotometer<T> {
         Self { aperture_deg: T::from_f64(0.6), geometry: Geometry::Transmission }
     }
 
-    /// Calls `hit(range)` with the grid's angles whose cone receives a ray leaving along `wo`.
-    ///
-    /// With `psi` the ray's angle out of the plane of incidence and `t` its angle in the plane, it is
-    /// inside the cone of half angle `a` about `theta` if `cos psi cos(t - theta) >= cos a`.
-    #[inline]
-    pub fn receive(
-        &self,
-        grid: &AngleGrid<T>,
-        wo: Direction<T>,
-        hit: &mut impl FnMut(core::ops::Range<usize>),
-    ) {
+    /// What the detector sees.
+    pub fn cone(&self) -> Cone<T> {
         let side = match self.geometry {
             Geometry::Transmission => Side::Dielectric,
             Geometry::Reflection => Side::Air,
         };
-        let [x, y, z] = wo.xyz();
         let half = self.aperture_deg * T::PI / T::from_f64(360.0);
-        // sin^2 of half angles keep their digits where cosines of small angles do not
-        let (s2, y2) = (half.sin_cos().0 * half.sin_cos().0, y * y);
-        if wo.side() != Some(side) || y2 > s2 {
-            return;
-        }
-        let degrees = T::from_f64(180.0) / T::PI;
-        let theta = x.atan2(z.abs()) * degrees;
-        // tan^2 delta = (sin^2 a - sin^2 psi) / cos^2 a
-        let reach = ((s2 - y2) / (T::ONE - s2)).sqrt_positive().atan2(T::ONE) * degrees;
-        // the rim counts, also where rounding puts an undeviated beam just outside of it
-        let reach = reach + reach * T::EPSILON * T::from_f64(1024.0);
-        let range = grid.within(theta - reach, theta + reach);
-        if !range.is_empty() {
-            hit(range);
-        }
+        let sine = half.sin_cos().0;
+        Cone { side, sin2: sine * sine }
     }
 
     /// Adds the readings of `rays` rays, each weighted `1 / rays`, to `readings` (one per grid angle).
@@ -69,16 +46,15 @@ impl<T: Real> Goniophotometer<T> {
         generator: &mut G,
         readings: &mut [T],
     ) -> Outcome<T> {
-        let wi = incidence(sigma_deg * T::PI / T::from_f64(180.0));
+        let (wi, cone) = (incidence(sigma_deg * T::PI / T::from_f64(180.0)), self.cone());
         let weight = T::ONE / T::from_f64(f64::from(rays.max(1)));
         let mut mean = Outcome { reflected: T::ZERO, transmitted: T::ZERO, lost: T::ZERO };
         for _ in 0..rays {
             let one = plate.trace(wi, &mut || T::uniform(generator), &mut |wo, flux| {
-                self.receive(grid, wo, &mut |range| {
-                    for reading in readings.get_mut(range).unwrap_or(&mut []) {
-                        *reading = *reading + flux * weight;
-                    }
-                });
+                let Some((from, to)) = cone.angles(wo) else { return };
+                for reading in readings.get_mut(grid.within(from, to)).unwrap_or(&mut []) {
+                    *reading = *reading + flux * weight;
+                }
             });
             mean.reflected = mean.reflected + one.reflected * weight;
             mean.transmitted = mean.transmitted + one.transmitted * weight;
@@ -100,6 +76,38 @@ impl<T: Real> Goniophotometer<T> {
         let grid = scan.grid;
         self.simulate(plate, sigma_deg, &grid, rays, generator, scan.readings_mut());
         scan
+    }
+}
+
+/// The detector's cone, ready to receive rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone<T> {
+    side: Side,
+    /// Square of the sine of half the aperture: it keeps the digits that cosines of small angles do not.
+    sin2: T,
+}
+
+impl<T: Real> Cone<T> {
+    /// The first and the last angle of observation, in degrees, whose cone receives a ray leaving
+    /// along `wo`; `None` if no angle's cone does.
+    ///
+    /// With `psi` the ray's angle out of the plane of incidence and `t` its angle in the plane, it is
+    /// inside the cone of half angle `a` about `theta` if `cos psi cos(t - theta) >= cos a`.
+    #[inline]
+    pub fn angles(&self, wo: Direction<T>) -> Option<(T, T)> {
+        let [x, y, z] = wo.xyz();
+        let y2 = y * y;
+        if wo.side() != Some(self.side) || y2 > self.sin2 {
+            return None;
+        }
+        let degrees = T::from_f64(180.0) / T::PI;
+        let theta = x.atan2(z.abs()) * degrees;
+        // tan^2 delta = (sin^2 a - sin^2 psi) / cos^2 a
+        let tan2 = (self.sin2 - y2) / (T::ONE - self.sin2);
+        let reach = tan2.sqrt_positive().atan2(T::ONE) * degrees;
+        // the rim counts, also where rounding puts an undeviated beam just outside of it
+        let reach = reach + reach * T::EPSILON * T::from_f64(1024.0);
+        Some((theta - reach, theta + reach))
     }
 }
 
@@ -185,8 +193,7 @@ mod tests {
         let grid = AngleGrid::gp200();
         for (theta, psi) in [(10.04_f64, 0.0_f64), (10.04, 0.2), (-89.95, 0.1), (0.0, 0.31)] {
             let wo = observation(Geometry::Reflection, theta.to_radians(), psi.to_radians());
-            let mut got = 0..0;
-            gonio.receive(&grid, wo, &mut |range| got = range);
+            let got = gonio.cone().angles(wo).map_or(0..0, |(a, b)| grid.within(a, b));
             for k in 0..grid.count {
                 let axis = observation(Geometry::Reflection, grid.degrees(k).to_radians(), 0.0);
                 let inside = wo.dot(axis) >= 0.3_f64.to_radians().cos();

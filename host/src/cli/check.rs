@@ -8,8 +8,10 @@ use serde::Serialize;
 
 use super::error::Failure;
 use super::print;
+use super::scan::parse_rays;
 use crate::boundary::Boundary;
 use crate::energy::{Energy, balance, reciprocity_error, side_name};
+use crate::forward::Rays;
 use crate::model::Model;
 
 /// One side of the boundary, as a flag.
@@ -35,6 +37,12 @@ pub(super) struct Args {
     /// Only this side; both without it
     #[arg(long, value_enum)]
     side: Option<SideFlag>,
+    /// Rays for each incidence on a height map
+    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
+    rays: u64,
+    /// Seed of the rays
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -46,8 +54,8 @@ struct Answer {
     method: String,
     ior: Option<f64>,
     energy: Vec<Energy>,
-    reciprocity_error: Vec<f64>,
-    reciprocal: bool,
+    reciprocity_error: Vec<Option<f64>>,
+    reciprocal: Option<bool>,
     conserves_energy: bool,
 }
 
@@ -71,17 +79,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         (Some(SideFlag::Dielectric), _) => &[Side::Dielectric],
         (None, _) => &[Side::Air, Side::Dielectric],
     };
+    let rays = Rays { count: args.rays, seed: args.seed };
     let mut energy = Vec::new();
     let mut reciprocity = Vec::new();
     for &side in sides {
         for &deg in &args.incidence {
-            energy.push(balance(&boundary, side, deg));
+            energy.push(balance(&boundary, side, deg, rays));
             reciprocity.push(reciprocity_error(&boundary, side, deg));
         }
     }
     let fine = |e: &Energy| e.lost >= -TOLERANCE && e.lost.is_finite();
-    let conserves_energy = energy.iter().all(fine) && reciprocity.iter().all(|e| e.is_finite());
-    let reciprocal = reciprocity.iter().all(|e| *e <= RECIPROCAL);
+    let known: Option<Vec<f64>> = reciprocity.iter().copied().collect();
+    let finite = known.as_ref().is_none_or(|known| known.iter().all(|e| e.is_finite()));
+    let conserves_energy = energy.iter().all(fine) && finite;
+    let reciprocal = known.map(|known| known.iter().all(|e| *e <= RECIPROCAL));
     if args.json {
         let answer = Answer {
             asperity: 1,
@@ -110,8 +121,8 @@ fn human(
     model: &Model,
     sides: &[Side],
     energy: &[Energy],
-    reciprocity: &[f64],
-    reciprocal: bool,
+    reciprocity: &[Option<f64>],
+    reciprocal: Option<bool>,
 ) -> String {
     use std::fmt::Write;
     let mut text = String::new();
@@ -126,21 +137,23 @@ fn human(
         for (e, r) in energy.iter().zip(reciprocity).filter(|(e, _)| e.side == name) {
             let _ = writeln!(
                 text,
-                "  {:6.2} deg   {:.5}   {:.5}   {:.5}   {:+.5}  {r:.1e}",
+                "  {:6.2} deg   {:.5}   {:.5}   {:.5}   {:+.5}  {}",
                 e.incidence_deg,
                 e.reflected,
                 e.transmitted,
                 e.reflected + e.transmitted,
-                e.lost
+                e.lost,
+                r.map_or("-".to_owned(), |r| format!("{r:.1e}"))
             );
         }
     }
     let verdict = match (reciprocal, model.method.as_str()) {
-        (true, _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
-        (false, "normals") => {
+        (None, _) => "traced ray by ray: every path is reversible, so the law is reciprocal",
+        (Some(true), _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
+        (Some(false), "normals") => {
             "not reciprocal, by construction: facets are met in proportion to their number"
         }
-        (false, _) => "not reciprocal",
+        (Some(false), _) => "not reciprocal",
     };
     let _ = writeln!(text, "{verdict}");
     text

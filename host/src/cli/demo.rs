@@ -9,7 +9,7 @@ use super::error::Failure;
 use super::fit::{Job, best, noise_floor, record};
 use super::print;
 use super::scan::simulate;
-use crate::fit::{FitOptions, MISFIT_PERCENT, Objective};
+use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
 use crate::forward::{Rays, Sample, Setup};
 use crate::measurement::{Metadata, Quantity, write};
 use crate::method::{GgxMethod, Method, Surface};
@@ -86,6 +86,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         fit_gain: false,
         objective: Objective::Rmsd,
         max_evaluations: 4000,
+        rays: FitRays::default(),
     };
     let job = Job { measurement: &scan, setup, options, max_misfit: MISFIT_PERCENT };
     let noise = noise_floor(&scan);

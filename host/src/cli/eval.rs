@@ -67,6 +67,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 let _ = writeln!(csv, "{kept},{f:e},{ars:e},{pdf:e}");
             }
         }
+    }, traced _t => {
+        return Err(Failure::bad(format!(
+            "{}: a traced boundary has no closed form to evaluate",
+            args.model.display()
+        )));
     });
     let text = if args.json {
         serde_json::to_string_pretty(&rows).map_err(Failure::bad)? + "\n"

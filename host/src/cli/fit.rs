@@ -8,7 +8,7 @@ use super::error::Failure;
 use super::model::LawFlag;
 use super::source::{ReadFlags, SetupFlags};
 use super::{interrupt, print, progress};
-use crate::fit::{Fit, FitError, FitOptions, MISFIT_PERCENT, Objective, Termination, fit};
+use crate::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, Termination, fit};
 use crate::forward::Setup;
 use crate::measurement::{Measurement, noise};
 use crate::method::{Method, Surface};
@@ -148,6 +148,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             fit_gain: args.fit_gain,
             objective: args.objective.into(),
             max_evaluations: args.max_evaluations,
+            rays: FitRays::default(),
         },
         max_misfit: args.max_misfit,
     };

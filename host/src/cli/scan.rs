@@ -9,8 +9,10 @@ use asperity_core::quantity::RelativeIor;
 use super::error::Failure;
 use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture, check_plate};
 use super::{interrupt, print, progress};
-use crate::boundary::{Boundary, with_boundary};
-use crate::forward::{Effort, Plan, Rays, Sample, Setup, monte_carlo, quadrature, solid_angle};
+use crate::boundary::Boundary;
+use crate::forward::{
+    Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan,
+};
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::model::Model;
 use crate::output::AtomicFile;
@@ -60,7 +62,7 @@ pub(super) struct Args {
 }
 
 /// A number of rays, also as 1e6.
-fn parse_rays(text: &str) -> Result<u64, String> {
+pub(super) fn parse_rays(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {
         Ok(x) if (1.0..=1e15).contains(&x) && x.fract().abs() < f64::EPSILON => Ok(x as u64),
         _ => Err("write a whole number of rays from 1 to 1e15".into()),
@@ -179,7 +181,9 @@ pub(super) fn simulate(
     match rays {
         None => {
             let plan = Plan::product(sigmas_deg, &angles);
-            let done = with_boundary!(boundary, b => quadrature(b, setup, &plan, Effort::Full));
+            let (no_rays, stop) = (Rays { count: 1, seed: 0 }, interrupt::flag());
+            let done = simulate_plan(boundary, setup, &plan, Effort::Full, no_rays, stop)
+                .ok_or_else(|| Failure::No("interrupted".into()))?;
             neglected = Some(done.neglected.flux);
             for (k, &sigma) in sigmas_deg.iter().enumerate() {
                 let values = &done.values[k * angles.len()..(k + 1) * angles.len()];
@@ -192,28 +196,15 @@ pub(super) fn simulate(
             let bar = progress::bar(rays.count.saturating_mul(sigmas_deg.len() as u64), "tracing");
             for &sigma in sigmas_deg {
                 let tick = |n| bar.inc(n);
-                let done = with_boundary!(boundary, b =>
-                    monte_carlo(b, setup, sigma, grid, rays, stop, &tick));
-                let Some(done) = done else {
+                let incidence = Incidence { sigma_deg: sigma, theta_deg: angles.clone() };
+                let Some(done) = monte_carlo(boundary, setup, &incidence, rays, stop, &tick) else {
                     interrupted = true;
                     break;
                 };
-                let scale = |theta: f64| match setup.quantity {
-                    Quantity::Flux => 1.0,
-                    Quantity::Bsdf => {
-                        let cosine = theta.to_radians().cos();
-                        if cosine > 1e-9 {
-                            1.0 / (solid_angle(setup.aperture_deg) * cosine)
-                        } else {
-                            0.0
-                        }
-                    }
-                };
-                for ((theta, value), error) in angles.iter().zip(&done.values).zip(&done.std_errors)
-                {
-                    readings.push(reading(sigma, (theta, value * scale(*theta))));
-                    variance += (error * scale(*theta)).powi(2);
-                }
+                readings.extend(
+                    angles.iter().zip(done.values.iter().copied()).map(|r| reading(sigma, r)),
+                );
+                variance += done.std_errors.iter().map(|e| e * e).sum::<f64>();
                 traced = done.rays;
                 outcomes.push((sigma, done.outcome));
             }

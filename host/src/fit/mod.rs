@@ -18,7 +18,7 @@ use std::time::Instant;
 use asperity_core::metric::rmsd_percent;
 
 use crate::boundary::Boundary;
-use crate::forward::{Effort, Neglected, Plan, Setup};
+use crate::forward::{Effort, Neglected, Plan, Rays, Readings, Setup};
 use crate::measurement::Measurement;
 use crate::method::{BuildError, Method, Surface};
 
@@ -38,6 +38,37 @@ pub struct FitOptions {
     pub objective: Objective,
     /// Evaluations of the forward model at most, over both stages.
     pub max_evaluations: u64,
+    /// Rays of a method that traces them.
+    pub rays: FitRays,
+}
+
+/// Rays an incidence in a fit that traces them.
+///
+/// All evaluations of a stage use the same seed, so that they differ by the surface and not by chance;
+/// the final figures are found with another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FitRays {
+    /// In the search for a start.
+    pub draft: u64,
+    /// In the fit.
+    pub fit: u64,
+    /// For the final figures; `None`: as many as bring their noise below [`FitRays::NOISE_PERCENT`].
+    pub last: Option<u64>,
+    /// The seed of the fit; the final figures use the next one.
+    pub seed: u64,
+}
+
+impl FitRays {
+    /// Noise of the final figures in terms of eq. (18), %, that is aimed at.
+    pub const NOISE_PERCENT: f64 = 0.2;
+    /// Rays an incidence that are spent on the aim at most.
+    const MOST: f64 = 1e8;
+}
+
+impl Default for FitRays {
+    fn default() -> Self {
+        Self { draft: 100_000, fit: 1_000_000, last: None, seed: 1 }
+    }
 }
 
 /// Why a fit ended.
@@ -96,6 +127,8 @@ pub struct Fit {
     pub incidences: Vec<IncidenceError>,
     /// Light left out of the internal passes.
     pub neglected: Neglected,
+    /// Noise of the simulated readings in terms of eq. (18), %; `None` if they have none.
+    pub simulation_noise_percent: Option<f64>,
     /// Evaluations of the forward model.
     pub evaluations: u64,
     /// Wall time.
@@ -148,7 +181,7 @@ pub fn fit(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Fit, FitError> {
     let begun = Instant::now();
-    let problem = Problem::new(method, measurement, setup, options);
+    let problem = Problem::new(method, measurement, setup, options, stop);
     if problem.parameters().len() > measurement.readings().len() {
         return Err(FitError::TooFewReadings {
             readings: measurement.readings().len(),
@@ -174,13 +207,17 @@ pub fn fit(
     };
     // A floor lost in the draft lies far down a flat logarithm: its least-squares value is where to look.
     problem.solve_linear(&mut start);
-    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, 5e-6) {
+    // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
+    let tolerance = if problem.is_traced() { 1e-3 } else { 5e-6 };
+    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, tolerance) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
         Err(Stopped) => (search.best_or(start), Termination::Interrupted),
     };
 
-    let readings = problem.simulate(&values, Effort::Full)?;
+    let Some(readings) = last_readings(&problem, &values, measurement, options)? else {
+        return Err(FitError::Interrupted);
+    };
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
     let std_errors = uncertainty::std_errors(&problem, &values, &readings.values);
     let parameters = problem
@@ -208,9 +245,43 @@ pub fn fit(
         objective: (options.objective, problem.cost_of(&readings.values)),
         incidences: verdict::by_incidence(&Plan::of(measurement), &measured, &readings.values),
         neglected: readings.neglected,
+        simulation_noise_percent: noise_percent(&readings, measurement),
         readings: readings.values,
         evaluations: search.evaluations(),
         seconds: begun.elapsed().as_secs_f64(),
         termination,
     })
+}
+
+/// Noise of simulated readings in terms of eq. (18), %.
+fn noise_percent(readings: &Readings, measurement: &Measurement) -> Option<f64> {
+    let errors = readings.std_errors.as_ref()?;
+    let mean_square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64;
+    Some(100.0 * mean_square.sqrt() / measurement.largest_reading())
+}
+
+/// The readings that the result is judged by: of a traced boundary from rays the fit has not seen.
+///
+/// `None` if stopped before there were any.
+fn last_readings(
+    problem: &Problem<'_>,
+    values: &[f64],
+    measurement: &Measurement,
+    options: &FitOptions,
+) -> Result<Option<Readings>, BuildError> {
+    if !problem.is_traced() {
+        return problem.simulate(values, Effort::Full);
+    }
+    let seed = options.rays.seed.wrapping_add(1);
+    let with = |count| problem.simulate_with(values, Effort::Full, Rays { count, seed });
+    if let Some(count) = options.rays.last {
+        return with(count);
+    }
+    let Some(first) = with(options.rays.fit)? else { return Ok(None) };
+    let excess = noise_percent(&first, measurement).unwrap_or(0.0) / FitRays::NOISE_PERCENT;
+    if excess <= 1.0 {
+        return Ok(Some(first));
+    }
+    let count = (options.rays.fit as f64 * excess * excess).min(FitRays::MOST) as u64;
+    Ok(with(count)?.or(Some(first)))
 }

@@ -1,10 +1,11 @@
 //! The fit as a function of numbers: from values to readings to one cost.
 
 use std::borrow::Cow;
+use std::sync::atomic::AtomicBool;
 
-use crate::boundary::{Boundary, with_boundary};
+use crate::boundary::Boundary;
 use crate::fit::{FitOptions, Objective};
-use crate::forward::{Effort, Plan, Readings, Sample, Setup, quadrature};
+use crate::forward::{Effort, Plan, Rays, Readings, Sample, Setup, simulate};
 use crate::measurement::Measurement;
 use crate::method::{BuildError, Method, Parameter, Scale, Surface};
 
@@ -12,6 +13,7 @@ use crate::method::{BuildError, Method, Parameter, Scale, Surface};
 pub(super) struct Problem<'a> {
     method: &'a dyn Method,
     options: &'a FitOptions,
+    stop: &'a AtomicBool,
     setup: Setup,
     plan: Plan,
     measured: Cow<'a, [f64]>,
@@ -33,6 +35,7 @@ impl<'a> Problem<'a> {
         measurement: &Measurement,
         setup: &Setup,
         options: &'a FitOptions,
+        stop: &'a AtomicBool,
     ) -> Self {
         let mut parameters = method.parameters().to_vec();
         if options.fit_ior && options.surface != Surface::Opaque {
@@ -44,6 +47,7 @@ impl<'a> Problem<'a> {
         Self {
             method,
             options,
+            stop,
             setup: *setup,
             plan: Plan::of(measurement),
             measured: measurement.readings().iter().map(|r| r.value).collect(),
@@ -52,8 +56,19 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The same with fewer readings: evenly thinned, each incidence's largest kept.
+    /// Whether the forward model is a Monte Carlo simulation.
+    pub(super) fn is_traced(&self) -> bool {
+        self.method.is_traced()
+    }
+
+    /// The same with fewer readings: evenly thinned, each incidence's largest kept. A simulation that traces rays
+    /// gets all readings from the same rays: there it keeps them all.
     pub(super) fn thinned(&self) -> Self {
+        if self.is_traced() {
+            let measured = self.measured.to_vec().into();
+            let (plan, parameters) = (self.plan.clone(), self.parameters.clone());
+            return Self { plan, measured, parameters, ..*self };
+        }
         let mut plan = Plan::default();
         let mut measured = Vec::new();
         let mut from = 0;
@@ -127,8 +142,26 @@ impl<'a> Problem<'a> {
         Ok((self.method.boundary(own, surface)?, surface))
     }
 
-    /// Readings for values.
-    pub(super) fn simulate(&self, values: &[f64], effort: Effort) -> Result<Readings, BuildError> {
+    /// Readings for values; `None` if the user stopped them.
+    pub(super) fn simulate(
+        &self,
+        values: &[f64],
+        effort: Effort,
+    ) -> Result<Option<Readings>, BuildError> {
+        let count = match effort {
+            Effort::Draft => self.options.rays.draft,
+            Effort::Full => self.options.rays.fit,
+        };
+        self.simulate_with(values, effort, Rays { count, seed: self.options.rays.seed })
+    }
+
+    /// The same with a given number and seed of rays.
+    pub(super) fn simulate_with(
+        &self,
+        values: &[f64],
+        effort: Effort,
+        rays: Rays,
+    ) -> Result<Option<Readings>, BuildError> {
         let (boundary, surface) = self.boundary(values)?;
         let mut setup = self.setup;
         if let (Sample::Plate { eta, .. }, Surface::Dielectric { .. }) =
@@ -136,13 +169,14 @@ impl<'a> Problem<'a> {
         {
             *eta = surface.eta()?;
         }
-        let mut readings =
-            with_boundary!(&boundary, b => quadrature(b, &setup, &self.plan, effort));
+        let done = simulate(&boundary, &setup, &self.plan, effort, rays, self.stop);
+        let Some(mut readings) = done else { return Ok(None) };
         if let Some(gain) = self.named(values, "gain") {
             readings.values.iter_mut().for_each(|r| *r *= gain);
             readings.neglected.reading *= gain;
+            readings.std_errors.iter_mut().flatten().for_each(|e| *e *= gain);
         }
-        Ok(readings)
+        Ok(Some(readings))
     }
 
     /// The objective for simulated readings; not finite if any of them is not.
@@ -190,13 +224,13 @@ impl<'a> Problem<'a> {
             if let Some(l) = lambert {
                 probe[l] = lambert_value;
             }
-            self.simulate(&probe, Effort::Draft).map(|r| r.values)
+            self.simulate(&probe, Effort::Draft).ok().flatten().map(|r| r.values)
         };
-        let Ok(a) = readings(1.0, 0.0) else { return };
+        let Some(a) = readings(1.0, 0.0) else { return };
         let b = match lambert {
             Some(_) => match readings(0.0, 1.0) {
-                Ok(b) => b,
-                Err(_) => return,
+                Some(b) => b,
+                None => return,
             },
             None => vec![0.0; a.len()],
         };

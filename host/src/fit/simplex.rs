@@ -158,6 +158,8 @@ impl CostFunction for Target<'_, '_> {
         let cost = self
             .problem
             .simulate(&values, self.effort)
+            .ok()
+            .flatten()
             .map_or(IMPOSSIBLE, |r| self.problem.cost_of(&r.values));
         // NaN compares false: it becomes impossible too.
         let cost = if cost < IMPOSSIBLE { cost } else { IMPOSSIBLE };

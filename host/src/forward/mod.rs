@@ -7,10 +7,14 @@ mod optics;
 mod aperture;
 mod internal;
 mod quadrature;
+mod rays;
 mod monte_carlo;
+mod simulate;
 
-pub use monte_carlo::{MonteCarlo, Rays, monte_carlo};
+pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
+pub use rays::Rays;
+pub use simulate::simulate;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;

@@ -1,30 +1,22 @@
-//! Readings by Monte Carlo: the independent twin of the quadrature, with its own error.
+//! Readings by Monte Carlo, with their own error: the only way for boundaries that cannot be
+//! evaluated, and the independent twin of the quadrature for those that can.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_core::bsdf::Scatter;
-use asperity_core::direction::Side;
-use asperity_core::gonio::{AngleGrid, Geometry, Goniophotometer, incidence};
-use asperity_core::math::Real;
+use asperity_core::direction::{Direction, Side};
+use asperity_core::gonio::{Goniophotometer, incidence};
 use asperity_core::plate::{Outcome, Plate};
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use super::{Sample, Setup};
-
-/// How many rays, from which seed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rays {
-    /// Rays an incidence; rounded up to whole batches.
-    pub count: u64,
-    /// The seed; every batch has a stream of its own.
-    pub seed: u64,
-}
+use super::rays::{Rays, Tiles};
+use super::{Incidence, Sample, Setup, solid_angle};
+use crate::measurement::Quantity;
 
 /// Readings of one incidence with their statistical error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonteCarlo {
-    /// Readings on the grid.
+    /// One reading an angle of observation.
     pub values: Vec<f64>,
     /// Standard error of each.
     pub std_errors: Vec<f64>,
@@ -34,130 +26,187 @@ pub struct MonteCarlo {
     pub rays: u64,
 }
 
-/// Smallest number of batches: the error is estimated from their scatter.
-const LEAST_BATCHES: u64 = 64;
-/// Largest batch.
-const MOST_RAYS: u64 = 1 << 16;
+/// Tiles that are in memory at once.
+const GROUP: u64 = 64;
 
-/// Simulates one incidence of a scan in relative flux.
+/// Simulates one incidence of a scan.
 ///
-/// The same bits for any number of threads: batches are fixed, seeded each, and summed in order.
+/// The same bits for any number of threads: tiles are fixed, seeded each, and summed in order.
 /// `None` if `stop` was set before the end. `progress` is called with the rays done since the last call.
+/// The aperture of the setup must be larger than 0, or no ray is received.
+///
+/// Errors are found from the differences of neighbouring rays; they are a little too large, for
+/// neighbours start in different places.
 pub fn monte_carlo<S: Scatter<f64> + Sync>(
     boundary: &S,
     setup: &Setup,
-    sigma_deg: f64,
-    grid: &AngleGrid<f64>,
+    angles: &Incidence,
     rays: Rays,
     stop: &AtomicBool,
-    progress: &(impl Fn(u64) + Sync),
+    progress: &(impl Fn(u64) + Sync + ?Sized),
 ) -> Option<MonteCarlo> {
-    let per_batch = (rays.count / LEAST_BATCHES).clamp(1, MOST_RAYS);
-    let batches = rays.count.div_ceil(per_batch).max(2);
-    let gonio = Goniophotometer { aperture_deg: setup.aperture_deg, geometry: setup.geometry };
-    let one = |batch: u64| {
-        let mut generator = stream(rays.seed, sigma_deg, batch);
-        let mut readings = vec![0.0; grid.count];
-        let count = per_batch as u32;
-        let outcome = match setup.sample {
-            Sample::Plate { eta, rough_side } => {
-                let plate = Plate::new(Borrowed(boundary), eta, rough_side);
-                gonio.simulate(&plate, sigma_deg, grid, count, &mut generator, &mut readings)
-            }
-            Sample::Opaque => {
-                opaque(boundary, &gonio, sigma_deg, grid, count, &mut generator, &mut readings)
-            }
-        };
-        progress(per_batch);
-        (readings, outcome)
+    let tiles = rays.tiles(angles.sigma_deg);
+    let one = |number: u64| {
+        let done = Tile::trace(boundary, setup, angles, tiles, number);
+        progress(u64::from(tiles.rays_each()));
+        done
     };
-    let mut sum = vec![0.0; grid.count];
-    let mut squares = vec![0.0; grid.count];
-    let mut total = Outcome { reflected: 0.0, transmitted: 0.0, lost: 0.0 };
+    let mut sum = Tile::new(angles.theta_deg.len());
     let mut from = 0;
-    while from < batches {
+    while from < tiles.count() {
         // A group at a time bounds the memory; the order of the sums does not depend on it.
-        let to = (from + 32).min(batches);
+        let to = (from + GROUP).min(tiles.count());
         let group: Vec<_> = (from..to).into_par_iter().map(one).collect();
-        for (readings, outcome) in group {
-            for ((s, q), r) in sum.iter_mut().zip(&mut squares).zip(readings) {
-                *s += r;
-                *q += r * r;
-            }
-            total.reflected += outcome.reflected;
-            total.transmitted += outcome.transmitted;
-            total.lost += outcome.lost;
+        for tile in group {
+            sum.add(&tile);
         }
         if stop.load(Ordering::Relaxed) {
             return None;
         }
         from = to;
     }
-    let n = batches as f64;
-    let error = |(s, q): (&f64, &f64)| ((q - s * s / n).max(0.0) / (n * (n - 1.0))).sqrt();
-    let std_errors = sum.iter().zip(&squares).map(error).collect();
+    let traced = tiles.count() * u64::from(tiles.rays_each());
+    let n = traced as f64;
+    let scaled = |(value, theta): (f64, &f64)| value * scale(setup, *theta);
+    let theta = &angles.theta_deg;
     Some(MonteCarlo {
-        values: sum.iter().map(|s| s / n).collect(),
-        std_errors,
+        values: sum.flux.iter().map(|s| s / n).zip(theta).map(scaled).collect(),
+        std_errors: sum.variance.iter().map(|v| v.sqrt() / n).zip(theta).map(scaled).collect(),
         outcome: Outcome {
-            reflected: total.reflected / n,
-            transmitted: total.transmitted / n,
-            lost: total.lost / n,
+            reflected: sum.outcome.reflected / n,
+            transmitted: sum.outcome.transmitted / n,
+            lost: sum.outcome.lost / n,
         },
-        rays: batches * per_batch,
+        rays: traced,
     })
 }
 
-/// A boundary by reference, as part of a plate.
-struct Borrowed<'a, S>(&'a S);
+/// Where the flux of a beam from `wi` goes at a single boundary, averaged over rays.
+pub fn count_flux<S: Scatter<f64> + Sync>(
+    boundary: &S,
+    wi: Direction<f64>,
+    rays: Rays,
+) -> Outcome<f64> {
+    let tiles = rays.tiles(wi.z());
+    let one = |number: u64| {
+        let mut sum = [0.0; 2];
+        for k in 0..tiles.rays_each() {
+            let mut uniforms = tiles.ray(number, k);
+            if let Some(ray) = boundary.sample(wi, &mut || uniforms.next()) {
+                let stays = ray.wo.side() == wi.side();
+                sum[usize::from(!stays)] += ray.weight;
+            }
+        }
+        sum
+    };
+    let tiled: Vec<[f64; 2]> = (0..tiles.count()).into_par_iter().map(one).collect();
+    let total = tiled.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    let n = tiles.count() as f64 * f64::from(tiles.rays_each());
+    let [reflected, transmitted] = total.map(|t| t / n);
+    Outcome { reflected, transmitted, lost: (n - total[0] - total[1]) / n }
+}
 
-impl<S: Scatter<f64>> Scatter<f64> for Borrowed<'_, S> {
-    fn sample(
-        &self,
-        wi: asperity_core::direction::Direction<f64>,
-        uniform: &mut impl FnMut() -> f64,
-    ) -> Option<asperity_core::bsdf::Scattered<f64>> {
-        self.0.sample(wi, uniform)
+/// From relative flux in the aperture to what the setup reads; 0 where the cosine vanishes.
+fn scale(setup: &Setup, theta_deg: f64) -> f64 {
+    match setup.quantity {
+        Quantity::Flux => 1.0,
+        Quantity::Bsdf => {
+            let cosine = theta_deg.to_radians().cos();
+            if cosine > 1e-9 { 1.0 / (solid_angle(setup.aperture_deg) * cosine) } else { 0.0 }
+        }
+    }
+}
+
+/// What a tile of rays of unit flux gave, summed.
+struct Tile {
+    /// Flux received at each angle.
+    flux: Vec<f64>,
+    /// Squares of the differences of neighbouring rays.
+    variance: Vec<f64>,
+    outcome: Outcome<f64>,
+}
+
+impl Tile {
+    fn new(count: usize) -> Self {
+        let outcome = Outcome { reflected: 0.0, transmitted: 0.0, lost: 0.0 };
+        Self { flux: vec![0.0; count], variance: vec![0.0; count], outcome }
+    }
+
+    fn add(&mut self, other: &Self) {
+        let add = |to: &mut [f64], from: &[f64]| {
+            for (a, b) in to.iter_mut().zip(from) {
+                *a += b;
+            }
+        };
+        add(&mut self.flux, &other.flux);
+        add(&mut self.variance, &other.variance);
+        self.count(other.outcome);
+    }
+
+    fn count(&mut self, one: Outcome<f64>) {
+        self.outcome.reflected += one.reflected;
+        self.outcome.transmitted += one.transmitted;
+        self.outcome.lost += one.lost;
+    }
+
+    fn trace<S: Scatter<f64>>(
+        boundary: &S,
+        setup: &Setup,
+        angles: &Incidence,
+        tiles: Tiles,
+        number: u64,
+    ) -> Self {
+        let gonio = Goniophotometer { aperture_deg: setup.aperture_deg, geometry: setup.geometry };
+        let (cone, theta) = (gonio.cone(), &angles.theta_deg[..]);
+        let wi = incidence(angles.sigma_deg.to_radians());
+        let mut tile = Self::new(theta.len());
+        // what a pair of neighbours gave: the difference at every angle one of them reached
+        let mut pair: Vec<(usize, f64)> = Vec::new();
+        for k in 0..tiles.rays_each() {
+            let mut uniforms = tiles.ray(number, k);
+            let mut uniform = || uniforms.next();
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let mut receive = |wo: Direction<f64>, flux: f64| {
+                let Some((from, to)) = cone.angles(wo) else { return };
+                let first = theta.partition_point(|t| *t < from);
+                for (at, _) in theta.iter().enumerate().skip(first).take_while(|(_, t)| **t <= to) {
+                    tile.flux[at] += flux;
+                    match pair.iter_mut().find(|entry| entry.0 == at) {
+                        Some(entry) => entry.1 += sign * flux,
+                        None => pair.push((at, sign * flux)),
+                    }
+                }
+            };
+            let one = match setup.sample {
+                Sample::Plate { eta, rough_side } => {
+                    Plate::new(boundary, eta, rough_side).trace(wi, &mut uniform, &mut receive)
+                }
+                Sample::Opaque => opaque(boundary, wi, &mut uniform, &mut receive),
+            };
+            tile.count(one);
+            if k % 2 == 1 {
+                for (at, difference) in pair.drain(..) {
+                    tile.variance[at] += difference * difference;
+                }
+            }
+        }
+        tile
     }
 }
 
 /// One reflection, no inside.
 fn opaque<S: Scatter<f64>>(
     boundary: &S,
-    gonio: &Goniophotometer<f64>,
-    sigma_deg: f64,
-    grid: &AngleGrid<f64>,
-    rays: u32,
-    generator: &mut Pcg64Mcg,
-    readings: &mut [f64],
+    wi: Direction<f64>,
+    uniform: &mut impl FnMut() -> f64,
+    exit: &mut impl FnMut(Direction<f64>, f64),
 ) -> Outcome<f64> {
-    let wi = incidence(sigma_deg.to_radians());
-    let weight = 1.0 / f64::from(rays);
     let mut reflected = 0.0;
-    for _ in 0..rays {
-        let Some(ray) = boundary.sample(wi, &mut || f64::uniform(generator)) else { continue };
-        if gonio.geometry != Geometry::Reflection || ray.wo.side() != Some(Side::Air) {
-            continue;
-        }
-        reflected += ray.weight * weight;
-        gonio.receive(grid, ray.wo, &mut |range| {
-            for reading in readings.get_mut(range).unwrap_or_default() {
-                *reading += ray.weight * weight;
-            }
-        });
+    if let Some(ray) = boundary.sample(wi, uniform)
+        && ray.wo.side() == Some(Side::Air)
+    {
+        exit(ray.wo, ray.weight);
+        reflected = ray.weight;
     }
     Outcome { reflected, transmitted: 0.0, lost: 1.0 - reflected }
-}
-
-/// The generator of a batch: seed, incidence and batch number, each avalanched in turn.
-fn stream(seed: u64, sigma_deg: f64, batch: u64) -> Pcg64Mcg {
-    let mix = |state: u64, word: u64| {
-        let mut z = (state ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    };
-    let a = mix(mix(mix(0, seed), sigma_deg.to_bits()), batch);
-    let b = mix(a, 1);
-    Pcg64Mcg::new((u128::from(a) << 64) | u128::from(b))
 }

@@ -29,6 +29,8 @@ pub struct Readings {
     pub values: Vec<f64>,
     /// Light that was left inside the plate where the internal passes were cut off.
     pub neglected: Neglected,
+    /// Standard errors of the readings, if they are from Monte Carlo.
+    pub std_errors: Option<Vec<f64>>,
 }
 
 /// What the cut-off of the internal passes leaves out; the largest over the incidences.
@@ -65,6 +67,7 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
     Readings {
         neglected: parts.iter().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
         values: parts.into_iter().flat_map(|p| p.0).collect(),
+        std_errors: None,
     }
 }
 

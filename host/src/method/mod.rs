@@ -90,6 +90,10 @@ pub trait Method: Send + Sync {
     fn law(&self) -> Option<&'static str> {
         None
     }
+    /// Whether its boundaries are traced: simulated by Monte Carlo, with its noise.
+    fn is_traced(&self) -> bool {
+        false
+    }
 }
 
 /// Checks a GGX width.

@@ -1,18 +1,20 @@
 //! A rough boundary whose scatter is traced: refraction and reflection at every facet, all bounces.
 
+use std::sync::Arc;
+
 use asperity_core::bsdf::{Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::fresnel;
 use asperity_core::quantity::RelativeIor;
 
-use super::intersect::Fate;
-use super::{Field, Ray};
+use super::{Fate, Field, Mirrored, Ray};
+use crate::surface::Edges;
 
 /// A height field between air (above) and a dielectric (below).
 #[derive(Clone, Debug)]
-pub struct TracedBoundary<'a> {
+pub struct TracedBoundary {
     /// The surface.
-    pub field: &'a Field,
+    pub field: Arc<Field>,
     /// Index of the dielectric over that of air.
     pub eta: RelativeIor<f64>,
 }
@@ -20,39 +22,84 @@ pub struct TracedBoundary<'a> {
 /// Bounces after which a ray is given up.
 const MOST_BOUNCES: u32 = 1000;
 
-impl Scatter<f64> for TracedBoundary<'_> {
+/// A direction as it looks in a mirrored image.
+#[inline(always)]
+fn mirror(d: Direction<f32>, [x, y]: Mirrored) -> Direction<f32> {
+    let [dx, dy, dz] = d.xyz();
+    Direction::from_unit(if x { -dx } else { dx }, if y { -dy } else { dy }, dz)
+}
+
+impl TracedBoundary {
+    /// A ray on its way to the surface, and whether it begins in a mirror image of the map.
+    ///
+    /// A beam is uniform over every plane. On a periodic map the ray starts anywhere on the plane through the
+    /// highest point (from below: the lowest). On a finite one it aims at a point of the middle plane
+    /// so far from the edge that the heights do not reach over it, as far as there is room.
+    #[inline(always)]
+    fn start(&self, travel: Direction<f32>, above: bool, u: [f64; 2]) -> (Ray, Mirrored) {
+        let field = &*self.field;
+        let height = if above { field.highest } else { field.lowest };
+        let [dx, dy, dz] = travel.xyz();
+        let mut mirrored = [false; 2];
+        let mut place = [0.0_f32; 2];
+        let back = f64::from(height / dz);
+        for (k, d) in [dx, dy / field.aspect].into_iter().enumerate() {
+            let n = f64::from(field.cells[k]);
+            let mut x = match field.edges {
+                Edges::Periodic => n * u[k],
+                Edges::Mirrored => {
+                    let reach = back * f64::from(d);
+                    let margin = reach.abs().min(0.25 * n);
+                    margin + (n - 2.0 * margin) * u[k] + reach
+                }
+            };
+            if !(0.0..=n).contains(&x) {
+                // its place in the tiling of images
+                x = x.rem_euclid(2.0 * n);
+                mirrored[k] = x > n;
+                x = if mirrored[k] { 2.0 * n - x } else { x };
+            }
+            place[k] = x as f32;
+        }
+        let direction = mirror(travel, mirrored).xyz();
+        (Ray { origin: [place[0], place[1], height], direction, above, from: None }, mirrored)
+    }
+}
+
+impl Scatter<f64> for TracedBoundary {
     /// Takes two uniforms for the place on the map and one for each bounce.
     fn sample(
         &self,
         wi: Direction<f64>,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
-        let (nx, ny) = self.field.size();
         let mut above = wi.side()? == Side::Air;
-        let start = if above { self.field.highest } else { self.field.lowest };
-        let inside =
-            |u: f64, n: usize| ((u * n as f64) as f32).min(n as f32 * (1.0 - f32::EPSILON));
-        let place = [inside(uniform(), nx), inside(uniform(), ny)];
-        let mut ray = Ray {
-            origin: [place[0], place[1], start],
-            direction: wi.opposite().xyz().map(|c| c as f32),
-            above,
-            from: None,
-        };
-        let mut travel = wi.opposite();
-        let n = self.eta.get();
+        let [x, y, z] = wi.xyz().map(|c| -c as f32);
+        let mut travel = Direction::<f32>::new(x, y, z)?;
+        travel.side()?;
+        let n = self.eta.get() as f32;
+        let u = [uniform(), uniform()];
+        let (mut ray, mut mirrored) = self.start(travel, above, u);
+        travel = mirror(travel, mirrored);
         for _ in 0..MOST_BOUNCES {
             match self.field.follow(&ray) {
-                Fate::Escapes => return Some(Scattered { wo: travel, weight: 1.0 }),
+                Fate::Escapes => {
+                    let [x, y, z] = mirror(travel, mirrored).xyz().map(f64::from);
+                    return Some(Scattered { wo: Direction::new(x, y, z)?, weight: 1.0 });
+                }
                 Fate::Lost => return None,
                 Fate::Hits(hit) => {
-                    let [x, y, z] = hit.normal.map(f64::from);
-                    let m = Direction::new(x, y, z)?;
-                    let from = travel.opposite();
+                    let [mx, my, mz] = hit.normal();
+                    let m = Direction::from_unit(mx, my, mz);
+                    mirrored = [mirrored[0] ^ hit.mirrored[0], mirrored[1] ^ hit.mirrored[1]];
+                    let from = mirror(travel, hit.mirrored).opposite();
                     let relative = if above { n } else { 1.0 / n };
                     let f = fresnel::dielectric(from.dot(m).abs(), relative);
-                    let refracted =
-                        if uniform() < f.reflected { None } else { from.refract(m, relative) };
+                    let refracted = if uniform() < f64::from(f.reflected) {
+                        None
+                    } else {
+                        from.refract(m, relative)
+                    };
                     match refracted {
                         Some(through) => {
                             travel = through;
@@ -62,7 +109,7 @@ impl Scatter<f64> for TracedBoundary<'_> {
                     }
                     ray = Ray {
                         origin: hit.point,
-                        direction: travel.xyz().map(|c| c as f32),
+                        direction: travel.xyz(),
                         above,
                         from: Some(hit.triangle),
                     };

@@ -1,0 +1,36 @@
+//! One entrance to both engines: quadrature where the boundary can be evaluated, else Monte Carlo.
+
+use std::sync::atomic::AtomicBool;
+
+use super::quadrature::Neglected;
+use super::{Effort, Plan, Rays, Readings, Setup, monte_carlo, quadrature};
+use crate::boundary::{Boundary, with_boundary};
+
+/// Simulates a scan; `rays` are for a boundary that must be traced.
+///
+/// `None` if `stop` was set before the end of a Monte Carlo simulation. Rays of the same seed are the
+/// same for every boundary: what two simulations differ by is the surface, not chance.
+pub fn simulate(
+    boundary: &Boundary,
+    setup: &Setup,
+    plan: &Plan,
+    effort: Effort,
+    rays: Rays,
+    stop: &AtomicBool,
+) -> Option<Readings> {
+    with_boundary!(boundary,
+    b => Some(quadrature(b, setup, plan, effort)),
+    traced t => {
+        let (mut values, mut std_errors) = (Vec::new(), Vec::new());
+        for angles in &plan.incidences {
+            let done = monte_carlo(t, setup, angles, rays, stop, &|_| ())?;
+            values.extend(done.values);
+            std_errors.extend(done.std_errors);
+        }
+        Some(Readings {
+            values,
+            neglected: Neglected::default(),
+            std_errors: Some(std_errors),
+        })
+    })
+}
