@@ -17,9 +17,9 @@ pub struct Field {
     pub(super) aspect: f32,
     /// Heights of the nodes, row by row, one more than cells both ways.
     heights: Vec<f32>,
-    /// Lowest and highest node of every block, level by level.
-    bounds: Vec<[f32; 2]>,
-    /// Where each level begins in `bounds`, and how many blocks it has in a row.
+    /// Slabs of all blocks, level by level.
+    slabs: Vec<Slab>,
+    /// Where each level begins in `slabs`, and how many blocks it has in a row.
     levels: Vec<[usize; 2]>,
     /// Bounds of all heights.
     pub(super) lowest: f32,
@@ -28,6 +28,21 @@ pub struct Field {
     pub(super) steepest: f32,
     /// Pitch along x, um.
     pitch_um: f64,
+}
+
+/// All nodes of a block lie between two parallel planes.
+///
+/// On a surface that is smooth on the scale of the block they are far nearer to each other than its lowest
+/// and highest node are, so that a ray knows almost where it will meet the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slab {
+    /// Height of the plane at the block's first node.
+    pub(super) base: f32,
+    /// Its rise a cell along x and along y.
+    pub(super) slope: [f32; 2],
+    /// How far the nodes lie above it, at least and at most, with a margin for rounding.
+    pub(super) low: f32,
+    pub(super) high: f32,
 }
 
 /// Why a map cannot be traced.
@@ -92,7 +107,7 @@ impl Field {
             lowest: heights.iter().copied().fold(f32::INFINITY, f32::min),
             highest: heights.iter().copied().fold(f32::NEG_INFINITY, f32::max),
             heights,
-            bounds: Vec::new(),
+            slabs: Vec::new(),
             levels: Vec::new(),
             steepest: 0.0,
             pitch_um,
@@ -119,7 +134,7 @@ impl Field {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.heights.len() * size_of::<f32>() + self.bounds.len() * size_of::<[f32; 2]>()
+        self.heights.len() * size_of::<f32>() + self.slabs.len() * size_of::<Slab>()
     }
 
     /// Levels of the pyramid, at least 1.
@@ -128,11 +143,11 @@ impl Field {
         self.levels.len() as u32
     }
 
-    /// Lowest and highest node of a block; `level` 0 has the smallest blocks.
+    /// The slab of a block; `level` 0 has the smallest blocks.
     #[inline(always)]
-    pub(super) fn block_bounds(&self, level: u32, x: i32, y: i32) -> [f32; 2] {
+    pub(super) fn slab(&self, level: u32, x: i32, y: i32) -> Slab {
         let [start, width] = self.levels[level as usize];
-        self.bounds[start + y as usize * width + x as usize]
+        self.slabs[start + y as usize * width + x as usize]
     }
 
     /// Heights of a cell's nodes: (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1).
@@ -147,37 +162,76 @@ impl Field {
 
     fn build_levels(&mut self) {
         let [cx, cy] = self.cells.map(|c| c as usize);
-        let stride = cx + 1;
-        let join = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        let nothing = [f32::INFINITY, f32::NEG_INFINITY];
-        let side = 1_usize << SMALLEST;
+        let mut side = 1_usize << SMALLEST;
         let (mut nx, mut ny) = (cx.div_ceil(side), cy.div_ceil(side));
+        let block = |x: usize, y: usize, side: usize| Block {
+            first: [x * side, y * side],
+            last: [((x + 1) * side).min(cx), ((y + 1) * side).min(cy)],
+        };
         for y in 0..ny {
             for x in 0..nx {
-                let (x1, y1) = (((x + 1) * side).min(cx), ((y + 1) * side).min(cy));
-                let block = (y * side..=y1)
-                    .flat_map(|row| &self.heights[row * stride + x * side..=row * stride + x1])
-                    .fold(nothing, |b, &h| join(b, [h, h]));
-                self.bounds.push(block);
+                self.slabs.push(self.smallest_slab(block(x, y, side)));
             }
         }
         self.levels.push([0, nx]);
         let mut from = 0;
         while nx > 1 || ny > 1 {
-            let (fine_nx, fine_ny, start) = (nx, ny, self.bounds.len());
-            (nx, ny) = (nx.div_ceil(2), ny.div_ceil(2));
+            let (fine_nx, fine_ny, half, start) = (nx, ny, side, self.slabs.len());
+            (nx, ny, side) = (nx.div_ceil(2), ny.div_ceil(2), side * 2);
             for y in 0..ny {
                 for x in 0..nx {
-                    let (x1, y1) = ((2 * x + 2).min(fine_nx), (2 * y + 2).min(fine_ny));
-                    let block = (2 * y..y1)
-                        .flat_map(|row| &self.bounds[from + row * fine_nx..][2 * x..x1])
-                        .fold(nothing, |b, &f| join(b, f));
-                    self.bounds.push(block);
+                    let whole = block(x, y, side);
+                    let mut slab = self.plane(whole);
+                    for fy in 2 * y..(2 * y + 2).min(fine_ny) {
+                        for fx in 2 * x..(2 * x + 2).min(fine_nx) {
+                            let part = self.slabs[from + fy * fine_nx + fx];
+                            slab.include(part, whole, block(fx, fy, half));
+                        }
+                    }
+                    self.slabs.push(self.widened(slab, whole));
                 }
             }
             self.levels.push([start, nx]);
             from = start;
         }
+    }
+
+    /// The plane through a block's corners, as a slab of nothing.
+    fn plane(&self, block: Block) -> Slab {
+        let stride = self.cells[0] as usize + 1;
+        let node = |x: usize, y: usize| self.heights[y * stride + x];
+        let ([x0, y0], [x1, y1]) = (block.first, block.last);
+        let [w, d] = block.size();
+        let [a, b, c, e] = [node(x0, y0), node(x1, y0), node(x0, y1), node(x1, y1)];
+        let slope = [0.5 * (b + e - a - c) / w, 0.5 * (c + e - a - b) / d];
+        let base = 0.25 * (a + b + c + e) - 0.5 * (slope[0] * w + slope[1] * d);
+        Slab { base, slope, low: f32::INFINITY, high: f32::NEG_INFINITY }
+    }
+
+    fn smallest_slab(&self, block: Block) -> Slab {
+        let stride = self.cells[0] as usize + 1;
+        let mut slab = self.plane(block);
+        let [gx, gy] = slab.slope;
+        let ([x0, y0], [x1, y1]) = (block.first, block.last);
+        for y in y0..=y1 {
+            let row = slab.base + gy * (y - y0) as f32;
+            for x in x0..=x1 {
+                let residual = self.heights[y * stride + x] - row - gx * (x - x0) as f32;
+                slab.low = slab.low.min(residual);
+                slab.high = slab.high.max(residual);
+            }
+        }
+        self.widened(slab, block)
+    }
+
+    /// Made thicker by what rounding may do to heights and places.
+    fn widened(&self, slab: Slab, block: Block) -> Slab {
+        let most = self.lowest.abs().max(self.highest.abs());
+        let [gx, gy] = slab.slope.map(f32::abs);
+        let [w, d] = block.size();
+        let across = (w + self.cells[0] as f32) * gx + (d + self.cells[1] as f32) * gy;
+        let margin = 1e-4 * (slab.high - slab.low) + 4e-7 * (most + across);
+        Slab { low: slab.low - margin, high: slab.high + margin, ..slab }
     }
 
     fn find_steepest(&mut self) {
@@ -196,5 +250,31 @@ impl Field {
         }
         // a little more, for the rounding of heights
         self.steepest = most.sqrt() * 1.0001;
+    }
+}
+/// A block of cells by its first and its last node.
+#[derive(Clone, Copy)]
+struct Block {
+    first: [usize; 2],
+    last: [usize; 2],
+}
+
+impl Block {
+    fn size(self) -> [f32; 2] {
+        [0, 1].map(|k| (self.last[k] - self.first[k]) as f32)
+    }
+}
+
+impl Slab {
+    /// Widens the slab of a whole block to hold that of a part of it.
+    fn include(&mut self, part: Self, whole: Block, block: Block) {
+        let away = [0, 1].map(|k| (block.first[k] - whole.first[k]) as f32);
+        let [gx, gy] = self.slope;
+        let base = part.base - self.base - gx * away[0] - gy * away[1];
+        // the two planes draw apart linearly: the corners tell all
+        let [w, d] = block.size();
+        let (dx, dy) = ((part.slope[0] - gx) * w, (part.slope[1] - gy) * d);
+        self.low = self.low.min(base + dx.min(0.0) + dy.min(0.0) + part.low);
+        self.high = self.high.max(base + dx.max(0.0) + dy.max(0.0) + part.high);
     }
 }

@@ -4,9 +4,9 @@
 //! triangle the height of the ray over the surface is linear along the ray, so it crosses where that height
 //! falls and has changed its sign at the far end. Only far ends decide: a start that rounding put on
 //! the wrong side cannot hide a crossing, an edge between two triangles cannot let a ray through, and
-//! the triangle a ray leaves is not asked. Blocks of the pyramid that the ray passes entirely on its
-//! own side are skipped whole; the larger, the longer it has met nothing; within the smallest it goes
-//! from cell to cell. Which way it goes on is computed without branches, for no branch predictor can
+//! the triangle a ray leaves is not asked. Blocks of the pyramid whose slab the ray passes on its own side
+//! are skipped whole; the larger, the longer it has met nothing; within the smallest it goes
+//! from cell to cell, beginning where it enters the slab. Which way it goes on is computed without branches, for no branch predictor can
 //! know it.
 
 use multiversion::multiversion;
@@ -166,16 +166,24 @@ impl<'a, const ABOVE: bool> Walk<'a, ABOVE> {
             let tx = (edge_x as f32 - self.o[0]) * self.inverse[0];
             let ty = (edge_y as f32 - self.o[1]) * self.inverse[1];
             let out = tx.min(ty).min(self.passed).max(self.t);
-            let low = self.o[2] + self.d[2] * if self.d[2] < 0.0 { out } else { self.t };
-            let [b0, b1] = self.field.block_bounds(self.level, bx, by);
-            let peak = if ABOVE { b1 } else { -b0 };
-            if low <= peak {
-                self.descend_to(peak, out, block);
+            let slab = self.field.slab(self.level, bx, by);
+            let sign = if ABOVE { 1.0 } else { -1.0 };
+            let high = if ABOVE { slab.high } else { -slab.low };
+            let [gx, gy] = [sign * slab.slope[0], sign * slab.slope[1]];
+            let (u, v) = (self.o[0] - block.x0 as f32, self.o[1] - block.y0 as f32);
+            let rate = self.d[2] - gx * self.d[0] - gy * self.d[1];
+            let gap = self.o[2] - sign * slab.base - gx * u - gy * v;
+            let (near, far) = (gap + rate * self.t, gap + rate * out);
+            if near.min(far) <= high {
+                let level = (high - gap) / rate;
+                self.enter(level, near > high, out, block);
                 if self.level > 0 {
                     self.level -= 1;
                     continue;
                 }
-                if let Some(hit) = self.search(block) {
+                // a ray that rises out of the slab meets nothing beyond
+                let end = if rate > 0.0 { level } else { f32::INFINITY };
+                if let Some(hit) = self.search(block, end.min(self.passed)) {
                     return Fate::Hits(hit);
                 }
             }
@@ -193,20 +201,18 @@ impl<'a, const ABOVE: bool> Walk<'a, ABOVE> {
         Fate::Lost
     }
 
-    /// Moves down to where the ray first may meet something of the block: its peak.
+    /// Moves on to where the ray comes down into a slab, `at`, if it comes `down` to it from outside.
     #[inline(always)]
-    fn descend_to(&mut self, peak: f32, out: f32, block: Block) {
-        if self.d[2] < 0.0 {
-            let at = ((peak - self.o[2]) * self.inverse[2]).min(out);
-            let moves = at > self.t;
-            let (x, y) = (
-                cell(self.o[0], self.d[0], at, block.x0, block.x1),
-                cell(self.o[1], self.d[1], at, block.y0, block.y1),
-            );
-            self.t = if moves { at } else { self.t };
-            self.x = if moves { x } else { self.x };
-            self.y = if moves { y } else { self.y };
-        }
+    fn enter(&mut self, at: f32, down: bool, out: f32, block: Block) {
+        let at = at.min(out);
+        let moves = down & (at > self.t);
+        let (x, y) = (
+            cell(self.o[0], self.d[0], at, block.x0, block.x1),
+            cell(self.o[1], self.d[1], at, block.y0, block.y1),
+        );
+        self.t = if moves { at } else { self.t };
+        self.x = if moves { x } else { self.x };
+        self.y = if moves { y } else { self.y };
     }
 
     /// Moves to the block behind the nearer edge, at distance `out`.
@@ -257,9 +263,9 @@ impl<'a, const ABOVE: bool> Walk<'a, ABOVE> {
         self.set_passed();
     }
 
-    /// From cell to cell through a block, to the first crossing in it.
+    /// From cell to cell through a block, to the first crossing in it; beyond `end` there is none.
     #[inline(always)]
-    fn search(&mut self, block: Block) -> Option<Hit> {
+    fn search(&mut self, block: Block, end: f32) -> Option<Hit> {
         let ([ox, oy, oz], [dx, dy, dz], [ix, iy, _]) = (self.o, self.d, self.inverse);
         let (ahead_x, ahead_y) = (i32::from(dx >= 0.0), i32::from(dy >= 0.0));
         let (step_x, step_y) = (2 * ahead_x - 1, 2 * ahead_y - 1);
@@ -283,7 +289,7 @@ impl<'a, const ABOVE: bool> Walk<'a, ABOVE> {
             x += if along_x { step_x } else { 0 };
             y += if along_x { 0 } else { step_y };
             let outside = (x < block.x0) | (x >= block.x1) | (y < block.y0) | (y >= block.y1);
-            if outside | !(out < self.passed) {
+            if outside | !(out < end) {
                 return None;
             }
         }
