@@ -103,6 +103,8 @@ pub(super) enum Purpose {
 pub(super) struct LoadedMap {
     /// Cropped, filled, its form subtracted.
     pub(super) map: HeightMap,
+    /// The same before the form was subtracted.
+    pub(super) with_form: HeightMap,
     /// How it goes on.
     pub(super) edges: Edges,
     /// The file, for the provenance.
@@ -159,6 +161,7 @@ impl MapFlags {
         };
         Ok(LoadedMap {
             map: form.removed(&map),
+            with_form: map,
             edges,
             input: InputFile::of_bytes(path, &bytes),
             format,

@@ -7,7 +7,7 @@ use super::map::{LoadedMap, MapFlags, Purpose};
 use super::print;
 use crate::report::{MapFigureFiles, MapFigures};
 use crate::surface::spectrum::Anisotropy;
-use crate::surface::{Roughness, Spectrum};
+use crate::surface::{Edges, Roughness, Spectrum};
 
 /// Print the roughness figures of a height map
 ///
@@ -15,6 +15,7 @@ use crate::surface::{Roughness, Spectrum};
 /// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Figures are those of the paper's eqs 12-17,
 /// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e. The anisotropy is 0
 /// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
+/// A periodic map is taken with its tilt there, and in the spectrum: to subtract it would tear the borders open.
 ///
 /// Examples:
 ///   asperity stats map.x3p
@@ -35,11 +36,19 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(stem) = args.plot.as_deref().filter(|stem| stem.file_name().is_none()) {
+        return Err(Failure::bad(format!(
+            "--plot {}: no stem for file names; add a file name",
+            stem.display()
+        )));
+    }
     let files = args.plot.as_deref().map(MapFigureFiles::create).transpose()?;
     let loaded = args.flags.load(&args.map, Purpose::Figures)?;
     let map = &loaded.map;
     let figures = Roughness { missing_fraction: loaded.missing_fraction, ..Roughness::of(map) };
-    let spectrum = Spectrum::of(map, loaded.edges).ok();
+    // Only the mean can be taken from a periodic map without a step at its borders.
+    let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
+    let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
     if let Some(files) = files {
         if spectrum.is_none() {

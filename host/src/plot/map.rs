@@ -24,7 +24,7 @@ pub struct MapPicture<'a> {
     pub values: &'a [f64],
 }
 
-/// The map as SVG, 1600 units wide, of less than 2 MB: at most 900 x 1280 pixels are drawn, each the mean of the
+/// The map as SVG, 1600 units wide, of less than 2 MB: at most 1240 x 900 pixels are drawn, each the mean of the
 /// points in it. Missing points are grey.
 ///
 /// # Errors
@@ -45,6 +45,8 @@ pub fn map_png(map: &MapPicture<'_>) -> Result<Vec<u8>, PlotError> {
 const COLORS: u8 = 255;
 const LEFT: f64 = 110.0;
 const TOP: f64 = 110.0;
+/// Room for the colour bar, more than the axis at the left takes.
+const BAR_ROOM: f64 = 120.0;
 /// Room for the map.
 const LARGEST: (f64, f64) = (1240.0, 900.0);
 /// Thinnest map, so that a profile is seen too.
@@ -59,7 +61,9 @@ fn draw(map: &MapPicture<'_>, medium: Medium) -> Result<Canvas, PlotError> {
     }
     let scale = (LARGEST.0 / width_um).min(LARGEST.1 / height_um);
     let side = |um: f64| (um * scale).round().max(THINNEST);
-    let frame = Frame { left: LEFT, top: TOP, width: side(width_um), height: side(height_um) };
+    let width = side(width_um);
+    let left = (0.5 * (WIDTH - width - BAR_ROOM)).round().max(LEFT);
+    let frame = Frame { left, top: TOP, width, height: side(height_um) };
     let cells = (nx.min(frame.width as usize), ny.min(frame.height as usize));
     let means = means(map, cells);
     let (lowest, highest) = means
@@ -93,7 +97,7 @@ fn draw(map: &MapPicture<'_>, medium: Medium) -> Result<Canvas, PlotError> {
         canvas.text(place, &label.unwrap_or_default(), size::TICK, Anchor::Middle);
     }
     canvas.text((middle, frame.bottom() + 68.0), "x (um)", size::LABEL, Anchor::Middle);
-    canvas.text((20.0, TOP - 22.0), "y (um)", size::LABEL, Anchor::Start);
+    canvas.text((frame.left - 90.0, TOP - 22.0), "y (um)", size::LABEL, Anchor::Start);
     upright(&mut canvas, frame, &lengths(height_um), -1.0);
     bar(&mut canvas, frame, map.label, (lowest, lowest + span), &raster.palette)?;
     if raster.pixels.contains(&COLORS) {
@@ -205,8 +209,8 @@ mod tests {
         let info = reader.next_frame(&mut pixels).unwrap();
         let bytes = info.line_size / info.width as usize;
         let at = |x: usize, y: usize| &pixels[y * info.line_size + x * bytes..][..3];
-        assert_eq!((at(200, 200), at(200, 560)), (&[0xfd, 0xe7, 0x25][..], &[0xb0; 3][..]));
-        assert_eq!(at(200, 900), &[0x44, 0x01, 0x54]);
+        assert_eq!((at(800, 200), at(800, 560)), (&[0xfd, 0xe7, 0x25][..], &[0xb0; 3][..]));
+        assert_eq!(at(800, 900), &[0x44, 0x01, 0x54]);
     }
 
     #[test]

@@ -120,7 +120,7 @@ fn histogram(figures: &MapFigures<'_>) -> Figure {
         scale: Scale::Linear,
         shared_y: true,
         panels: vec![Panel {
-            caption: format!("Rsk {:.3}, Rku {:.3}", r.rsk, r.rku),
+            caption: format!("Rsk {:.3}, Rku {:.3}", r.rsk, r.rku).replace('-', "−"),
             curves: vec![
                 Curve {
                     label: "heights".into(),

@@ -51,7 +51,7 @@ impl Membrane {
         let lattice = Lattice::new((nx, ny), |k| heights[k].is_nan());
         let mut level = Level::empty(&lattice);
         let mut pull = level.zeros();
-        for colour in 0..2 {
+        for (colour, pull) in pull.iter_mut().enumerate() {
             for (i, &k) in lattice.places[colour].iter().enumerate().skip(1) {
                 let point = &mut level.points[colour][i];
                 for direction in 0..4 {
@@ -62,7 +62,7 @@ impl Membrane {
                         point.to[direction] = lattice.index[other];
                         point.spring[direction] = spring;
                     } else {
-                        pull[colour][i] += spring * heights[other];
+                        pull[i] += spring * heights[other];
                     }
                 }
             }

@@ -93,7 +93,7 @@ mod tests {
         let (nx, ny) = (23, 17);
         for (dx, dy) in [(1.0, 1.0), (0.4, 1.3), (2.0, 0.7)] {
             for every in [1, 5, 31, 97, 390] {
-                let known = |k: usize| (k * 7919 + 13) % 391 % every == 0;
+                let known = |k: usize| ((k * 7919 + 13) % 391).is_multiple_of(every);
                 let d2 = |a: usize, b: usize| {
                     let x = (a % nx).abs_diff(b % nx) as f64 * dx;
                     let y = (a / nx).abs_diff(b / nx) as f64 * dy;
