@@ -28,6 +28,11 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ),
         ("eval", "<MODEL> --input --output --json", "wix,wiy,wiz,wox,woy,woz"),
         ("check", "<MODEL> --incidence --side --json", "R + T > 1"),
+        (
+            "stats",
+            "<MAP> --pixel-um --z-um --crop --fill --form --edges --plot --json",
+            "asperity stats map.x3p --fill harmonic",
+        ),
         ("completions", "<SHELL>", "asperity completions bash >"),
     ] {
         let done = folder.run(&format!("{verb} --help")).with_code(0);

@@ -6,6 +6,7 @@
 //! | `refusal` | how a refusal is judged |
 //! | `help` | help, version, completions |
 //! | `happy` | every verb does what it says |
+//! | `maps` | `stats` on height maps |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
@@ -21,6 +22,7 @@ mod program;
 mod refusal;
 mod help;
 mod happy;
+mod maps;
 mod malformed;
 mod no;
 mod determinism;

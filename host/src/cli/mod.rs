@@ -10,6 +10,7 @@ mod error;
 mod interrupt;
 mod progress;
 mod source;
+mod map;
 mod check;
 mod completions;
 mod demo;

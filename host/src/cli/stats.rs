@@ -2,78 +2,71 @@
 
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-
 use super::error::Failure;
+use super::map::{LoadedMap, MapFlags, Purpose};
 use super::print;
-use crate::surface::io::{OpenOptions, RawMap, open};
-use crate::surface::{Form, HeightMap, Roughness};
-
-/// What is subtracted first, as a flag.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FormFlag {
-    /// Nothing
-    None,
-    /// The mean height
-    Mean,
-    /// The mean plane
-    Plane,
-    /// The mean surface of second order
-    Quadratic,
-}
-
-impl From<FormFlag> for Form {
-    fn from(flag: FormFlag) -> Self {
-        match flag {
-            FormFlag::None => Self::None,
-            FormFlag::Mean => Self::Mean,
-            FormFlag::Plane => Self::Plane,
-            FormFlag::Quadratic => Self::Quadratic,
-        }
-    }
-}
+use crate::report::{MapFigureFiles, MapFigures};
+use crate::surface::spectrum::Anisotropy;
+use crate::surface::{Edges, Roughness, Spectrum};
 
 /// Print the roughness figures of a height map
 ///
 /// Reads x3p, SDF, Alicona al3d, Wyko opd, Bruker/DI, Digital Surf sur, Gwyddion gwy and text, matrix text,
 /// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Figures are those of the paper's eqs 12-17,
-/// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e.
+/// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e. The anisotropy is 0
+/// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
+/// A periodic map is taken with its tilt there, and in the spectrum: to subtract it would tear the borders open.
+///
+/// Examples:
+///   asperity stats map.x3p
+///   asperity stats map.x3p --fill harmonic --crop 0:512,0:512 --plot surface
 #[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
 pub(super) struct Args {
     /// The height map
     map: PathBuf,
-    /// Pixel size, for files that give none
-    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
-    pixel_um: Option<f64>,
-    /// Height of one grey level, for images
-    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
-    z_um: Option<f64>,
-    /// What is subtracted first
-    #[arg(long, value_enum, default_value = "plane")]
-    form: FormFlag,
+    #[command(flatten)]
+    flags: MapFlags,
+    /// Write plots of heights, their histogram and spectrum: STEM-map, STEM-histogram, STEM-spectrum, each .svg and .png
+    #[arg(long, value_name = "STEM")]
+    plot: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    for (flag, value) in [("--pixel-um", args.pixel_um), ("--z-um", args.z_um)] {
-        if let Some(bad) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-            return Err(Failure::bad(format!(
-                "{flag} {bad} is not usable; give a positive number"
-            )));
+    if let Some(stem) = args.plot.as_deref().filter(|stem| stem.file_name().is_none()) {
+        return Err(Failure::bad(format!(
+            "--plot {}: no stem for file names; add a file name",
+            stem.display()
+        )));
+    }
+    let files = args.plot.as_deref().map(MapFigureFiles::create).transpose()?;
+    let loaded = args.flags.load(&args.map, Purpose::Figures)?;
+    let map = &loaded.map;
+    let figures = Roughness { missing_fraction: loaded.missing_fraction, ..Roughness::of(map) };
+    // Only the mean can be taken from a periodic map without a step at its borders.
+    let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
+    let spectrum = Spectrum::of(waves, loaded.edges).ok();
+    let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
+    if let Some(files) = files {
+        if spectrum.is_none() {
+            eprintln!(
+                "note: no spectrum of a map with missing points is drawn; fill them with --fill"
+            );
+        }
+        let name = args.map.file_name().unwrap_or(args.map.as_os_str()).to_string_lossy();
+        let drawn = MapFigures { title: &name, map, spectrum: spectrum.as_ref() };
+        for path in files.write(&drawn).map_err(Failure::bad)? {
+            eprintln!("wrote {}", path.display());
         }
     }
-    let options = OpenOptions { z_um_per_count: args.z_um };
-    let (raw, _) = open(&args.map, &options).map_err(Failure::bad)?;
-    let (format, instrument) = (raw.format, raw.instrument.clone());
-    let map = complete(raw, args)?;
-    let figures = Roughness::of(&Form::from(args.form).removed(&map));
     if args.json {
         let mut answer = serde_json::json!({
             "asperity": 1,
-            "format": format,
-            "instrument": instrument,
+            "format": loaded.format,
+            "instrument": loaded.instrument,
             "nx": map.nx(),
             "ny": map.ny(),
             "dx_um": map.dx_um(),
@@ -84,25 +77,31 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             (answer.as_object_mut(), numbers)
         {
             answer.extend(numbers);
+            answer.insert("anisotropy".into(), anisotropy.map(|a| a.strength).into());
+            answer.insert("anisotropy_chance".into(), anisotropy.map(|a| a.chance).into());
+            answer.insert("directional".into(), anisotropy.map(|a| a.is_directional()).into());
+            answer.insert("lay_deg".into(), anisotropy.map(|a| a.lay_deg).into());
+            answer.insert("edges".into(), loaded.edges.name().into());
+            let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
+            answer.insert("input".into(), input);
         }
         print(&format!("{answer:#}\n"))
     } else {
-        print(&human(format, instrument.as_deref(), &map, &figures))
+        print(&human(&loaded, &figures, anisotropy))
     }
 }
 
-fn complete(raw: RawMap, args: &Args) -> Result<HeightMap, Failure> {
-    let known = raw.dx_um.is_some();
-    if known && args.pixel_um.is_some() {
-        eprintln!("note: the file gives its own pixel size; --pixel-um is not used");
-    }
-    raw.into_map(args.pixel_um).map_err(|e| Failure::bad(format!("{}: {e}", args.map.display())))
-}
-
-fn human(format: &str, instrument: Option<&str>, map: &HeightMap, r: &Roughness) -> String {
+fn human(loaded: &LoadedMap, r: &Roughness, anisotropy: Option<Anisotropy>) -> String {
     let or_none = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.6}"));
+    let direction = match anisotropy {
+        None => "-".to_owned(),
+        Some(a) if a.is_directional() => {
+            format!("{:.3}, grooves at {:.0} deg from x to y", a.strength, a.lay_deg)
+        }
+        Some(a) => format!("{:.3}, no preferred direction", a.strength),
+    };
     format!(
-        "format      {format}{}\n\
+        "format      {}{}\n\
          points      {} x {}, {:.3} % missing\n\
          pitch       {:.6} x {:.6} um\n\
          Ra          {:.6} um\n\
@@ -114,13 +113,16 @@ fn human(format: &str, instrument: Option<&str>, map: &HeightMap, r: &Roughness)
          Rsk         {:.6}\n\
          Rku         {:.6}\n\
          rms slope   {} (x), {} (y)\n\
-         acl 1/e     {} um\n",
-        instrument.map(|i| format!(" ({i})")).unwrap_or_default(),
-        map.nx(),
-        map.ny(),
+         acl 1/e     {} um\n\
+         anisotropy  {direction}\n\
+         edges       {}\n",
+        loaded.format,
+        loaded.instrument.as_deref().map(|i| format!(" ({i})")).unwrap_or_default(),
+        loaded.map.nx(),
+        loaded.map.ny(),
         100.0 * r.missing_fraction,
-        map.dx_um(),
-        map.dy_um(),
+        loaded.map.dx_um(),
+        loaded.map.dy_um(),
         r.ra_um,
         r.rq_um,
         r.rv_um,
@@ -131,6 +133,7 @@ fn human(format: &str, instrument: Option<&str>, map: &HeightMap, r: &Roughness)
         r.rku,
         or_none(r.rms_slope_x),
         or_none(r.rms_slope_y),
-        or_none(r.acl_um)
+        or_none(r.acl_um),
+        loaded.edges.name()
     )
 }

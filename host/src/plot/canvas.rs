@@ -13,6 +13,7 @@ use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 use super::palette::{INK, Rgb, Stroke};
 use super::polyline::{Frame, Pixel, dashed};
+use super::raster::Raster;
 
 /// What is drawn on: the two formats take long lines differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +35,8 @@ pub(super) enum Anchor {
 pub(super) struct Canvas {
     scene: Scene,
     medium: Medium,
+    /// Images of the SVG, put in at the end: kuva has none.
+    images: Vec<String>,
 }
 
 impl Canvas {
@@ -45,7 +48,7 @@ impl Canvas {
             title: None,
             extra_attrs: Some("stroke-linejoin=\"round\"".into()),
         });
-        Self { scene, medium }
+        Self { scene, medium, images: Vec::new() }
     }
 
     /// Text with its baseline at `y`. Always level: kuva's PNG darkens the edges of turned letters.
@@ -95,6 +98,49 @@ impl Canvas {
         }
     }
 
+    /// A raster that fills a frame. Sides of the frame are whole numbers.
+    ///
+    /// # Errors
+    /// What the encoder of the image says.
+    pub(super) fn raster(&mut self, frame: Frame, raster: &Raster) -> Result<(), String> {
+        match self.medium {
+            Medium::Svg => {
+                let mark = format!("data-image=\"{}\"", self.images.len());
+                let Frame { left, top, width, height } = frame;
+                self.images.push(format!(
+                    "<g {mark}><image x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" \
+                     preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+                     href=\"data:image/png;base64,{}\"/>",
+                    raster.base64_png()?
+                ));
+                self.scene.add(Primitive::GroupStart {
+                    transform: None,
+                    title: None,
+                    extra_attrs: Some(mark),
+                });
+                self.scene.add(Primitive::GroupEnd);
+            }
+            Medium::Png => {
+                let edge = |k: usize, n: usize, length: f64| (k as f64 * length / n as f64).round();
+                for (row, line) in raster.pixels.chunks(raster.nx).enumerate() {
+                    let top = frame.top + edge(row, raster.ny, frame.height);
+                    let bottom = frame.top + edge(row + 1, raster.ny, frame.height);
+                    let mut first = 0;
+                    // pixels of one colour side by side are one rectangle
+                    for run in line.chunk_by(|a, b| a == b) {
+                        let left = frame.left + edge(first, raster.nx, frame.width);
+                        first += run.len();
+                        let right = frame.left + edge(first, raster.nx, frame.width);
+                        let area = Frame { left, top, width: right - left, height: bottom - top };
+                        let color = raster.palette.get(usize::from(run[0])).copied();
+                        self.fill(area, color.unwrap_or(INK));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The runs of one curve.
     pub(super) fn lines(&mut self, runs: &[Vec<Pixel>], stroke: Stroke) {
         match self.medium {
@@ -124,7 +170,13 @@ impl Canvas {
         let name = clean(name).replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
         let head =
             format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\"");
-        svg.replacen("<svg", &head, 1)
+        let mut svg = svg.replacen("<svg", &head, 1);
+        for image in &self.images {
+            if let Some(end) = image.find('>') {
+                svg = svg.replacen(&image[..=end], image, 1);
+            }
+        }
+        svg
     }
 
     /// The picture as PNG, one pixel of the layout to one of the image.

@@ -49,6 +49,17 @@ impl Scale {
     pub const LOG: Self = Self::Log { decades: 4 };
 }
 
+/// The horizontal scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// Angles in degrees, with ticks at parts of a circle.
+    Angle,
+    /// Any other number.
+    Linear,
+    /// Logarithmic; both ends are positive.
+    Log,
+}
+
 /// A grid of panels under one title, with one legend and common axis labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -60,6 +71,8 @@ pub struct Figure {
     pub y_label: String,
     /// Ends of all horizontal axes. Points outside are cut off.
     pub x_range: (f64, f64),
+    /// Horizontal scale of all panels.
+    pub across: Across,
     /// Vertical scale of all panels.
     pub scale: Scale,
     /// Whether all panels have one vertical range, so that heights compare between them.
@@ -72,7 +85,8 @@ impl Figure {
     /// Refuses what cannot be drawn.
     pub(super) fn check(&self) -> Result<(), PlotError> {
         let (lo, hi) = self.x_range;
-        if !(drawable(lo) && drawable(hi) && lo < hi) {
+        let placed = self.across != Across::Log || lo > 0.0;
+        if !(drawable(lo) && drawable(hi) && lo < hi && placed) {
             return Err(PlotError::BadRange { lo, hi });
         }
         if let Scale::Log { decades } = self.scale
@@ -147,7 +161,8 @@ pub enum PlotError {
         /// Its vertical coordinate.
         y: f64,
     },
-    /// The ends of the horizontal axis are not two numbers in ascending order.
+    /// The ends of the horizontal axis are not two numbers in ascending order, or not positive on a
+    /// logarithmic one.
     #[error("the horizontal axis cannot run from {lo} to {hi}")]
     BadRange {
         /// Left end asked for.
@@ -169,6 +184,9 @@ pub enum PlotError {
     /// A logarithmic figure has no positive value to show.
     #[error("nothing to plot on a logarithmic scale: no reading on the axis is above zero")]
     NothingPositive,
+    /// A map without area or values.
+    #[error("nothing to plot: the map has no extent or no value")]
+    EmptyMap,
     /// The picture could not be rasterised.
     #[error("the picture could not be rasterised: {0}")]
     Raster(String),

@@ -1,4 +1,4 @@
-//! Plots of measured against fitted readings, as SVG and as PNG.
+//! Plots of measured against fitted readings and of maps, as SVG and as PNG.
 //!
 //! [`sigma_panels`] turns readings into a [`Figure`], one panel an incidence; [`svg`] and [`png()`] draw it:
 //!
@@ -20,12 +20,15 @@ mod palette;
 mod polyline;
 mod axis;
 mod layout;
+mod raster;
 mod canvas;
 mod legend;
 mod render;
 mod sigma;
+mod map;
 
-pub use figure::{Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
+pub use figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
+pub use map::{MapPicture, map_png, map_svg};
 pub use render::{png, svg};
 pub use sigma::{AtSigma, sigma_panels};
 

@@ -13,6 +13,41 @@ pub(super) const MEASURED_LINE: Rgb = Rgb(0xb4, 0xb4, 0xb4);
 /// The rim of a sparsely measured point.
 pub(super) const MEASURED_RIM: Rgb = Rgb(0x4d, 0x4d, 0x4d);
 
+/// Points of a map without a value.
+pub(super) const MISSING: Rgb = Rgb(0xb0, 0xb0, 0xb0);
+
+/// The colour map viridis, perceptually uniform and legible in grey and under colour deficiencies, at 0 to 1.
+pub(super) fn viridis(t: f64) -> Rgb {
+    let last = VIRIDIS.len() - 1;
+    let place = t.clamp(0.0, 1.0) * last as f64;
+    let low = (place as usize).min(last - 1);
+    let (a, b, share) = (VIRIDIS[low], VIRIDIS[low + 1], place - low as f64);
+    let between =
+        |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+    Rgb(between(a.0, b.0), between(a.1, b.1), between(a.2, b.2))
+}
+
+/// Every sixteenth part of it \[van der Walt and Smith 2015, CC0\].
+const VIRIDIS: [Rgb; 17] = [
+    Rgb(0x44, 0x01, 0x54),
+    Rgb(0x48, 0x18, 0x6a),
+    Rgb(0x47, 0x2d, 0x7b),
+    Rgb(0x42, 0x40, 0x86),
+    Rgb(0x3b, 0x52, 0x8b),
+    Rgb(0x33, 0x63, 0x8d),
+    Rgb(0x2c, 0x72, 0x8e),
+    Rgb(0x26, 0x82, 0x8e),
+    Rgb(0x21, 0x91, 0x8c),
+    Rgb(0x1f, 0xa0, 0x88),
+    Rgb(0x28, 0xae, 0x80),
+    Rgb(0x3f, 0xbc, 0x73),
+    Rgb(0x5e, 0xc9, 0x62),
+    Rgb(0x84, 0xd4, 0x4b),
+    Rgb(0xad, 0xdc, 0x30),
+    Rgb(0xd8, 0xe2, 0x19),
+    Rgb(0xfd, 0xe7, 0x25),
+];
+
 /// How a line is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {

@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Tick, common_exponent, superscript};
 use super::canvas::{Anchor, Canvas, Medium};
-use super::figure::{Curve, CurveStyle, Figure, Panel, PlotError, Scale};
+use super::figure::{Across, Curve, CurveStyle, Figure, Panel, PlotError, Scale};
 use super::layout::{Layout, WIDTH, fitted, size};
 use super::legend::{Legend, baseline, marker};
 use super::palette::{self, GRID, INK};
@@ -37,14 +37,22 @@ fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
         legend.draw_entry(&mut canvas, entry, place);
     }
 
-    let x_axis = Axis::Linear { lo: figure.x_range.0, hi: figure.x_range.1 };
+    let (lo, hi) = figure.x_range;
+    let x_axis = match figure.across {
+        Across::Angle | Across::Linear => Axis::Linear { lo, hi },
+        Across::Log => Axis::Log { lo: lo.log10(), hi: hi.log10() },
+    };
+    let x_ticks = match figure.across {
+        Across::Angle => x_axis.angle_ticks(),
+        Across::Linear | Across::Log => x_axis.reading_ticks(0),
+    };
     let shared = y_axis(figure, &figure.panels);
     let exponent = shared_exponent(figure);
     for (i, (panel, &frame)) in figure.panels.iter().zip(&layout.frames).enumerate() {
         let own = || y_axis(figure, std::slice::from_ref(panel));
         let plot = Plot { frame, x: x_axis, y: if figure.shared_y { shared } else { own() } };
         let labelled = !figure.shared_y || i % layout.columns == 0;
-        plot.grid(&mut canvas, exponent, labelled);
+        plot.grid(&mut canvas, &x_ticks, exponent, labelled);
         plot.curves(&mut canvas, panel, &legend);
         canvas.outline(frame, INK, 1.0);
         let caption = plot.caption(panel);
@@ -78,20 +86,18 @@ impl Plot {
         Some((left + right * width, self.frame.bottom() - up * height))
     }
 
-    fn grid(&self, canvas: &mut Canvas, exponent: i32, labelled: bool) {
+    fn grid(&self, canvas: &mut Canvas, x_ticks: &[Tick], exponent: i32, labelled: bool) {
         let Frame { left, top, width, height } = self.frame;
         let bottom = self.frame.bottom();
-        for Tick { at, label } in self.x.angle_ticks() {
+        for Tick { at, label } in x_ticks {
             let x = (left + at * width).round();
-            canvas.fill(Frame { left: x, top, width: 1.0, height }, GRID);
-            canvas.fill(Frame { left: x, top: bottom, width: 1.0, height: 7.0 }, INK);
-            let label = label.unwrap_or_default();
-            canvas.text(
-                (x, bottom + 8.0 + f64::from(size::TICK)),
-                &label,
-                size::TICK,
-                Anchor::Middle,
-            );
+            let length = if label.is_some() { 7.0 } else { 4.0 };
+            canvas.fill(Frame { left: x, top: bottom, width: 1.0, height: length }, INK);
+            if let Some(label) = label {
+                canvas.fill(Frame { left: x, top, width: 1.0, height }, GRID);
+                let place = (x, bottom + 8.0 + f64::from(size::TICK));
+                canvas.text(place, label, size::TICK, Anchor::Middle);
+            }
         }
         for Tick { at, label } in self.y.reading_ticks(exponent) {
             let y = (bottom - at * height).round();

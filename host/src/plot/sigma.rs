@@ -1,6 +1,6 @@
 //! The figure of a reconstruction: measured and fitted readings over the observation angle, one panel an incidence.
 
-use super::figure::{Curve, CurveStyle, Figure, MAX_PANELS, Panel, Scale};
+use super::figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, Scale};
 
 /// Readings at one incidence: its angle σ in degrees, then `(θ in degrees, reading)`.
 pub type AtSigma = (f64, Vec<(f64, f64)>);
@@ -29,6 +29,7 @@ pub fn sigma_panels(
         x_label: "observation angle θ (°)".into(),
         y_label: "reading".into(),
         x_range: angle_range(measured),
+        across: Across::Angle,
         scale,
         shared_y: true,
         panels,

@@ -1,10 +1,12 @@
 //! What people read: the table of results, the plots, the HTML page.
 
 mod figures;
+mod heights;
 mod html;
 mod table;
 
 pub use figures::{FigureError, FigureFiles, figure, write_figures};
+pub use heights::{MapFigureFiles, MapFigures};
 pub use html::page;
 pub use table::table;
 

@@ -34,22 +34,26 @@ impl Form {
     /// One row or column has no slope or curvature across it; where the points do not determine the rest,
     /// the mean alone is removed.
     pub fn removed(self, map: &HeightMap) -> HeightMap {
-        // Powers of coordinates from -1 to 1 are nearly independent.
-        let unit = |k: usize, n: usize| {
-            if n > 1 { 2.0 * k as f64 / (n - 1) as f64 - 1.0 } else { 0.0 }
+        let fitted = self.fitted(map);
+        map.map(|col, row, h| h - fitted.height_um(col, row))
+    }
+
+    /// The form itself, as [`removed`](Self::removed) takes it away: the surface of this kind nearest to the
+    /// points with a height.
+    pub fn fitted(self, map: &HeightMap) -> FittedForm {
+        let mut form = FittedForm {
+            nx: map.nx(),
+            ny: map.ny(),
+            terms: self.terms().to_vec(),
+            coefficients_um: Vec::new(),
         };
-        let (nx, ny) = (map.nx(), map.ny());
-        let mut terms = self.terms().to_vec();
-        terms.retain(|&(i, j)| (i == 0 || nx > i as usize) && (j == 0 || ny > j as usize));
-        let powers = |col: usize, row: usize| {
-            let (x, y) = (unit(col, nx), unit(row, ny));
-            terms.iter().map(move |&(i, j)| x.powi(i) * y.powi(j))
-        };
-        let p = terms.len();
+        form.terms
+            .retain(|&(i, j)| (i == 0 || form.nx > i as usize) && (j == 0 || form.ny > j as usize));
+        let p = form.terms.len();
         let mut normal = vec![vec![0.0; p]; p];
         let mut right = vec![0.0; p];
         for (col, row, h) in map.points() {
-            let v: Vec<f64> = powers(col, row).collect();
+            let v: Vec<f64> = form.powers(col, row).collect();
             for i in 0..p {
                 right[i] += v[i] * h;
                 for j in 0..=i {
@@ -59,17 +63,41 @@ impl Form {
             }
         }
         let Some(inverse) = inverse(&normal) else {
-            return if self == Self::Mean || p <= 1 {
-                map.clone()
-            } else {
-                Self::Mean.removed(map)
-            };
+            if self == Self::Mean || p <= 1 {
+                form.terms = Vec::new();
+                return form;
+            }
+            return Self::Mean.fitted(map);
         };
-        let coefficients: Vec<f64> =
+        form.coefficients_um =
             inverse.iter().map(|r| r.iter().zip(&right).map(|(a, b)| a * b).sum()).collect();
-        map.map(|col, row, h| {
-            h - powers(col, row).zip(&coefficients).map(|(v, c)| v * c).sum::<f64>()
-        })
+        form
+    }
+}
+
+/// A form that was fitted to a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedForm {
+    nx: usize,
+    ny: usize,
+    terms: Vec<(i32, i32)>,
+    /// One a term, um.
+    coefficients_um: Vec<f64>,
+}
+
+impl FittedForm {
+    /// Its height at a point of the map, missing or not, in um.
+    pub fn height_um(&self, col: usize, row: usize) -> f64 {
+        self.powers(col, row).zip(&self.coefficients_um).map(|(v, c)| v * c).sum()
+    }
+
+    /// The terms at a point. Powers of coordinates from -1 to 1 are nearly independent.
+    fn powers(&self, col: usize, row: usize) -> impl Iterator<Item = f64> + '_ {
+        let unit = |k: usize, n: usize| {
+            if n > 1 { 2.0 * k as f64 / (n - 1) as f64 - 1.0 } else { 0.0 }
+        };
+        let (x, y) = (unit(col, self.nx), unit(row, self.ny));
+        self.terms.iter().map(move |&(i, j)| x.powi(i) * y.powi(j))
     }
 }
 

@@ -35,6 +35,11 @@ pub enum HeightMapError {
     Empty,
 }
 
+/// Points are missing where all are needed; holds their share in percent.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{0:.2} % of the points are missing; fill them with --fill")]
+pub struct Incomplete(pub f64);
+
 impl HeightMap {
     /// A map from heights in um, row by row; a height that is not finite is a missing point.
     ///
@@ -118,6 +123,14 @@ impl HeightMap {
     /// Heights row by row in um, if none is missing.
     pub fn complete(&self) -> Option<&[f64]> {
         self.missing.is_empty().then_some(&self.heights_um)
+    }
+
+    /// Heights row by row in um.
+    ///
+    /// # Errors
+    /// [`Incomplete`] if a point is missing.
+    pub fn need_complete(&self) -> Result<&[f64], Incomplete> {
+        self.complete().ok_or_else(|| Incomplete(100.0 * self.missing_fraction()))
     }
 
     /// The same grid with other heights; missing points stay missing.

@@ -1,12 +1,25 @@
-//! Measured surfaces: height maps, their files and figures.
+//! Measured surfaces: height maps, their files and figures, and what is done to them before light is.
 
 pub mod heightmap;
-pub mod edges;
 pub mod form;
 pub mod roughness;
+#[cfg(test)]
+mod synthetic;
+pub mod edges;
+mod nearest;
+mod membrane;
+pub mod fill;
+pub mod crop;
+mod transform;
+pub mod modify;
+pub mod spectrum;
 pub mod io;
 
+pub use crop::Crop;
 pub use edges::Edges;
+pub use fill::Fill;
 pub use form::Form;
-pub use heightmap::{HeightMap, HeightMapError};
+pub use heightmap::{HeightMap, HeightMapError, Incomplete};
+pub use modify::{LowPass, scaled};
 pub use roughness::Roughness;
+pub use spectrum::Spectrum;
