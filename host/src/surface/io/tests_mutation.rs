@@ -182,7 +182,7 @@ fn repaired(mut bytes: Vec<u8>) -> Vec<u8> {
 fn damage_is_refused_or_read_but_never_panics() {
     let mut rng = Pcg64Mcg::seed_from_u64(20220711);
     // so many files can be read for longer by setting the variable
-    let rounds = std::env::var("ASPERITY_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(400);
+    let rounds = std::env::var("ASPERITY_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(2000);
     let all = samples();
     for Sample { name, format, bytes } in &all {
         let mut refused = 0;

@@ -116,28 +116,27 @@ fn values(kind: Kind, mut numbers: impl Read, n: usize) -> Result<Vec<f64>, MapF
 /// Adds the numbers of a batch.
 fn decode(kind: Kind, batch: &[u8], values: &mut Vec<f64>) -> Result<(), MapFault> {
     macro_rules! decode {
-        ($type:ty) => {{
+        ($type:ty, $number:expr) => {{
+            let read =
+                if kind.big_endian { <$type>::from_be_bytes } else { <$type>::from_le_bytes };
             let number = |bytes: &[u8; size_of::<$type>()]| {
-                let number = match kind.big_endian {
-                    true => <$type>::from_be_bytes(*bytes),
-                    false => <$type>::from_le_bytes(*bytes),
-                } as f64;
+                let number: f64 = $number(read(*bytes));
                 if number.is_finite() { number } else { f64::NAN }
             };
             values.extend(batch.as_chunks().0.iter().map(number));
         }};
     }
     match (kind.letter, kind.size) {
-        ('f', 4) => decode!(f32),
-        ('f', 8) => decode!(f64),
-        ('i', 1) => decode!(i8),
-        ('i', 2) => decode!(i16),
-        ('i', 4) => decode!(i32),
-        ('i', 8) => decode!(i64),
-        ('u', 1) => decode!(u8),
-        ('u', 2) => decode!(u16),
-        ('u', 4) => decode!(u32),
-        ('u', 8) => decode!(u64),
+        ('f', 4) => decode!(f32, f64::from),
+        ('f', 8) => decode!(f64, f64::from),
+        ('i', 1) => decode!(i8, f64::from),
+        ('i', 2) => decode!(i16, f64::from),
+        ('i', 4) => decode!(i32, f64::from),
+        ('i', 8) => decode!(i64, |v| v as f64),
+        ('u', 1) => decode!(u8, f64::from),
+        ('u', 2) => decode!(u16, f64::from),
+        ('u', 4) => decode!(u32, f64::from),
+        ('u', 8) => decode!(u64, |v| v as f64),
         (letter, size) => return Err(unsupported(format!("a number {letter} of {size} bytes"))),
     }
     Ok(())
