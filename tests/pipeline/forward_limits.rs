@@ -8,12 +8,12 @@ use asperity_core::bsdf::Bsdf;
 use asperity_core::fresnel::dielectric;
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
-
-use crate::common::{CAUCHY, GAUSS, Virtual, grid};
-use crate::limits::{
+use asperity_tests::tolerance::{
     NEGLECTED_FLUX, NEGLECTED_READING, SMOOTH_PLATE, SMOOTH_REFLECTION, SMOOTH_TRANSMISSION,
     WIDE_LOBE,
 };
+
+use crate::common::{CAUCHY, GAUSS, Virtual, grid};
 
 const SIDES: [RoughSide; 2] = [Source, Detector];
 
