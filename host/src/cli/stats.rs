@@ -67,8 +67,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let options = OpenOptions { z_um_per_count: args.z_um };
     let (raw, _) = open(&args.map, &options).map_err(Failure::bad)?;
     let (format, instrument) = (raw.format, raw.instrument.clone());
-    let map = complete(raw, args)?;
-    let figures = Roughness::of(&Form::from(args.form).removed(&map));
+    // the largest maps fill gigabytes: no second copy is made
+    let map = Form::from(args.form).removed(complete(raw, args)?);
+    let figures = Roughness::of(&map);
+    if !figures.is_finite() {
+        let map = args.map.display();
+        return Err(Failure::bad(format!(
+            "{map}: its heights or slopes are too large to compute with; check their units"
+        )));
+    }
     if args.json {
         let mut answer = serde_json::json!({
             "asperity": 1,
