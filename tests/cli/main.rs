@@ -7,6 +7,9 @@
 //! | `help` | help, version, completions |
 //! | `happy` | every verb does what it says |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
+//! | `malformed_maps` | the same for files of height maps, in bounded memory |
+//! | `map_files` | height maps of all formats, made here |
+//! | `extreme_maps` | maps at the edge of what is one |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
 //! | `interrupt` | Ctrl-C |
@@ -22,6 +25,9 @@ mod refusal;
 mod help;
 mod happy;
 mod malformed;
+mod map_files;
+mod malformed_maps;
+mod extreme_maps;
 mod no;
 mod determinism;
 #[cfg(unix)]

@@ -69,6 +69,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (format, instrument) = (raw.format, raw.instrument.clone());
     // the largest maps fill gigabytes: no second copy is made
     let map = Form::from(args.form).removed(complete(raw, args)?);
+    if map.points().nth(1).is_none() {
+        return Err(Failure::bad(format!(
+            "{}: one point with a height has no roughness; check the file",
+            args.map.display()
+        )));
+    }
     let figures = Roughness::of(&map);
     if !figures.is_finite() {
         let map = args.map.display();

@@ -61,12 +61,8 @@ impl Form {
                 right[i] += v[i] * h;
                 for j in 0..=i {
                     normal[i][j] += v[i] * v[j];
+                    normal[j][i] = normal[i][j];
                 }
-            }
-        }
-        for i in 0..p {
-            for j in 0..i {
-                normal[j][i] = normal[i][j];
             }
         }
         let Some(inverse) = inverse(&normal) else {

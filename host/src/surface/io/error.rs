@@ -26,7 +26,7 @@ pub enum MapFault {
     #[error("the file is empty; export the map again")]
     Empty,
     /// No reader knows it.
-    #[error("no known height-map format; known are {known}")]
+    #[error("no known height-map format; export it as one of {known}")]
     Unknown {
         /// Names of the formats.
         known: String,

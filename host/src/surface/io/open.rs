@@ -11,7 +11,8 @@ use crate::input::read_file;
 /// Largest file that is read, bytes: text of the largest map takes no more.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// What a file may not say and the user can.
+/// What a file may not say and the user can. Limits are no options: 2^28 points, files of 4 GiB, and
+/// of what is packed 64 MiB and 256 times the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OpenOptions {
     /// Height of one grey level of an image, um.

@@ -44,11 +44,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     if archive.len() > MOST_FILES {
         return Err(unsupported(format!("a zip of {} files", archive.len())));
     }
+    let most = most_inflated(bytes);
     let mut found = None;
     for k in 0..archive.len() {
         let mut file = archive.by_index(k).map_err(broken)?;
         let is_array = file.name().map_err(broken)?.ends_with(".npy");
         if is_array {
+            if file.size() > most {
+                return Err(MapFault::Inflates { format: FORMAT, what: "an array".into(), most });
+            }
             let header = Header::read(&mut file)?;
             if header.shape.len() < 2 {
                 continue;
@@ -61,12 +65,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     }
     let Some(k) = found else { return Err(unsupported("a file without an array".into())) };
     let mut file = archive.by_index(k).map_err(broken)?;
-    let (size, most) = (file.size(), most_inflated(bytes));
-    if size > most {
-        return Err(MapFault::Inflates { format: FORMAT, what: "the array".into(), most });
-    }
     let header = Header::read(&mut file)?;
-    let length = size.saturating_sub(header.length as u64);
+    let length = file.size().saturating_sub(header.length as u64);
     map(&header, file, length)
 }
 

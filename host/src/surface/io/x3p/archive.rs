@@ -59,15 +59,17 @@ impl<'a> Archive<'a> {
         let most = most.min(self.most);
         let too_large = || MapFault::Inflates { format: FORMAT, what: path.clone(), most };
         let file = self.zip.by_index(number).map_err(|e| fault(&path, &e))?;
-        if file.size() > most {
+        let size = file.size();
+        if size > most {
             return Err(too_large());
         }
+        // what says less than it holds is not believed further than it says
         let mut bytes = Vec::new();
-        file.take(most + 1)
+        file.take(size + 1)
             .read_to_end(&mut bytes)
             .map_err(|e| super::damaged(format!("{path} cannot be unpacked ({e})")))?;
-        if bytes.len() as u64 > most {
-            return Err(too_large());
+        if bytes.len() as u64 != size {
+            return Err(super::damaged(format!("{path} does not hold its {size} bytes")));
         }
         Ok(Some(bytes))
     }
