@@ -47,7 +47,8 @@ pub fn npz_content(bytes: &[u8]) {
 fn stored(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {
-        zip.start_file(*name, SimpleFileOptions::default().compression_method(Stored)).expect("a zip");
+        zip.start_file(*name, SimpleFileOptions::default().compression_method(Stored))
+            .expect("a zip");
         zip.write_all(bytes).expect("memory");
     }
     zip.finish().expect("a zip").into_inner()
@@ -118,7 +119,8 @@ pub fn foreign(bytes: &[u8]) {
 /// Gives bytes to the reader of model files; what it accepts survives being written.
 pub fn model(bytes: &[u8]) {
     if let Ok((model, _)) = Model::parse(bytes) {
-        let (again, _) = Model::parse(model.to_json().as_bytes()).expect("what was written is read");
+        let (again, _) =
+            Model::parse(model.to_json().as_bytes()).expect("what was written is read");
         assert_eq!(model, again);
     }
 }
