@@ -1,15 +1,27 @@
 //! Input without surprise: never more bytes than were asked for, from files, pipes and devices alike.
 
 use std::fs::File;
-use std::io::{Error, Read, Result};
+use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
 /// All bytes of a file, `most` of them at most.
 ///
 /// # Errors
-/// Those of the system, and one that names the limit; a folder is an error too.
+/// Those of the system, [`ErrorKind::IsADirectory`] for a folder, and [`ErrorKind::FileTooLarge`] with
+/// a text that names the limit.
 pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
-    read_all(File::open(path)?, most)
+    // not every system lets a folder be opened and says so
+    if path.is_dir() {
+        return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
+    }
+    let file = File::open(path)?;
+    let length = file.metadata()?.len();
+    if length > most {
+        return Err(too_large(most));
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(length).unwrap_or(0))?;
+    read(file, most, bytes)
 }
 
 /// All bytes of a reader, `most` of them at most.
@@ -17,12 +29,20 @@ pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// # Errors
 /// As [`read_file`].
 pub(crate) fn read_all(reader: impl Read, most: u64) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
+    read(reader, most, Vec::new())
+}
+
+/// A pipe has no length: the limit holds while reading too.
+fn read(reader: impl Read, most: u64, mut bytes: Vec<u8>) -> Result<Vec<u8>> {
     reader.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        return Err(Error::other(format!("it is larger than {} MiB", most >> 20)));
+        return Err(too_large(most));
     }
     Ok(bytes)
+}
+
+fn too_large(most: u64) -> Error {
+    Error::new(ErrorKind::FileTooLarge, format!("it is larger than {} MiB", most >> 20))
 }
 
 #[cfg(test)]

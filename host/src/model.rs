@@ -234,8 +234,11 @@ impl Model {
         Ok((model, boundary, bytes))
     }
 
-    /// Parses a model file; the error is the line, where there is one, and what is wrong.
-    fn parse(bytes: &[u8]) -> Result<(Self, Boundary), (Option<usize>, String)> {
+    /// Parses the content of a model file.
+    ///
+    /// # Errors
+    /// The line, where there is one, and what is wrong.
+    pub fn parse(bytes: &[u8]) -> Result<(Self, Boundary), (Option<usize>, String)> {
         let text = std::str::from_utf8(bytes)
             .map_err(|_| (None, "is not text; a model is a JSON file".to_owned()))?;
         let model: Self = serde_json::from_str(text).map_err(|e| {

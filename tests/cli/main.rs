@@ -8,6 +8,9 @@
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
+//! | `malformed_maps` | the same for files of height maps, in bounded memory |
+//! | `map_files` | height maps of all formats, made here |
+//! | `extreme_maps` | maps at the edge of what is one |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
 //! | `interrupt` | Ctrl-C |
@@ -24,6 +27,9 @@ mod help;
 mod happy;
 mod maps;
 mod malformed;
+mod map_files;
+mod malformed_maps;
+mod extreme_maps;
 mod no;
 mod determinism;
 #[cfg(unix)]

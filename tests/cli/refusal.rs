@@ -36,7 +36,7 @@ const OUTPUT: &str = "output";
 pub(crate) const OLDER: &str = "an older result";
 
 /// Words of which a message holds at least one, so that it says what to do.
-const REMEDIES: [&str; 36] = [
+const REMEDIES: [&str; 39] = [
     "a model is",
     "a scan has",
     "add ",
@@ -47,8 +47,10 @@ const REMEDIES: [&str; 36] = [
     "complete",
     "correct",
     "create",
+    "crop",
     "delete",
     "described with",
+    "export",
     "give",
     "is missing",
     "it has",
@@ -64,6 +66,7 @@ const REMEDIES: [&str; 36] = [
     "outside its domain, ",
     "possible values",
     "raise",
+    "resample",
     "save",
     "say ",
     "set ",

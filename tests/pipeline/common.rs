@@ -3,12 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
-use asperity::fit::{Fit, FitError, FitOptions, Objective, fit};
+use asperity::fit::{Fit, FitError, FitOptions, FitRays, Objective, fit};
 use asperity::forward::{
-    Effort, MonteCarlo, Plan, Rays, Readings, Sample, Setup, monte_carlo, quadrature,
+    Effort, Incidence, MonteCarlo, Plan, Rays, Readings, Sample, Setup, monte_carlo, simulate,
 };
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Method, NormalsMethod, Surface};
+use asperity_core::bsdf::Bsdf;
 use asperity_core::gonio::{AngleGrid, Geometry};
 use asperity_core::ndf::law::Profile;
 use asperity_core::plate::RoughSide;
@@ -71,9 +72,20 @@ impl Virtual {
         self
     }
 
+    /// Typical slope of the facets.
+    pub(crate) fn slope(&self) -> f64 {
+        match &self.boundary {
+            Boundary::Ggx(b) => b.slope(),
+            Boundary::Normals(b) => b.slope(),
+            Boundary::Opaque(b) => b.slope(),
+            Boundary::Traced(_) => panic!("a traced boundary has no closed form"),
+        }
+    }
+
     pub(crate) fn quadrature(&self, sigmas_deg: &[f64], grid: &AngleGrid<f64>) -> Readings {
         let plan = Plan::product(sigmas_deg, &angles(grid));
-        quadrature(&self.boundary, &self.setup, &plan, Effort::Full)
+        let (rays, stop) = (Rays { count: 1, seed: 0 }, AtomicBool::new(false));
+        simulate(&self.boundary, &self.setup, &plan, Effort::Full, rays, &stop).unwrap()
     }
 
     pub(crate) fn monte_carlo(
@@ -83,7 +95,8 @@ impl Virtual {
         rays: Rays,
     ) -> MonteCarlo {
         let stop = AtomicBool::new(false);
-        monte_carlo(&self.boundary, &self.setup, sigma_deg, grid, rays, &stop, &|_| ()).unwrap()
+        let angles = Incidence { sigma_deg, theta_deg: angles(grid) };
+        monte_carlo(&self.boundary, &self.setup, &angles, rays, &stop, &|_| ()).unwrap()
     }
 
     /// A scan by quadrature: free of noise.
@@ -144,6 +157,7 @@ pub(crate) fn options(surface: Surface) -> FitOptions {
         fit_gain: false,
         objective: Objective::Rmsd,
         max_evaluations: 4000,
+        rays: FitRays::default(),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use asperity::fit::{Fit, FitError, FitOptions, MISFIT_PERCENT, Objective, Termination, fit};
+use asperity::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, Termination, fit};
 use asperity::forward::{Rays, Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Method, Surface};
@@ -150,6 +150,7 @@ fn readings_without_sense_give_finite_numbers_or_a_clear_error() {
                         fit_ior: free,
                         fit_gain: free,
                         max_evaluations: BUDGET,
+                        rays: FitRays::default(),
                         ..options(surface)
                     };
                     let result = fitted(&*method, &scan, &setup, &options);

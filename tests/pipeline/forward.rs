@@ -6,10 +6,10 @@ use asperity_core::fresnel::dielectric;
 use asperity_core::gonio::AngleGrid;
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
-use asperity_tests::{count, tolerance};
+use asperity_tests::count;
+use asperity_tests::tolerance::{self, INSIDE};
 
 use crate::common::{CAUCHY, GAUSS, Virtual, grid};
-use crate::limits::INSIDE;
 use crate::student::Deviations;
 
 /// Batches of a Monte Carlo run of at most 64 * 65536 rays, less one; with more rays there are more

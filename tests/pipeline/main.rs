@@ -10,7 +10,6 @@
     reason = "tests and their helpers; figures are shown with --nocapture"
 )]
 
-mod limits;
 mod common;
 mod student;
 mod real_scans;

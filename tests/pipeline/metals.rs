@@ -6,9 +6,9 @@ use asperity::measurement::{Import, Measurement, Quantity, Selection};
 use asperity::method::{GgxMethod, Surface};
 use asperity_core::gonio::Geometry;
 use asperity_tests::data;
+use asperity_tests::tolerance::{METAL_ALPHA, METAL_ERROR, near};
 
 use crate::common::{fitted, options};
-use crate::limits::{METAL_ALPHA, METAL_ERROR, near};
 
 const FILE: &str = "scatter/jsss-mwir-brdf/inplane_radiance_brdf.csv";
 

@@ -5,10 +5,9 @@ use asperity::forward::{Sample, Setup};
 use asperity::measurement::{Measurement, csv};
 use asperity::method::{GgxMethod, Method, Surface};
 use asperity_tests::data;
-use asperity_tests::tolerance::Tolerance;
+use asperity_tests::tolerance::{SAMPLE_5_ALPHA, SAMPLE_8_ALPHA, Tolerance, near};
 
 use crate::common::{CAUCHY, GAUSS, fitted, options};
-use crate::limits::{SAMPLE_5_ALPHA, SAMPLE_8_ALPHA, near};
 
 const SURFACE: Surface = Surface::Dielectric { ior: 1.49 };
 

@@ -45,7 +45,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let files = args.plot.as_deref().map(MapFigureFiles::create).transpose()?;
     let loaded = args.flags.load(&args.map, Purpose::Figures)?;
     let map = &loaded.map;
+    if map.points().nth(1).is_none() {
+        return Err(Failure::bad(format!(
+            "{}: one point with a height has no roughness; check the file",
+            args.map.display()
+        )));
+    }
     let figures = Roughness { missing_fraction: loaded.missing_fraction, ..Roughness::of(map) };
+    if !figures.is_finite() {
+        return Err(Failure::bad(format!(
+            "{}: its heights or slopes are too large to compute with; check their units",
+            args.map.display()
+        )));
+    }
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
     let spectrum = Spectrum::of(waves, loaded.edges).ok();

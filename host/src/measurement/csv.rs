@@ -11,13 +11,13 @@
 //! lines are comments. A byte order mark, both kinds of line ends, blank lines and spaces around
 //! values are accepted. Readings may stand in any order.
 
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::Path;
 
 use super::error::{MAX_BYTES, ScanError, ScanFault, excerpt};
 use super::meta::known_key;
 use super::{Measurement, Metadata, Reading};
+use crate::input::read_file;
 
 /// Names of the columns of the standard file, in its order.
 pub const COLUMNS: [&str; 3] = ["sigma_deg", "theta_deg", "reading"];
@@ -37,26 +37,15 @@ pub fn read(path: impl AsRef<Path>) -> Result<Measurement, ScanError> {
 /// [`ScanFault::NoFile`], [`ScanFault::Folder`], [`ScanFault::TooLarge`] or [`ScanFault::Io`].
 pub fn load(path: impl AsRef<Path>) -> Result<Vec<u8>, ScanError> {
     let path = path.as_ref();
-    let fail = |error: std::io::Error| match error.kind() {
-        ErrorKind::NotFound => ScanError::new(path, ScanFault::NoFile),
-        ErrorKind::IsADirectory => ScanError::new(path, ScanFault::Folder),
-        _ => ScanError::new(path, error),
-    };
-    if path.is_dir() {
-        return Err(ScanError::new(path, ScanFault::Folder));
-    }
-    let file = File::open(path).map_err(fail)?;
-    let length = file.metadata().map_err(fail)?.len();
-    if length > MAX_BYTES {
-        return Err(ScanError::new(path, ScanFault::TooLarge));
-    }
-    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
-    // A pipe has no length: the limit holds while reading too.
-    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(ScanError::new(path, ScanFault::TooLarge));
-    }
-    Ok(bytes)
+    read_file(path, MAX_BYTES).map_err(|error| {
+        let fault = match error.kind() {
+            ErrorKind::NotFound => ScanFault::NoFile,
+            ErrorKind::IsADirectory => ScanFault::Folder,
+            ErrorKind::FileTooLarge => ScanFault::TooLarge,
+            _ => error.into(),
+        };
+        ScanError::new(path, fault)
+    })
 }
 
 /// Reads the content of a standard scan file; `name` is the path that errors show.
@@ -241,7 +230,7 @@ mod tests {
         assert!(message(folder.path()).contains("is a folder"));
         assert!(message(&folder.path().join("no.csv")).contains("no.csv: there is no such file"));
         let large = folder.path().join("large.csv");
-        File::create(&large).unwrap().set_len(MAX_BYTES + 1).unwrap();
+        std::fs::File::create(&large).unwrap().set_len(MAX_BYTES + 1).unwrap();
         assert!(message(&large).contains("larger than 512 MiB"));
     }
 }

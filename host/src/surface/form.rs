@@ -17,6 +17,9 @@ pub enum Form {
     Quadratic,
 }
 
+/// Terms of the richest form.
+const MOST_TERMS: usize = 6;
+
 impl Form {
     /// Powers of x and y of the terms.
     fn terms(self) -> &'static [(i32, i32)] {
@@ -35,7 +38,7 @@ impl Form {
     /// the mean alone is removed.
     pub fn removed(self, map: &HeightMap) -> HeightMap {
         let fitted = self.fitted(map);
-        map.map(|col, row, h| h - fitted.height_um(col, row))
+        map.clone().map(|col, row, h| h - fitted.height_um(col, row))
     }
 
     /// The form itself, as [`removed`](Self::removed) takes it away: the surface of this kind nearest to the
@@ -53,7 +56,7 @@ impl Form {
         let mut normal = vec![vec![0.0; p]; p];
         let mut right = vec![0.0; p];
         for (col, row, h) in map.points() {
-            let v: Vec<f64> = form.powers(col, row).collect();
+            let v = form.powers(col, row);
             for i in 0..p {
                 right[i] += v[i] * h;
                 for j in 0..=i {
@@ -88,16 +91,20 @@ pub struct FittedForm {
 impl FittedForm {
     /// Its height at a point of the map, missing or not, in um.
     pub fn height_um(&self, col: usize, row: usize) -> f64 {
-        self.powers(col, row).zip(&self.coefficients_um).map(|(v, c)| v * c).sum()
+        self.powers(col, row).iter().zip(&self.coefficients_um).map(|(v, c)| v * c).sum()
     }
 
     /// The terms at a point. Powers of coordinates from -1 to 1 are nearly independent.
-    fn powers(&self, col: usize, row: usize) -> impl Iterator<Item = f64> + '_ {
+    fn powers(&self, col: usize, row: usize) -> [f64; MOST_TERMS] {
         let unit = |k: usize, n: usize| {
             if n > 1 { 2.0 * k as f64 / (n - 1) as f64 - 1.0 } else { 0.0 }
         };
         let (x, y) = (unit(col, self.nx), unit(row, self.ny));
-        self.terms.iter().map(move |&(i, j)| x.powi(i) * y.powi(j))
+        let mut powers = [0.0; MOST_TERMS];
+        for (power, &(i, j)) in powers.iter_mut().zip(&self.terms) {
+            *power = x.powi(i) * y.powi(j);
+        }
+        powers
     }
 }
 

@@ -137,14 +137,13 @@ impl HeightMap {
     ///
     /// `height(col, row, old)` gives the new height in um.
     #[must_use]
-    pub fn map(&self, mut height: impl FnMut(usize, usize, f64) -> f64) -> Self {
-        let mut new = self.clone();
-        for (k, h) in new.heights_um.iter_mut().enumerate() {
+    pub fn map(mut self, mut height: impl FnMut(usize, usize, f64) -> f64) -> Self {
+        for (k, h) in self.heights_um.iter_mut().enumerate() {
             if !self.missing.get(k).copied().unwrap_or(false) {
                 *h = height(k % self.nx, k / self.nx, *h);
             }
         }
-        new
+        self
     }
 }
 

@@ -25,7 +25,7 @@ pub fn scaled(map: &HeightMap, scale: f64) -> Result<HeightMap, ModifyError> {
     if !(scale.is_finite() && map.points().all(|p| (p.2 * scale).is_finite())) {
         return Err(ModifyError::Scale(scale));
     }
-    Ok(map.map(|_, _, h| h * scale))
+    Ok(map.clone().map(|_, _, h| h * scale))
 }
 
 /// A complete map made ready for many cut-offs: the areal Gaussian filter of ISO 16610-61.
@@ -131,7 +131,7 @@ mod tests {
             (-reach..=reach).map(|k| (k, w(k) / sum)).collect::<Vec<_>>()
         };
         let (in_x, in_y) = (kernel(map.dx_um()), kernel(map.dy_um()));
-        map.map(|col, row, _| {
+        map.clone().map(|col, row, _| {
             let mut sum = 0.0;
             for &(j, wy) in &in_y {
                 for &(i, wx) in &in_x {
@@ -175,7 +175,7 @@ mod tests {
             let pass = LowPass::new(&map, Edges::Periodic).unwrap();
             for (cutoff, share) in [(1.0 / frequency, 0.5), (2.0 / frequency, 0.0625)] {
                 let found = pass.apply(3.0, Some(cutoff)).unwrap();
-                let exact = map.map(|_, _, h| 3.0 * (2.0 + share * (h - 2.0)));
+                let exact = map.clone().map(|_, _, h| 3.0 * (2.0 + share * (h - 2.0)));
                 assert!(largest_difference(&found, &exact) < 1e-12);
             }
         }

@@ -37,6 +37,13 @@ pub struct Roughness {
 }
 
 impl Roughness {
+    /// Whether no figure has overflowed: heights of 1e100 um have none.
+    pub fn is_finite(&self) -> bool {
+        let slopes = [self.rms_slope_x, self.rms_slope_y, self.acl_um];
+        let figures = [self.ra_um, self.rq_um, self.rz_um, self.rz5_um, self.rsk, self.rku];
+        figures.into_iter().chain(slopes.into_iter().flatten()).all(f64::is_finite)
+    }
+
     /// The figures of a map.
     pub fn of(map: &HeightMap) -> Self {
         let count = map.points().count() as f64;
@@ -44,10 +51,10 @@ impl Roughness {
         let moment = |k: i32| map.points().map(|p| (p.2 - mean).powi(k)).sum::<f64>() / count;
         let variance = moment(2);
         let rq = variance.sqrt();
-        let mut heights: Vec<f64> = map.points().map(|p| p.2 - mean).collect();
-        let five = heights.len().min(5);
-        let (lowest, highest) = extremes(&mut heights, five);
-        let sum = |part: &[f64]| part.iter().sum::<f64>() / five as f64;
+        let heights = || map.points().map(|p| p.2 - mean);
+        let lowest = smallest(heights());
+        let highest: Vec<f64> = smallest(heights().map(|h| -h)).iter().map(|h| -h).collect();
+        let sum = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
         let rz5 = sum(&highest) - sum(&lowest);
         let (rv, rp) = (
             0.0 - lowest.iter().copied().fold(0.0, f64::min),
@@ -76,13 +83,18 @@ impl Roughness {
     }
 }
 
-/// The `k` smallest and the `k` largest values.
-fn extremes(values: &mut [f64], k: usize) -> (Vec<f64>, Vec<f64>) {
-    let n = values.len();
-    values.select_nth_unstable_by(k - 1, f64::total_cmp);
-    let lowest = values[..k].to_vec();
-    values.select_nth_unstable_by(n - k, f64::total_cmp);
-    (lowest, values[n - k..].to_vec())
+/// The five smallest values, or all of fewer; without a copy of the map.
+fn smallest(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    const FIVE: usize = 5;
+    let mut found: Vec<f64> = Vec::with_capacity(FIVE + 1);
+    for value in values {
+        if found.len() == FIVE && found.last().is_some_and(|last| value >= *last) {
+            continue;
+        }
+        found.insert(found.partition_point(|f| *f <= value), value);
+        found.truncate(FIVE);
+    }
+    found
 }
 
 /// Pairs of points a step apart, both with a height.

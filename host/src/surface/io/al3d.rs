@@ -105,7 +105,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::{MAGIC, detect, read};
 
     /// A file of the given tags; its heights are those of `rows`, one padded row each.
@@ -122,6 +122,10 @@ mod tests {
             bytes.extend(vec![0; 4 * (row.len() % 2)]);
         }
         bytes
+    }
+
+    pub(in crate::surface::io) fn sample() -> Vec<u8> {
+        file(&TAGS, &ROWS)
     }
 
     const TAGS: [(&str, &str); 6] = [

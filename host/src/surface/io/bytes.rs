@@ -90,6 +90,16 @@ pub(super) fn points(format: &'static str, nx: u64, ny: u64) -> Result<usize, Ma
     }
 }
 
+/// Something packed may inflate to this much, whatever the size of the file,
+const INFLATED_FREELY: u64 = 64 << 20;
+/// and to so many times the file on top; measured maps are at most ten times smaller packed.
+const INFLATED_TIMES: u64 = 256;
+
+/// Most bytes that a part of the packed file `bytes` may inflate to.
+pub(super) fn most_inflated(bytes: &[u8]) -> u64 {
+    INFLATED_FREELY + INFLATED_TIMES * bytes.len() as u64
+}
+
 /// A pixel size, if it is positive and finite; `name` is what the file calls it.
 pub(super) fn pitch(format: &'static str, name: &str, um: f64) -> Result<f64, MapFault> {
     if um.is_finite() && um > 0.0 {

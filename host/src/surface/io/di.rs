@@ -6,6 +6,7 @@
 //! multiplied by `\@Sens. S: V c nm/V`. The map is the first channel that gives a length so.
 
 use super::bytes::{Cursor, pitch, points};
+use super::text::windows_1252;
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "Nanoscope";
@@ -13,6 +14,8 @@ const START: &str = r"\*File list";
 const END: &str = r"\*File list end";
 /// Headers are tens of kilobytes.
 const LONGEST_HEADER: usize = 1 << 20;
+/// Files have some ten sections; every image is sought in all of them.
+const MOST_SECTIONS: usize = 256;
 /// From this version on a point takes 4 bytes, whatever `Bytes/pixel` says.
 const WIDE_SINCE: u32 = 0x0920_0000;
 
@@ -26,8 +29,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     if !detect(bytes) {
         return Err(damaged(format!("the first bytes are not {START}")));
     }
-    // Latin-1: a byte is a character
-    let header: String = bytes.iter().take(LONGEST_HEADER).map(|b| char::from(*b)).collect();
+    let header = windows_1252(bytes.get(..bytes.len().min(LONGEST_HEADER)).unwrap_or_default());
     let sections = sections(&header)?;
     let channels = sections.iter().filter(|s| s.name.ends_with("image list"));
     for channel in channels.clone() {
@@ -72,6 +74,9 @@ fn sections(header: &str) -> Result<Vec<Section<'_>>, MapFault> {
     for line in header.lines() {
         if line.trim_end().eq_ignore_ascii_case(END) {
             return Ok(sections);
+        }
+        if sections.len() > MOST_SECTIONS {
+            return Err(damaged(format!("the header has more than {MOST_SECTIONS} sections")));
         }
         if let Some(name) = line.strip_prefix(r"\*") {
             sections.push(Section { name: name.trim().to_ascii_lowercase(), fields: Vec::new() });
@@ -216,10 +221,13 @@ fn pixel_um(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::{detect, read, si};
 
-    fn file(change: impl Fn(String) -> String, points: &[u8]) -> Vec<u8> {
+    pub(in crate::surface::io) fn file(
+        change: impl Fn(String) -> String,
+        points: &[u8],
+    ) -> Vec<u8> {
         let channel = |title: &str, scale: &str| {
             format!(
                 "\\*Ciao image list\n\\Data offset: 1500\n\\Data length: 24\n\\Bytes/pixel: 2\n\
@@ -241,7 +249,7 @@ mod tests {
         bytes
     }
 
-    fn points() -> Vec<u8> {
+    pub(in crate::surface::io) fn points() -> Vec<u8> {
         [1i16, 2, 3, -4, 5, 6].iter().flat_map(|z| z.to_le_bytes()).collect()
     }
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::text::shown;
 use crate::surface::HeightMapError;
 
 /// A height-map file that cannot be used.
@@ -21,14 +22,20 @@ pub enum MapFault {
     /// It cannot be opened.
     #[error("cannot be read ({0}); check the path and the permissions")]
     Io(#[from] std::io::Error),
+    /// There is nothing in it.
+    #[error("the file is empty; export the map again")]
+    Empty,
     /// No reader knows it.
-    #[error("no known height-map format; known are {known}")]
+    #[error("no known height-map format; export it as one of {known}")]
     Unknown {
         /// Names of the formats.
         known: String,
     },
     /// It breaks the rules of its format.
-    #[error("{format}: {what}; the file is damaged or not of this format, export it again")]
+    #[error(
+        "{format}: {}; the file is damaged or not of this format, export it again",
+        shown(what)
+    )]
     Damaged {
         /// The format.
         format: &'static str,
@@ -36,7 +43,7 @@ pub enum MapFault {
         what: String,
     },
     /// It uses a part of its format that is not supported.
-    #[error("{format}: {what} is not supported; {remedy}")]
+    #[error("{format}: {} is not supported; {remedy}", shown(what))]
     Unsupported {
         /// The format.
         format: &'static str,
@@ -54,6 +61,18 @@ pub enum MapFault {
         nx: u64,
         /// Rows.
         ny: u64,
+    },
+    /// A few bytes that would become very many.
+    #[error(
+        "{format}: {what} inflates to more than {most} bytes; if this is a map, save it unpacked"
+    )]
+    Inflates {
+        /// The format.
+        format: &'static str,
+        /// What of the file.
+        what: String,
+        /// Most bytes allowed for a file of this size.
+        most: u64,
     },
     /// The file gives no pixel size.
     #[error("the file gives no pixel size; give --pixel-um")]

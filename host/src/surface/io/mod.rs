@@ -1,13 +1,13 @@
 //! Files of profilometers, one reader a format, told apart by content and never by name.
 
 mod bytes;
+mod text;
 mod error;
 mod al3d;
 mod di;
 mod opd;
 mod sdf;
 mod x3p;
-mod text;
 mod sur;
 mod gwy;
 mod gwyddion_text;
@@ -23,9 +23,13 @@ mod tests_instruments;
 mod tests_gwy;
 #[cfg(test)]
 mod tests_b;
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+mod tests_mutation;
 
 pub use error::{MapError, MapFault};
-pub use open::{OpenOptions, open};
+pub use open::{FORMATS, Format, OpenOptions, open, parse};
 
 use super::HeightMap;
 

@@ -143,11 +143,11 @@ fn heights(block: &[u8], unit_um: f64) -> Result<(usize, usize, Vec<f64>), MapFa
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::{detect, read};
 
     /// A file of the given blocks.
-    fn file(blocks: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    pub(in crate::surface::io) fn file(blocks: &[(&str, Vec<u8>)]) -> Vec<u8> {
         let mut bytes = vec![1, 0];
         let directory = ("Directory", 24 * (blocks.len() + 1));
         for (name, length) in
@@ -170,7 +170,7 @@ mod tests {
         head.iter().flat_map(|x| x.to_le_bytes()).chain(values).collect()
     }
 
-    fn parts() -> Vec<(&'static str, Vec<u8>)> {
+    pub(in crate::surface::io) fn parts() -> Vec<(&'static str, Vec<u8>)> {
         let values = [1i16, 2, 3, -4, i16::MAX, 6].iter().flat_map(|z| z.to_le_bytes()).collect();
         vec![
             ("Wavelength", float(500.0)),

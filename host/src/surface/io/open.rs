@@ -8,10 +8,11 @@ use super::{
 };
 use crate::input::read_file;
 
-/// Largest file that is read, bytes.
+/// Largest file that is read, bytes: text of the largest map takes no more.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// What a file may not say and the user can.
+/// What a file may not say and the user can. Limits are no options: 2^28 points, files of 4 GiB, and
+/// of what is packed 64 MiB and 256 times the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OpenOptions {
     /// Height of one grey level of an image, um.
@@ -19,14 +20,35 @@ pub struct OpenOptions {
 }
 
 /// A format: its name, whether bytes are of it, and its reader.
-struct Format {
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
     name: &'static str,
     detect: fn(&[u8]) -> bool,
     read: fn(&[u8], &OpenOptions) -> Result<RawMap, MapFault>,
 }
 
+impl Format {
+    /// Its name, as messages have it.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Whether the content of a file is of this format.
+    pub fn detect(&self, bytes: &[u8]) -> bool {
+        (self.detect)(bytes)
+    }
+
+    /// The map in the content of a file of this format.
+    ///
+    /// # Errors
+    /// [`MapFault`], for whatever bytes.
+    pub fn read(&self, bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
+        (self.read)(bytes, options)
+    }
+}
+
 /// Told apart by content, in this order: those with a signature first, plain numbers last.
-const FORMATS: [Format; 13] = [
+pub const FORMATS: [Format; 13] = [
     Format { name: "x3p", detect: x3p::detect, read: |b, _| x3p::read(b) },
     Format { name: "SDF", detect: sdf::detect, read: |b, _| sdf::read(b) },
     Format { name: "Alicona al3d", detect: al3d::detect, read: |b, _| al3d::read(b) },
@@ -57,10 +79,16 @@ pub fn open(path: &Path, options: &OpenOptions) -> Result<(RawMap, Vec<u8>), Map
     Ok((map, bytes))
 }
 
-/// The map in the bytes of a file.
-fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
-    match FORMATS.iter().find(|f| (f.detect)(bytes)) {
-        Some(format) => (format.read)(bytes, options),
+/// The map in the content of a file of any known format.
+///
+/// # Errors
+/// [`MapFault`], for whatever bytes.
+pub fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
+    if bytes.is_empty() {
+        return Err(MapFault::Empty);
+    }
+    match FORMATS.iter().find(|f| f.detect(bytes)) {
+        Some(format) => format.read(bytes, options),
         None => Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }),
     }
 }
@@ -73,7 +101,8 @@ mod tests {
     fn garbage_is_of_no_format_and_the_message_names_those_known() {
         for bytes in [&b""[..], b"hello", &[0xff; 64], b"PK\x03\x04"] {
             let error = parse(bytes, &OpenOptions::default()).unwrap_err().to_string();
-            assert!(bytes.starts_with(b"PK") || error.contains("x3p, SDF"), "{error}");
+            let known = error.contains("x3p, SDF") || error.contains("is empty");
+            assert!(bytes.starts_with(b"PK") || known, "{error}");
         }
     }
 

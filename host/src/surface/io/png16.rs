@@ -8,14 +8,12 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder};
 
-use super::bytes::{pitch, points};
-use super::text::{decode, excerpt, length_um};
+use super::bytes::{most_inflated, pitch, points};
+use super::text::{decode, length_um};
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "PNG";
 const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
-/// Deflate makes nothing smaller than by this.
-const DEFLATE: usize = 1032;
 
 /// Whether the file begins as the format asks.
 pub(super) fn detect(bytes: &[u8]) -> bool {
@@ -24,7 +22,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 
 /// Reads the map; `z_um_per_count` is the height of one count and goes before what the file says.
 pub(super) fn read(bytes: &[u8], z_um_per_count: Option<f64>) -> Result<RawMap, MapFault> {
-    let broken = |e: png::DecodingError| damaged(excerpt(&e.to_string()));
+    let broken = |e: png::DecodingError| damaged(e.to_string());
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
@@ -38,8 +36,9 @@ pub(super) fn read(bytes: &[u8], z_um_per_count: Option<f64>) -> Result<RawMap, 
             remedy: "export 16-bit grey; fewer bits round the heights to steps",
         });
     }
-    if n * 2 > bytes.len().saturating_mul(DEFLATE) {
-        return Err(damaged(format!("{nx} x {ny} points cannot be in so few bytes")));
+    let most = most_inflated(bytes);
+    if n as u64 * 2 > most {
+        return Err(MapFault::Inflates { format: FORMAT, what: "the image".into(), most });
     }
     let [z_um, offset_um] = match z_um_per_count {
         Some(z_um) => [z_um, 0.0],
@@ -208,7 +207,7 @@ pub(super) mod tests {
             (good[..good.len() / 2].to_vec(), Some(1.0), ""),
             (good[..20].to_vec(), Some(1.0), ""),
             (broken, Some(1.0), ""),
-            (huge, Some(1.0), "so few bytes"),
+            (huge, Some(1.0), "the image inflates"),
             (larger, Some(1.0), "crop the map"),
             (eight, Some(1.0), "of 8 bits"),
             (colour, Some(1.0), "Rgb"),

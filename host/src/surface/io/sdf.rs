@@ -216,12 +216,12 @@ fn number<T: std::str::FromStr>(name: &str, value: Option<&str>) -> Result<T, Ma
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::{detect, read};
 
     const POINTS: [f64; 6] = [1.0, 2.0, f64::NAN, 4.0, 5.0, 100.0];
 
-    fn text(points: &str) -> String {
+    pub(in crate::surface::io) fn text(points: &str) -> String {
         format!(
             "aISO-1.0\r\nManufacID = maker\r\nCreateDate = 010120200000\r\n\
              NumPoints = 3\r\nNumProfiles = 2\r\nXscale = 5e-7\r\nYscale = 2.5e-7\r\n\
@@ -230,7 +230,7 @@ mod tests {
         )
     }
 
-    fn binary(kind: u8, shape: [u16; 2], points: &[Vec<u8>]) -> Vec<u8> {
+    pub(in crate::surface::io) fn binary(kind: u8, shape: [u16; 2], points: &[Vec<u8>]) -> Vec<u8> {
         let mut bytes = [&b"bISO-1.0maker\0\0\0\0\0"[..], b"010120200000010120200000"].concat();
         bytes.extend(shape.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend([5e-7f64, 2.5e-7, 1e-9, 0.0].iter().flat_map(|x| x.to_le_bytes()));
@@ -241,7 +241,7 @@ mod tests {
     }
 
     /// The points in the data type, the missing one as that type has it, if it does.
-    fn points(kind: u8) -> Vec<Vec<u8>> {
+    pub(in crate::surface::io) fn points(kind: u8) -> Vec<Vec<u8>> {
         let point = |x: f64| match kind {
             0 => vec![x as u8],
             1 => (x as u16).to_le_bytes().to_vec(),

@@ -10,7 +10,7 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
-use super::bytes::{Cursor, pitch, points};
+use super::bytes::{Cursor, most_inflated, pitch, points};
 use super::text::{decode, excerpt, length_um};
 use super::{MapFault, RawMap};
 
@@ -34,6 +34,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     let length = n * header.point_bytes;
     let inflated;
     let raw = if compressed {
+        let most = most_inflated(bytes);
+        if length as u64 > most {
+            return Err(MapFault::Inflates { format: FORMAT, what: "the surface".into(), most });
+        }
         inflated = inflate(&mut cursor, length)?;
         inflated.as_slice()
     } else {

@@ -6,13 +6,25 @@ use super::bytes::points;
 use super::error::MOST_POINTS;
 use super::{MapFault, RawMap};
 
-/// The text of a file: UTF-8 with or without byte order mark, else Latin-1 (for the micro sign).
+/// The text of a file: UTF-8 with or without byte order mark, else Windows-1252.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
-        Err(_) => Cow::Owned(bytes.iter().map(|b| char::from(*b)).collect()),
+        Err(_) => Cow::Owned(windows_1252(bytes)),
     }
+}
+
+/// The text of bytes in Windows-1252; the five of them without a character are those of Latin-1.
+pub(super) fn windows_1252(bytes: &[u8]) -> String {
+    /// 0x80 to 0x9f.
+    const OWN: [char; 32] = [
+        '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž',
+        '\u{8f}', '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}',
+        'ž', 'Ÿ',
+    ];
+    let own = |byte: u8| OWN.get(usize::from(byte.checked_sub(0x80)?)).copied();
+    bytes.iter().map(|byte| own(*byte).unwrap_or(char::from(*byte))).collect()
 }
 
 /// The first lines of a text file for a quick look, at most 2 MiB; `None` if it is not text.
@@ -43,6 +55,18 @@ pub(super) fn comment(line: &str) -> Option<&str> {
 /// The start of a text, short enough for a message.
 pub(super) fn excerpt(text: &str) -> String {
     text.trim().chars().take(24).collect()
+}
+
+/// A message that may hold parts of a file, fit for a terminal: one line, no control characters.
+pub(super) fn shown(message: &str) -> String {
+    /// Most characters, remedy and path apart.
+    const MOST: usize = 300;
+    let printable = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+    let mut shown: String = message.chars().take(MOST).map(printable).collect();
+    if message.chars().nth(MOST).is_some() {
+        shown.push_str("...");
+    }
+    shown
 }
 
 /// Micrometres of a unit of length; `None` if it is not one.

@@ -13,13 +13,11 @@ use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::bytes::{pitch, points};
+use super::bytes::{most_inflated, pitch, points};
 use super::text::excerpt;
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "TIFF";
-/// LZW and deflate make nothing smaller than by this.
-const PACKED: usize = 4096;
 
 const PIXEL_SCALE: Tag = Tag::Unknown(33550);
 const GEO_KEYS: Tag = Tag::Unknown(34735);
@@ -42,9 +40,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     let size = n * usize::from(depth / 8);
     let plain =
         decoder.find_tag_unsigned::<u16>(Tag::Compression).map_err(broken)?.unwrap_or(1) == 1;
-    let most = if plain { bytes.len() } else { bytes.len().saturating_mul(PACKED) };
-    if size > most {
+    let most = most_inflated(bytes);
+    if plain && size > bytes.len() {
         return Err(damaged(format!("{nx} x {ny} points cannot be in so few bytes")));
+    }
+    if size as u64 > most {
+        return Err(MapFault::Inflates { format: FORMAT, what: "the image".into(), most });
     }
     let scale = Scale::of(&mut decoder)?;
     let nodata = nodata(&mut decoder)?;

@@ -8,6 +8,7 @@
 use std::collections::HashSet;
 
 use super::bytes::points;
+use super::error::MOST_POINTS;
 use super::text::{Layout, comment, decode, excerpt, head, length_um, lines};
 use super::{MapFault, RawMap};
 
@@ -66,6 +67,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
             Err(field) => {
                 return Err(damaged(format!("line {number}: `{}` is no number", excerpt(field))));
             }
+        }
+        if xyz.len() as u64 > 3 * MOST_POINTS {
+            return Err(MapFault::TooLarge { format: FORMAT, nx: xyz.len() as u64 / 3, ny: 1 });
         }
     }
     let x = axis("x", xyz.iter().step_by(3))?;

@@ -8,16 +8,12 @@ use zip::result::ZipError;
 
 use super::FORMAT;
 use crate::surface::io::MapFault;
+use crate::surface::io::bytes::most_inflated;
 
 /// The header of every x3p file.
 const MAIN: &str = "main.xml";
 /// What the operating system of some senders adds.
 const JUNK: &str = "__macosx/";
-/// An entry may inflate to this much, whatever the size of the archive,
-const INFLATED_FREELY: u64 = 16 << 20;
-/// and to so many times the archive on top; height maps are at most ten times smaller packed.
-const INFLATED_TIMES: u64 = 256;
-
 /// The archive of an x3p file and the folder in it where `main.xml` is.
 pub(super) struct Archive<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
@@ -44,7 +40,7 @@ impl<'a> Archive<'a> {
             .min_by_key(|folder| folder.len())
             .ok_or_else(|| super::damaged(format!("the archive has no {MAIN}")))?
             .to_owned();
-        let most = INFLATED_FREELY + INFLATED_TIMES * bytes.len() as u64;
+        let most = most_inflated(bytes);
         Ok(Self { zip, names, folder, most })
     }
 
@@ -61,17 +57,19 @@ impl<'a> Archive<'a> {
             return Ok(None);
         };
         let most = most.min(self.most);
-        let too_large = || super::damaged(format!("{path} inflates to more than {most} bytes"));
+        let too_large = || MapFault::Inflates { format: FORMAT, what: path.clone(), most };
         let file = self.zip.by_index(number).map_err(|e| fault(&path, &e))?;
-        if file.size() > most {
+        let size = file.size();
+        if size > most {
             return Err(too_large());
         }
+        // what says less than it holds is not believed further than it says
         let mut bytes = Vec::new();
-        file.take(most + 1)
+        file.take(size + 1)
             .read_to_end(&mut bytes)
             .map_err(|e| super::damaged(format!("{path} cannot be unpacked ({e})")))?;
-        if bytes.len() as u64 > most {
-            return Err(too_large());
+        if bytes.len() as u64 != size {
+            return Err(super::damaged(format!("{path} does not hold its {size} bytes")));
         }
         Ok(Some(bytes))
     }

@@ -346,4 +346,4 @@ fn uneven(axis: &Axis) -> MapFault {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

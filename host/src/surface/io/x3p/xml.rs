@@ -8,6 +8,7 @@ use quick_xml::events::Event;
 
 use super::{FORMAT, damaged};
 use crate::surface::io::MapFault;
+use crate::surface::io::text::windows_1252;
 
 /// The element of one inline point, below the root.
 const DATUM: &str = "Record3/DataList/Datum";
@@ -164,23 +165,13 @@ fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, MapFault> {
     let encoding = encoding.and_then(|text| text.split(['"', '\'']).nth(1)).unwrap_or("utf-8");
     match encoding {
         "utf-8" | "us-ascii" | "windows-1252" | "iso-8859-1" | "iso-8859-15" => {
-            Ok(bytes.iter().map(|byte| windows_1252(*byte)).collect())
+            Ok(windows_1252(bytes).into())
         }
         other => Err(MapFault::Unsupported {
             format: FORMAT,
             what: format!("the encoding {other} of main.xml"),
             remedy: "save it as UTF-8",
         }),
-    }
-}
-
-/// The character of a byte in Windows-1252; the five bytes without one are those of Latin-1.
-fn windows_1252(byte: u8) -> char {
-    /// 0x80 to 0x9f.
-    const OWN: &str = "€\u{81}‚ƒ„…†‡ˆ‰Š‹Œ\u{8d}Ž\u{8f}\u{90}‘’“”•–—˜™š›œ\u{9d}žŸ";
-    match byte {
-        0x80..=0x9f => OWN.chars().nth(usize::from(byte - 0x80)).unwrap_or(char::from(byte)),
-        _ => char::from(byte),
     }
 }
 
@@ -192,7 +183,7 @@ mod tests {
     fn every_encoding_gives_the_same_text() {
         let text = "<?xml version=\"1.0\" encoding=\"windows-1252\"?><a>µ–Ä</a>";
         let utf16 = |order: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(order).collect();
-        let western = |c: char| (0..=255).find(|b| windows_1252(*b) == c).unwrap();
+        let western = |c: char| (0..=255).find(|b| windows_1252(&[*b]).starts_with(c)).unwrap();
         let marked = |mark: &[u8], rest: Vec<u8>| [mark.to_vec(), rest].concat();
         for bytes in [
             text.into(),

@@ -3,19 +3,21 @@
 //! The array is `[row = y, col = x]`. It knows no units: heights are in um and there is no pixel
 //! size. Numbers that are not finite are missing points.
 
-use std::io::{Chain, Cursor, Read};
+mod header;
 
-use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
+use std::io::{Cursor, Read};
+
 use zip::ZipArchive;
 
-use super::bytes::points;
-use super::text::{decode, excerpt};
+use self::header::{Header, Kind, MAGIC};
+use super::bytes::{most_inflated, points};
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "NumPy";
-const MAGIC: &[u8] = b"\x93NUMPY";
-/// Deflate makes nothing smaller than by this.
-const DEFLATE: u64 = 1032;
+/// Most files of a zip that are looked into.
+const MOST_FILES: usize = 1000;
+/// Numbers that are decoded together.
+const BATCH: usize = 1 << 16;
 
 /// Whether the file is an array, or a zip whose first file is named like one.
 pub(super) fn detect(bytes: &[u8]) -> bool {
@@ -32,15 +34,29 @@ fn first_name(bytes: &[u8]) -> Option<&[u8]> {
 /// Reads the array.
 pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     if bytes.starts_with(MAGIC) {
-        return Array::open(bytes, bytes.len() as u64)?.map();
+        let mut file = bytes;
+        let header = Header::read(&mut file)?;
+        let length = file.len() as u64;
+        return map(&header, file, length);
     }
     let broken = |e: zip::result::ZipError| damaged(format!("the zip is broken: {e}"));
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+    if archive.len() > MOST_FILES {
+        return Err(unsupported(format!("a zip of {} files", archive.len())));
+    }
+    let most = most_inflated(bytes);
     let mut found = None;
     for k in 0..archive.len() {
-        let file = archive.by_index(k).map_err(broken)?;
+        let mut file = archive.by_index(k).map_err(broken)?;
         let is_array = file.name().map_err(broken)?.ends_with(".npy");
-        if is_array && !Array::open(file, 0)?.is_scalar_or_list() {
+        if is_array {
+            if file.size() > most {
+                return Err(MapFault::Inflates { format: FORMAT, what: "an array".into(), most });
+            }
+            let header = Header::read(&mut file)?;
+            if header.shape.len() < 2 {
+                continue;
+            }
             if found.is_some() {
                 return Err(unsupported("a file of several arrays".into()));
             }
@@ -48,10 +64,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         }
     }
     let Some(k) = found else { return Err(unsupported("a file without an array".into())) };
-    let file = archive.by_index(k).map_err(broken)?;
-    let most = file.compressed_size().min(bytes.len() as u64).saturating_mul(DEFLATE);
-    let length = file.size().min(most);
-    Array::open(file, length)?.map()
+    let mut file = archive.by_index(k).map_err(broken)?;
+    let header = Header::read(&mut file)?;
+    let length = file.size().saturating_sub(header.length as u64);
+    map(&header, file, length)
 }
 
 fn damaged(what: String) -> MapFault {
@@ -63,121 +79,65 @@ fn unsupported(what: String) -> MapFault {
     MapFault::Unsupported { format: FORMAT, what, remedy }
 }
 
-/// An array whose header is read.
-struct Array<R: Read> {
-    file: NpyFile<Chain<Cursor<Vec<u8>>, R>>,
-    /// At most so many bytes can follow.
-    length: u64,
+/// The map of the numbers that follow a header, `length` bytes at most.
+fn map(header: &Header, numbers: impl Read, length: u64) -> Result<RawMap, MapFault> {
+    let &[ny, nx] = header.shape.as_slice() else {
+        return Err(unsupported(format!("an array of {} dimensions", header.shape.len())));
+    };
+    let n = points(FORMAT, nx, ny)?;
+    let needed = (n * header.kind.size) as u64;
+    if needed > length {
+        let what = format!("{nx} x {ny} numbers need {needed} bytes, there are {length}");
+        return Err(damaged(what));
+    }
+    let (nx, ny) = (nx as usize, ny as usize);
+    let values = values(header.kind, numbers, n)?;
+    let heights_um = if header.fortran {
+        (0..ny).flat_map(|row| values.iter().skip(row).step_by(ny).copied()).collect()
+    } else {
+        values
+    };
+    Ok(RawMap { format: FORMAT, nx, ny, dx_um: None, dy_um: None, heights_um, instrument: None })
 }
 
-impl<R: Read> Array<R> {
-    /// Reads and checks the header, before the crate sees it.
-    fn open(mut file: R, length: u64) -> Result<Self, MapFault> {
-        let short = |_| damaged("ends early in its header".into());
-        let mut head = vec![0; 10];
-        file.read_exact(&mut head).map_err(short)?;
-        let &[_, _, _, _, _, _, version, _, low, high] = head.as_slice() else {
-            return Err(damaged("ends early".into()));
-        };
-        let mut text = usize::from(u16::from_le_bytes([low, high]));
-        if version > 1 {
-            let mut more = [0; 2];
-            file.read_exact(&mut more).map_err(short)?;
-            if more != [0, 0] {
-                return Err(damaged("a header of more than 65535 bytes".into()));
-            }
-            head.extend(more);
-        }
-        let start = head.len();
-        text += start;
-        head.resize(text, 0);
-        let dictionary = head.get_mut(start..).unwrap_or_default();
-        file.read_exact(dictionary).map_err(short)?;
-        guard(&decode(dictionary))?;
-        let file = NpyFile::new(Cursor::new(head).chain(file))
-            .map_err(|e| damaged(format!("its header: {}", excerpt(&e.to_string()))))?;
-        Ok(Self { file, length: length.saturating_sub(text as u64) })
+/// The `n` numbers as they follow one another; NaN for those that are not finite.
+fn values(kind: Kind, mut numbers: impl Read, n: usize) -> Result<Vec<f64>, MapFault> {
+    let mut values = Vec::with_capacity(n);
+    let mut buffer = vec![0; BATCH.min(n) * kind.size];
+    while values.len() < n {
+        let batch = BATCH.min(n - values.len()) * kind.size;
+        let batch = buffer.get_mut(..batch).unwrap_or_default();
+        numbers.read_exact(batch).map_err(|e| damaged(format!("its numbers: {e}")))?;
+        decode(kind, batch, &mut values)?;
     }
-
-    fn is_scalar_or_list(&self) -> bool {
-        self.file.shape().len() < 2
-    }
-
-    fn map(self) -> Result<RawMap, MapFault> {
-        let (ny, nx) = match *self.file.shape() {
-            [ny, nx] => (ny, nx),
-            ref other => {
-                return Err(unsupported(format!("an array of {} dimensions", other.len())));
-            }
-        };
-        let n = points(FORMAT, nx, ny)?;
-        let DType::Plain(kind) = self.file.dtype() else {
-            return Err(unsupported("a structured array".into()));
-        };
-        let needed = kind.size_field().saturating_mul(n as u64);
-        if needed > self.length {
-            return Err(damaged(format!("{nx} x {ny} numbers need {needed} bytes")));
-        }
-        let order = self.file.order();
-        let values = match (kind.type_char(), kind.size_field()) {
-            (TypeChar::Float, 4) => self.values(n, |v: f32| v.into()),
-            (TypeChar::Float, 8) => self.values(n, |v: f64| v),
-            (TypeChar::Int, 1) => self.values(n, |v: i8| v.into()),
-            (TypeChar::Int, 2) => self.values(n, |v: i16| v.into()),
-            (TypeChar::Int, 4) => self.values(n, |v: i32| v.into()),
-            (TypeChar::Int, 8) => self.values(n, |v: i64| v as f64),
-            (TypeChar::Uint, 1) => self.values(n, |v: u8| v.into()),
-            (TypeChar::Uint, 2) => self.values(n, |v: u16| v.into()),
-            (TypeChar::Uint, 4) => self.values(n, |v: u32| v.into()),
-            (TypeChar::Uint, 8) => self.values(n, |v: u64| v as f64),
-            _ => return Err(unsupported(format!("an array of `{kind}`"))),
-        }?;
-        let (nx, ny) = (nx as usize, ny as usize);
-        let heights_um = match order {
-            Order::C => values,
-            Order::Fortran => {
-                (0..ny).flat_map(|row| values.iter().skip(row).step_by(ny).copied()).collect()
-            }
-        };
-        Ok(RawMap {
-            format: FORMAT,
-            nx,
-            ny,
-            dx_um: None,
-            dy_um: None,
-            heights_um,
-            instrument: None,
-        })
-    }
-
-    /// The `n` numbers as they follow one another; NaN for those that are not finite.
-    fn values<T: Deserialize>(
-        self,
-        n: usize,
-        number: impl Fn(T) -> f64,
-    ) -> Result<Vec<f64>, MapFault> {
-        let data = self.file.data::<T>().map_err(|e| damaged(e.to_string()))?;
-        let mut values = Vec::with_capacity(n);
-        for value in data {
-            let value = number(value.map_err(|e| damaged(format!("its numbers: {e}")))?);
-            values.push(if value.is_finite() { value } else { f64::NAN });
-        }
-        Ok(values)
-    }
+    Ok(values)
 }
 
-/// Refuses headers on which the crate could take very long or overflow.
-///
-/// Its parser goes back and forth over nested brackets, and it multiplies the shape unchecked; a
-/// product of numbers with nineteen digits in all fits.
-fn guard(header: &str) -> Result<(), MapFault> {
-    let count = |test: fn(char) -> bool| header.chars().filter(|c| test(*c)).count();
-    if count(|c| "([{".contains(c)) > 3 {
-        return Err(unsupported("a structured array".into()));
+/// Adds the numbers of a batch.
+fn decode(kind: Kind, batch: &[u8], values: &mut Vec<f64>) -> Result<(), MapFault> {
+    macro_rules! decode {
+        ($type:ty, $number:expr) => {{
+            let read =
+                if kind.big_endian { <$type>::from_be_bytes } else { <$type>::from_le_bytes };
+            let number = |bytes: &[u8; size_of::<$type>()]| {
+                let number: f64 = $number(read(*bytes));
+                if number.is_finite() { number } else { f64::NAN }
+            };
+            values.extend(batch.as_chunks().0.iter().map(number));
+        }};
     }
-    let hexadecimal = header.contains("0x") || header.contains("0X");
-    if hexadecimal || count(|c| c.is_ascii_digit()) > 19 {
-        return Err(damaged("a header of impossible numbers".into()));
+    match (kind.letter, kind.size) {
+        ('f', 4) => decode!(f32, f64::from),
+        ('f', 8) => decode!(f64, f64::from),
+        ('i', 1) => decode!(i8, f64::from),
+        ('i', 2) => decode!(i16, f64::from),
+        ('i', 4) => decode!(i32, f64::from),
+        ('i', 8) => decode!(i64, |v| v as f64),
+        ('u', 1) => decode!(u8, f64::from),
+        ('u', 2) => decode!(u16, f64::from),
+        ('u', 4) => decode!(u32, f64::from),
+        ('u', 8) => decode!(u64, |v| v as f64),
+        (letter, size) => return Err(unsupported(format!("a number {letter} of {size} bytes"))),
     }
     Ok(())
 }
@@ -264,22 +224,22 @@ pub(super) mod tests {
             (sample()[..sample().len() - 1].to_vec(), "need 24 bytes"),
             (sample()[..40].to_vec(), "ends early"),
             (sample()[..7].to_vec(), "ends early"),
-            (long, "65535"),
+            (long, "4294967295 bytes"),
             (f4("(100000, 100000)"), "crop the map"),
             (f4("(16384, 16384)"), "need 1073741824 bytes"),
-            (f4("(4294967296, 4294967296)"), "impossible"),
-            (f4("(0xffffffffffff, 0xffffffffffff)"), "impossible"),
+            (f4("(4294967296, 4294967296)"), "crop the map"),
+            (f4("(0xffffffffffff, 0xffffffffffff)"), "its header"),
             (f4("(0, 3)"), "3 x 0"),
             (f4("(-2, 3)"), "its header"),
             (f4("(2.0, 3)"), "its header"),
             (f4("(6,)"), "1 dimensions"),
             (f4("(1, 2, 3)"), "3 dimensions"),
             (f4("x"), "its header"),
-            (npy(1, &nested, &[]), "structured"),
-            (npy(9, &header("'<f4'", "False", "(2, 3)"), &[0; 24]), "its header"),
-            (npy(1, &header("'|O'", "False", "(2, 3)"), &[0; 99]), "`|O`"),
-            (npy(1, &header("'<c8'", "False", "(2, 3)"), &[0; 99]), "`<c8`"),
-            (npy(1, &header("'<f2'", "False", "(2, 3)"), &[0; 99]), "`<f2`"),
+            (npy(1, &nested, &[]), "its header"),
+            (npy(9, &header("'<f4'", "False", "(2, 3)"), &[0; 24]), "version [9, 0]"),
+            (npy(1, &header("'|O'", "False", "(2, 3)"), &[0; 99]), "'|O'"),
+            (npy(1, &header("'<c8'", "False", "(2, 3)"), &[0; 99]), "'<c8'"),
+            (npy(1, &header("'<f2'", "False", "(2, 3)"), &[0; 99]), "'<f2'"),
             (npy(1, &header("[('a', '<f4')]", "False", "(2, 3)"), &[0; 99]), "structured"),
             (npy(1, &header("'<f4'", "1", "(2, 3)"), &[0; 99]), "its header"),
             (npz(&[("a.npy", sample()), ("b.npy", sample())], true), "several arrays"),

@@ -1,0 +1,126 @@
+//! What the targets assert: no panic, no more points than the file can account for, and the same
+//! result when read again. Time and memory are watched by libFuzzer, see `README.md`.
+
+use std::io::{Cursor, Write};
+
+use asperity::measurement::{ColumnMap, Import, Quantity, Selection, csv};
+use asperity::model::Model;
+use asperity::surface::io::{FORMATS, MapFault, OpenOptions, RawMap, parse};
+use asperity::surface::{Form, Roughness};
+use zip::CompressionMethod::Stored;
+use zip::write::{SimpleFileOptions, ZipWriter};
+
+/// Formats that are packed: a point may take much less than a byte.
+const PACKED: [&str; 5] = ["x3p", "npy/npz", "PNG", "TIFF", "Digital Surf sur"];
+/// Maps of at most so many points are also put to use.
+const SMALL: usize = 10_000;
+
+/// Gives bytes to the reader of a format, claimed or not.
+pub fn reader(name: &str, bytes: &[u8]) {
+    let format = FORMATS.iter().find(|f| f.name() == name).expect("a format");
+    format.detect(bytes);
+    for z_um_per_count in [None, Some(0.01)] {
+        let options = OpenOptions { z_um_per_count };
+        judge(bytes, PACKED.contains(&name), || format.read(bytes, &options));
+    }
+}
+
+/// Gives bytes to the reader that claims them first.
+pub fn open(bytes: &[u8]) {
+    judge(bytes, true, || parse(bytes, &OpenOptions::default()));
+}
+
+/// Gives an x3p file whose `main.xml`, points and mask are parts of the bytes to its reader.
+pub fn x3p_content(bytes: &[u8]) {
+    // parts end at bytes that are rare in all of them
+    let mut parts = bytes.splitn(3, |b| *b == 0xfd);
+    let mut part = || parts.next().unwrap_or_default();
+    let files = [("main.xml", part()), ("bindata/data.bin", part()), ("bindata/valid.bin", part())];
+    reader("x3p", &stored(&files));
+}
+
+/// Gives an npz file whose array is the bytes to its reader.
+pub fn npz_content(bytes: &[u8]) {
+    reader("npy/npz", &stored(&[("heights.npy", bytes)]));
+}
+
+fn stored(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        zip.start_file(*name, SimpleFileOptions::default().compression_method(Stored))
+            .expect("a zip");
+        zip.write_all(bytes).expect("memory");
+    }
+    zip.finish().expect("a zip").into_inner()
+}
+
+fn judge(bytes: &[u8], packed: bool, read: impl Fn() -> Result<RawMap, MapFault>) {
+    let (first, again) = (read(), read());
+    match (first, again) {
+        (Ok(map), Ok(again)) => {
+            // xyz fills a grid with sixteen times its points at most, of six bytes each
+            let freely = if packed { (64 << 20) + 256 * bytes.len() } else { 64 + 4 * bytes.len() };
+            assert!(map.heights_um.len() <= freely, "{} x {}", map.nx, map.ny);
+            assert_eq!(Some(map.heights_um.len()), map.nx.checked_mul(map.ny));
+            same(&map, &again);
+            usable(map);
+        }
+        (Err(first), Err(again)) => {
+            let text = first.to_string();
+            assert_eq!(text, again.to_string());
+            assert!(text.len() < 2000 && !text.chars().any(char::is_control), "{text:?}");
+        }
+        (first, again) => panic!("{first:?} and then {again:?}"),
+    }
+}
+
+/// Equality by bits, as missing points are NaN.
+fn same(a: &RawMap, b: &RawMap) {
+    let bits = |map: &RawMap| -> Vec<u64> { map.heights_um.iter().map(|h| h.to_bits()).collect() };
+    assert_eq!((a.nx, a.ny, a.dx_um, a.dy_um), (b.nx, b.ny, b.dx_um, b.dy_um));
+    assert_eq!(bits(a), bits(b));
+    assert_eq!(a.instrument, b.instrument);
+}
+
+/// What a reader gives must not break what follows.
+fn usable(map: RawMap) {
+    if map.heights_um.len() > SMALL {
+        return;
+    }
+    if let Ok(map) = map.into_map(Some(1.0)) {
+        let figures = Roughness::of(&Form::Quadratic.removed(map));
+        assert!((0.0..1.0).contains(&figures.missing_fraction));
+    }
+}
+
+/// Gives bytes to the reader of the standard scan file.
+pub fn scan(bytes: &[u8]) {
+    let read = || csv::parse(bytes, "scan.csv").map_err(|e| e.to_string());
+    assert_eq!(read(), read());
+}
+
+/// Gives bytes to the reader of foreign scan files.
+pub fn foreign(bytes: &[u8]) {
+    for map in ["sigma=a,theta=b,reading=c", "sigma=1,theta=2,reading=3"] {
+        let columns: ColumnMap = map.parse().expect("a column map");
+        for skip_missing in [false, true] {
+            let import = Import {
+                columns: columns.clone(),
+                quantity: Quantity::Bsdf,
+                selection: Selection::default(),
+                skip_missing,
+            };
+            let read = || import.parse(bytes, "foreign.csv").map_err(|e| e.to_string());
+            assert_eq!(read(), read());
+        }
+    }
+}
+
+/// Gives bytes to the reader of model files; what it accepts survives being written.
+pub fn model(bytes: &[u8]) {
+    if let Ok((model, _)) = Model::parse(bytes) {
+        let (again, _) =
+            Model::parse(model.to_json().as_bytes()).expect("what was written is read");
+        assert_eq!(model, again);
+    }
+}
