@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity::batch::{Directions, Vectorised, ggx_ars};
-use asperity::fit::{FitOptions, Objective, fit};
+use asperity::fit::{FitOptions, FitRays, Objective, fit};
 use asperity::forward::{Effort, Plan, Sample, Setup, quadrature};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Surface};

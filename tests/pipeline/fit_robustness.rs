@@ -3,7 +3,9 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use asperity::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, Termination, fit};
+use asperity::fit::{
+    Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, Termination, fit,
+};
 use asperity::forward::{Rays, Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Method, Surface};

@@ -4,7 +4,6 @@
 use asperity::fit::Objective;
 use asperity::forward::solid_angle;
 use asperity::method::{GgxMethod, Method, Surface};
-use asperity_core::bsdf::Bsdf;
 use asperity_core::fresnel::dielectric;
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
