@@ -135,6 +135,7 @@ fn fits(c: &mut Criterion) {
         fit_gain: false,
         objective: Objective::Rmsd,
         max_evaluations: 5000,
+        rays: FitRays::default(),
     };
     let (method, stop) = (GgxMethod::new(surface), AtomicBool::new(false));
     c.bench_function("fit of 5 x 1801 readings, ggx", |bencher| {
