@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use super::error::Failure;
-use super::map::{LoadedMap, MapFlags, Purpose};
+use super::map::MapFlags;
 use super::print;
 use crate::report::{MapFigureFiles, MapFigures};
 use crate::surface::spectrum::Anisotropy;
-use crate::surface::{Edges, Roughness, Spectrum};
+use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 
 /// Print the roughness figures of a height map
 ///
@@ -103,7 +103,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn human(loaded: &LoadedMap, r: &Roughness, anisotropy: Option<Anisotropy>) -> String {
+fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> String {
     let or_none = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.6}"));
     let direction = match anisotropy {
         None => "-".to_owned(),

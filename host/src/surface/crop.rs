@@ -8,7 +8,8 @@ use super::HeightMap;
 use super::heightmap::HeightMapError;
 
 /// A rectangle of points, both ranges half open and not empty; written `x0:x1,y0:y1`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Crop {
     x: Range<usize>,
     y: Range<usize>,
@@ -80,6 +81,20 @@ impl Crop {
 impl fmt::Display for Crop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{},{}:{}", self.x.start, self.x.end, self.y.start, self.y.end)
+    }
+}
+
+impl TryFrom<String> for Crop {
+    type Error = CropError;
+
+    fn try_from(text: String) -> Result<Self, CropError> {
+        text.parse()
+    }
+}
+
+impl From<Crop> for String {
+    fn from(crop: Crop) -> Self {
+        crop.to_string()
     }
 }
 

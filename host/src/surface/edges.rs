@@ -3,7 +3,8 @@
 use super::HeightMap;
 
 /// How a map goes on beyond its borders.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Edges {
     /// It begins again: the last column is followed by the first.
     Periodic,

@@ -6,7 +6,8 @@ use super::nearest::nearest;
 use super::{Form, HeightMap};
 
 /// With what missing points are filled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Fill {
     /// The height of the mean plane there.
     Plane,

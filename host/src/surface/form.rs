@@ -4,7 +4,8 @@ use super::HeightMap;
 use crate::linear::inverse;
 
 /// The form that is removed, by least squares over the points with a height.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Form {
     /// Nothing: heights as in the file.
     None,
@@ -21,6 +22,16 @@ pub enum Form {
 const MOST_TERMS: usize = 6;
 
 impl Form {
+    /// The word in files and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "nothing",
+            Self::Mean => "mean",
+            Self::Plane => "plane",
+            Self::Quadratic => "quadratic",
+        }
+    }
+
     /// Powers of x and y of the terms.
     fn terms(self) -> &'static [(i32, i32)] {
         const TERMS: [(i32, i32); 6] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];

@@ -14,6 +14,8 @@ mod transform;
 pub mod modify;
 pub mod spectrum;
 pub mod io;
+pub mod prepare;
+pub mod random;
 
 pub use crop::Crop;
 pub use edges::Edges;
@@ -21,5 +23,7 @@ pub use fill::Fill;
 pub use form::Form;
 pub use heightmap::{HeightMap, HeightMapError, Incomplete};
 pub use modify::{LowPass, scaled};
+pub use prepare::{Preparation, Prepared, Purpose};
+pub use random::{HeightLaw, RandomHeights};
 pub use roughness::Roughness;
 pub use spectrum::Spectrum;
