@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use asperity_core::ndf::law::Profile;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::boundary::Boundary;
 use crate::input::read_file;
 use crate::measurement::excerpt;
-use crate::method::{self, BuildError, Method, Surface};
-use crate::provenance::Provenance;
+use crate::method::{BuildError, Choice, Method, Surface};
+use crate::provenance::{InputFile, Provenance};
+use crate::surface::{Preparation, Prepared, Purpose};
 
 /// Version of the format.
 pub const FORMAT: u32 = 1;
@@ -54,6 +54,42 @@ pub struct IncidenceRecord {
     pub rmsd_percent: Option<f64>,
 }
 
+/// The measured map of a model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapRecord {
+    /// The file; a path that is not absolute counts from the working directory, else from the model's folder.
+    pub file: InputFile,
+    /// What was done to its map.
+    pub preparation: Preparation,
+}
+
+impl MapRecord {
+    /// Reads the map again, and makes sure that it is the same.
+    fn load(&self, folder: Option<&Path>) -> Result<Prepared, String> {
+        let given = PathBuf::from(&self.file.path);
+        let path = match folder.map(|f| f.join(&given)) {
+            Some(beside) if !given.exists() && beside.exists() => beside,
+            _ => given,
+        };
+        let prepared = self.preparation.load(&path, Purpose::Light)?;
+        if prepared.input.sha256 != self.file.sha256 {
+            return Err(format!(
+                "{} is not the map this model was made with (its SHA-256 differs); restore it, or \
+                 make the model again",
+                path.display()
+            ));
+        }
+        Ok(prepared)
+    }
+}
+
+impl From<&Prepared> for MapRecord {
+    fn from(prepared: &Prepared) -> Self {
+        Self { file: prepared.input.clone(), preparation: prepared.preparation.clone() }
+    }
+}
+
 /// A model or fit, as in a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -65,6 +101,12 @@ pub struct Model {
     /// Shape of the law, for `normals`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
+    /// The measured map, for methods that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapRecord>,
+    /// Seed of the heights, for methods that draw them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_seed: Option<u64>,
     /// What the surface bounds.
     #[serde(default)]
     pub body: Body,
@@ -80,6 +122,9 @@ pub struct Model {
     /// Noise of the measurement in the same terms, %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise_floor_percent: Option<f64>,
+    /// Noise of the simulated readings in the same terms, %, for methods that trace rays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulation_noise_percent: Option<f64>,
     /// What was minimised.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objective: Option<String>,
@@ -151,42 +196,6 @@ pub struct ModelError {
     pub what: String,
 }
 
-/// The names of the methods, for messages.
-pub const METHODS: [&str; 2] = ["ggx", "normals"];
-
-/// A method by its name.
-///
-/// # Errors
-/// With the names that exist, or what the method lacks.
-pub fn method_by_name(
-    name: &str,
-    law: Option<&str>,
-    surface: Surface,
-    centre: bool,
-) -> Result<Box<dyn Method>, String> {
-    let profile = match law {
-        None | Some("gauss") => Profile::Gauss,
-        Some("cauchy") => Profile::Cauchy,
-        Some(other) => {
-            return Err(format!("law `{}` is unknown; write gauss or cauchy", excerpt(other)));
-        }
-    };
-    match name {
-        "ggx" => Ok(Box::new(method::GgxMethod::new(surface))),
-        "normals" if surface == Surface::Opaque => {
-            Err("method normals needs a dielectric with a refractive index; an opaque body can be \
-             described with ggx"
-                .into())
-        }
-        "normals" => Ok(Box::new(method::NormalsMethod { profile, centre })),
-        other => Err(format!(
-            "method `{}` is unknown; the methods are {}",
-            excerpt(other),
-            METHODS.join(", ")
-        )),
-    }
-}
-
 impl Model {
     /// A model that was not fitted.
     pub fn new(
@@ -202,11 +211,14 @@ impl Model {
             asperity: FORMAT,
             method: method.name().into(),
             law: method.law().map(Into::into),
+            map: None,
+            surface_seed: method.seed(),
             body,
             ior,
             parameters: values.into_iter().collect(),
             rmsd_percent: None,
             noise_floor_percent: None,
+            simulation_noise_percent: None,
             objective: None,
             objective_value: None,
             incidences: Vec::new(),
@@ -230,7 +242,8 @@ impl Model {
             let remedy = "give the path of a model made by `asperity model` or `asperity fit`";
             error(None, format!("cannot be read ({e}); {remedy}"))
         })?;
-        let (model, boundary) = Self::parse(&bytes).map_err(|(line, what)| error(line, what))?;
+        let (model, boundary) =
+            Self::parse_in(&bytes, path.parent()).map_err(|(line, what)| error(line, what))?;
         Ok((model, boundary, bytes))
     }
 
@@ -239,6 +252,14 @@ impl Model {
     /// # Errors
     /// The line, where there is one, and what is wrong.
     pub fn parse(bytes: &[u8]) -> Result<(Self, Boundary), (Option<usize>, String)> {
+        Self::parse_in(bytes, None)
+    }
+
+    /// The same for a file in a folder, where its map may be.
+    fn parse_in(
+        bytes: &[u8],
+        folder: Option<&Path>,
+    ) -> Result<(Self, Boundary), (Option<usize>, String)> {
         let text = std::str::from_utf8(bytes)
             .map_err(|_| (None, "is not text; a model is a JSON file".to_owned()))?;
         let model: Self = serde_json::from_str(text).map_err(|e| {
@@ -257,7 +278,7 @@ impl Model {
             );
             return Err((line_of("asperity"), what));
         }
-        let boundary = model.boundary().map_err(|(key, what)| (line_of(&key), what))?;
+        let boundary = model.boundary(folder).map_err(|(key, what)| (line_of(&key), what))?;
         Ok((model, boundary))
     }
 
@@ -279,13 +300,13 @@ impl Model {
         }
     }
 
-    /// The boundary that the parameters make.
+    /// The boundary that the parameters make; its map is looked for in a folder too.
     ///
     /// # Errors
     /// The key at fault and what is wrong.
-    pub fn boundary(&self) -> Result<Boundary, (String, String)> {
+    pub fn boundary(&self, folder: Option<&Path>) -> Result<Boundary, (String, String)> {
         let surface = self.surface()?;
-        if self.method == "normals" && self.law.is_none() {
+        if Choice::has_law(&self.method) && self.law.is_none() {
             let what = "`law` is missing; write gauss or cauchy";
             return Err(("method".into(), what.into()));
         }
@@ -295,9 +316,26 @@ impl Model {
             let what = format!("`ior` is {ior}, but {} among the parameters", fitted.value);
             return Err(("ior".into(), what + "; keep one of the two"));
         }
-        let centre = self.parameters.contains_key("theta0");
-        let method = method_by_name(&self.method, self.law.as_deref(), surface, centre)
-            .map_err(|what| ("method".to_owned(), what))?;
+        let map = match (&self.map, Choice::needs_map(&self.method)) {
+            (Some(record), true) => Some(record.load(folder).map_err(|e| ("map".to_owned(), e))?),
+            (None, false) => None,
+            (None, true) => {
+                let what = format!("method {} needs a `map`; fit it again", self.method);
+                return Err(("method".into(), what));
+            }
+            (Some(_), false) => {
+                let what = format!("method {} has no `map`; leave it out", self.method);
+                return Err(("map".into(), what));
+            }
+        };
+        let choice = Choice {
+            law: self.law.as_deref(),
+            asked: &|name| self.parameters.contains_key(name),
+            map: map.as_ref().map(|m| (&m.map, m.edges)),
+            seed: self.surface_seed.unwrap_or(1),
+            ..Choice::new(&self.method, surface)
+        };
+        let method = choice.method().map_err(|what| ("method".to_owned(), what))?;
         // A fit of a plate keeps these two besides the method's own.
         let common = ["ior", "gain"];
         for (name, value) in &self.parameters {
@@ -335,6 +373,7 @@ impl Model {
             let key = match &e {
                 BuildError::OutOfDomain { name, .. } | BuildError::Missing(name) => name,
                 BuildError::Ior(_) => "ior",
+                BuildError::Map(_) => "map",
             };
             (key.to_owned(), e.to_string())
         })

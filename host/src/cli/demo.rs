@@ -12,8 +12,7 @@ use super::scan::simulate;
 use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
 use crate::forward::{Rays, Sample, Setup};
 use crate::measurement::{Metadata, Quantity, write};
-use crate::method::{GgxMethod, Method, Surface};
-use crate::model::method_by_name;
+use crate::method::{Choice, GgxMethod, Method, Surface};
 use crate::output::{AtomicFile, write_text};
 use crate::plot::{self, Scale};
 use crate::provenance::InputFile;
@@ -95,7 +94,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for (name, laws) in [("ggx", &[None][..]), ("normals", &[Some("gauss"), Some("cauchy")])] {
         let methods = laws
             .iter()
-            .map(|law| method_by_name(name, *law, surface, false))
+            .map(|law| Choice { law: *law, ..Choice::new(name, surface) }.method())
             .collect::<Result<Vec<_>, _>>()
             .map_err(Failure::Bad)?;
         let (k, entry) = best(&methods, &job)?;

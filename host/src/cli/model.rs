@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use super::map::MapFlags;
 use super::print;
-use crate::method::Surface;
-use crate::model::{Model, Value, method_by_name};
+use crate::method::{Choice, Surface};
+use crate::model::{MapRecord, Model, Value};
 use crate::output::write_text;
 use crate::provenance::Provenance;
 
@@ -34,12 +35,14 @@ impl LawFlag {
 /// Methods and their parameters:
 ///   ggx      alpha (width, 1e-6 to 100); with --opaque also gain and lambert (1/sr)
 ///   normals  delta (deg), n (exponent, 0.1 to 100), theta0 (deg, optional); --law gauss or cauchy
+///   heights  delta (steps of the grid), optional n, h_max, z0 (steps); --law gauss or cauchy, --seed
+///   measured-ray  scale, cutoff_um (optional); --map FILE
 ///
 /// Example: asperity model normals --set delta=6.9 n=1.66 --law gauss --ior 1.49 -o m.json
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx or normals
+    /// Method: ggx, normals, heights or measured-ray
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
@@ -50,9 +53,17 @@ pub(super) struct Args {
     /// The body is opaque (ggx only)
     #[arg(long)]
     opaque: bool,
-    /// Shape of the law of `normals`
+    /// Shape of the law of `normals` and `heights`
     #[arg(long, value_enum)]
     law: Option<LawFlag>,
+    /// Height map of `measured-ray`
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Seed of the heights of `heights`
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    map_flags: MapFlags,
     /// File to write; stdout without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -69,13 +80,25 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             return Err(Failure::bad("the refractive index is missing; give --ior N, or --opaque"));
         }
     };
-    if args.law.is_some() && args.method != "normals" {
+    if args.law.is_some() && !Choice::has_law(&args.method) {
         return Err(Failure::bad(format!("method {} has no law; leave --law out", args.method)));
     }
+    if args.map.is_some() && !Choice::needs_map(&args.method) {
+        return Err(Failure::bad(format!("method {} has no map; leave --map out", args.method)));
+    }
     let pairs = args.set.iter().map(|text| split(text)).collect::<Result<Vec<_>, _>>()?;
-    let centre = pairs.iter().any(|(name, _)| name == "theta0");
-    let method = method_by_name(&args.method, args.law.map(LawFlag::word), surface, centre)
-        .map_err(Failure::Bad)?;
+    let map = match &args.map {
+        Some(path) => Some(args.map_flags.load_for_light(path)?),
+        None => None,
+    };
+    let choice = Choice {
+        law: args.law.map(LawFlag::word),
+        asked: &|wanted| pairs.iter().any(|(name, _)| name == wanted),
+        map: map.as_ref().map(|m| (&m.map, m.edges)),
+        seed: args.seed,
+        ..Choice::new(&args.method, surface)
+    };
+    let method = choice.method().map_err(Failure::Bad)?;
     let mut values = Vec::new();
     for (name, text) in &pairs {
         let names = || method.parameters().iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
@@ -94,7 +117,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         values.push((name.clone(), Value { value, unit, std_error: None }));
     }
     let mut model = Model::new(&*method, surface, values);
-    model.boundary().map_err(|(key, what)| {
+    model.map = map.as_ref().map(MapRecord::from);
+    model.boundary(None).map_err(|(key, what)| {
         let flag = if key == "ior" { "--ior" } else { "--set" };
         Failure::bad(format!("{what}; set it with {flag}"))
     })?;

@@ -4,6 +4,8 @@
 //! meets more than one facet, and knows one shape of lobe only. On an opaque body the facets get a
 //! constant reflectance `gain` and a Lambert floor `lambert`, both fitted.
 
+use std::borrow::Cow;
+
 use asperity_core::bsdf::{Ggx, OpaqueGgx};
 
 use super::{BuildError, Method, Parameter, Scale, Surface, alpha};
@@ -27,16 +29,20 @@ const ALPHA: Parameter = Parameter {
     unit: "",
     bounds: (1e-4, 5.0),
     scale: Scale::Log,
-    starts: &[0.004, 0.02, 0.08, 0.25, 0.8],
+    starts: Cow::Borrowed(&[0.004, 0.02, 0.08, 0.25, 0.8]),
+    low_is_none: false,
 };
 const GAIN: Parameter =
-    Parameter { name: "gain", unit: "", bounds: (1e-6, 100.0), scale: Scale::Log, starts: &[0.5] };
+    Parameter { name: "gain", unit: "", bounds: (1e-6, 100.0), scale: Scale::Log, starts: Cow::Borrowed(&[0.5]),
+    low_is_none: false,
+};
 const LAMBERT: Parameter = Parameter {
     name: "lambert",
     unit: "1/sr",
     bounds: (1e-6, 100.0),
     scale: Scale::Log,
-    starts: &[0.03],
+    starts: Cow::Borrowed(&[0.03]),
+    low_is_none: false,
 };
 
 impl Method for GgxMethod {

@@ -4,15 +4,24 @@
 //! |---|---|---|
 //! | `ggx` | [`ggx`] | closed form in `asperity_core::bsdf` |
 //! | `normals` | [`normals`] | density of normals in `asperity_core::ndf` |
+//! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
+//! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 
 mod parameter;
 pub mod ggx;
 pub mod normals;
+pub mod heights;
+pub mod measured_ray;
+mod choice;
 
+pub use choice::{Choice, METHODS};
 pub use ggx::GgxMethod;
+pub use heights::HeightsMethod;
+pub use measured_ray::MeasuredRayMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 
+use asperity_core::ndf::law::Profile;
 use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};
 
 use crate::boundary::Boundary;
@@ -40,6 +49,9 @@ pub enum BuildError {
     /// The refractive index is outside its domain, or missing.
     #[error("{0}")]
     Ior(String),
+    /// The heights cannot be traced.
+    #[error("{0}")]
+    Map(String),
 }
 
 /// The body that has the rough surface.
@@ -93,6 +105,18 @@ pub trait Method: Send + Sync {
     /// Whether its boundaries are traced: simulated by Monte Carlo, with its noise.
     fn is_traced(&self) -> bool {
         false
+    }
+    /// The seed of its surface, for methods that draw one.
+    fn seed(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// The word for the shape of a law.
+fn profile_name(profile: Profile) -> &'static str {
+    match profile {
+        Profile::Gauss => "gauss",
+        Profile::Cauchy => "cauchy",
     }
 }
 

@@ -4,6 +4,8 @@
 //! It fits more shapes of lobe than `ggx`, but has no masking, no shadowing and no interreflection, so it
 //! is not reciprocal and grows wrong towards grazing incidence.
 
+use std::borrow::Cow;
+
 use asperity_core::bsdf::Normals;
 use asperity_core::ndf::law::{Law, LawError, Profile};
 use asperity_core::ndf::normals::NormalDensity;
@@ -25,16 +27,20 @@ const DELTA: Parameter = Parameter {
     unit: "deg",
     bounds: (0.005, 90.0),
     scale: Scale::Log,
-    starts: &[0.3, 2.0, 8.0, 25.0],
+    starts: Cow::Borrowed(&[0.3, 2.0, 8.0, 25.0]),
+    low_is_none: false,
 };
 const N: Parameter =
-    Parameter { name: "n", unit: "", bounds: (0.5, 64.0), scale: Scale::Log, starts: &[2.0] };
+    Parameter { name: "n", unit: "", bounds: (0.5, 64.0), scale: Scale::Log, starts: Cow::Borrowed(&[2.0]),
+    low_is_none: false,
+};
 const THETA0: Parameter = Parameter {
     name: "theta0",
     unit: "deg",
     bounds: (0.0, 60.0),
     scale: Scale::Linear,
-    starts: &[1.0],
+    starts: Cow::Borrowed(&[1.0]),
+    low_is_none: false,
 };
 
 impl Method for NormalsMethod {
@@ -75,10 +81,7 @@ impl Method for NormalsMethod {
     }
 
     fn law(&self) -> Option<&'static str> {
-        Some(match self.profile {
-            Profile::Gauss => "gauss",
-            Profile::Cauchy => "cauchy",
-        })
+        Some(super::profile_name(self.profile))
     }
 }
 

@@ -1,5 +1,7 @@
 //! A parameter of a method, and its way to the optimiser and back.
 
+use std::borrow::Cow;
+
 /// How a parameter is spaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
@@ -21,7 +23,9 @@ pub struct Parameter {
     /// Spacing.
     pub scale: Scale,
     /// Values to start a search from.
-    pub starts: &'static [f64],
+    pub starts: Cow<'static, [f64]>,
+    /// Whether the lower bound stands for `nothing`: a fit that ends there was not cut short.
+    pub low_is_none: bool,
 }
 
 impl Parameter {
@@ -56,7 +60,8 @@ impl Parameter {
     pub fn is_at_bound(&self, value: f64) -> bool {
         let (lo, hi) = self.ends();
         let place = (self.stretch(value) - lo) / (hi - lo);
-        !(1e-4..=1.0 - 1e-4).contains(&place)
+        let low = if self.low_is_none { f64::NEG_INFINITY } else { 1e-4 };
+        !(low..=1.0 - 1e-4).contains(&place)
     }
 
     fn stretch(&self, value: f64) -> f64 {
@@ -73,12 +78,14 @@ impl Parameter {
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+
     use super::{Parameter, Scale};
 
     #[test]
     fn the_transform_is_bounded_and_inverted() {
         for scale in [Scale::Linear, Scale::Log] {
-            let p = Parameter { name: "x", unit: "", bounds: (0.01, 5.0), scale, starts: &[1.0] };
+            let p = Parameter { name: "x", unit: "", bounds: (0.01, 5.0), scale, starts: Cow::Borrowed(&[1.0]), low_is_none: false };
             for value in [0.011, 0.1, 1.0, 4.9] {
                 assert!((p.to_bounded(p.to_free(value)) / value - 1.0).abs() < 1e-9);
                 assert!(p.step(value).abs() > 1e-3 && p.step(value).is_finite());

@@ -1,0 +1,98 @@
+//! A method by its name.
+
+use asperity_core::ndf::law::Profile;
+
+use super::{GgxMethod, HeightsMethod, MeasuredRayMethod, Method, NormalsMethod, Surface};
+use crate::surface::{Edges, HeightMap};
+
+/// The names of the methods, for messages.
+pub const METHODS: [&str; 4] = ["ggx", "normals", "heights", "measured-ray"];
+
+/// What it takes to make a method.
+#[derive(Clone, Copy)]
+pub struct Choice<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Shape of the law, for methods that have one; gauss if not said.
+    pub law: Option<&'a str>,
+    /// The body.
+    pub surface: Surface,
+    /// Which of the optional parameters are wanted.
+    pub asked: &'a dyn Fn(&str) -> bool,
+    /// The measured map and how it goes on, for methods that need one.
+    pub map: Option<(&'a HeightMap, Edges)>,
+    /// Seed of the heights, for methods that draw them.
+    pub seed: u64,
+}
+
+impl std::fmt::Debug for Choice<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Choice").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Choice<'a> {
+    /// Whether a method of this name uses a height map.
+    pub fn needs_map(name: &str) -> bool {
+        name == "measured-ray"
+    }
+
+    /// Whether a method of this name has a law.
+    pub fn has_law(name: &str) -> bool {
+        matches!(name, "normals" | "heights")
+    }
+
+    /// A method for a body, nothing optional asked for.
+    pub fn new(name: &'a str, surface: Surface) -> Self {
+        Self { name, law: None, surface, asked: &|_| false, map: None, seed: 1 }
+    }
+
+    /// The method.
+    ///
+    /// # Errors
+    /// With the names that exist, or what the method lacks.
+    pub fn method(&self) -> Result<Box<dyn Method>, String> {
+        let profile = match self.law {
+            None | Some("gauss") => Profile::Gauss,
+            Some("cauchy") => Profile::Cauchy,
+            Some(other) => {
+                return Err(format!("law `{}` is unknown; write gauss or cauchy", short(other)));
+            }
+        };
+        if self.surface == Surface::Opaque
+            && self.name != "ggx"
+            && METHODS.contains(&self.name)
+        {
+            return Err(format!(
+                "method {} needs a dielectric with a refractive index; an opaque body can be \
+                 described with ggx",
+                self.name
+            ));
+        }
+        match self.name {
+            "ggx" => Ok(Box::new(GgxMethod::new(self.surface))),
+            "normals" => {
+                Ok(Box::new(NormalsMethod { profile, centre: (self.asked)("theta0") }))
+            }
+            "heights" => Ok(Box::new(HeightsMethod::new(profile, self.seed, self.asked))),
+            "measured-ray" => {
+                let Some((map, edges)) = self.map else {
+                    return Err("method measured-ray needs a height map; give --map FILE".into());
+                };
+                MeasuredRayMethod::new(map, edges, (self.asked)("cutoff_um"))
+                    .map(|m| Box::new(m) as Box<dyn Method>)
+                    .map_err(|e| e.to_string())
+            }
+            other => Err(format!(
+                "method `{}` is unknown; the methods are {}",
+                short(other),
+                METHODS.join(", ")
+            )),
+        }
+    }
+}
+
+/// Foreign text in a message.
+fn short(text: &str) -> String {
+    crate::measurement::excerpt(text).to_string()
+}
