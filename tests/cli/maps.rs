@@ -75,6 +75,23 @@ fn grooves_and_periods_are_noticed() {
 }
 
 #[test]
+fn measured_grooves_have_a_direction_and_the_virtual_samples_have_none() {
+    let folder = Folder::new();
+    for (file, directional, edges) in [
+        ("topography/SurfaceTopography/matrix-4.txt", true, "mirrored"),
+        ("topography/SurfaceTopography/al3d-1.al3d", false, "mirrored"),
+        ("samples/sample5.npy", false, "periodic"),
+        ("samples/sample8.npy", false, "periodic"),
+    ] {
+        let Some(path) = asperity_tests::data::find(file) else { continue };
+        let path = path.to_str().unwrap();
+        let found = folder.run_args(["stats", path, "--pixel-um", "1", "--json"]).json();
+        assert_eq!(found["directional"], directional, "{file}: {found:#}");
+        assert_eq!(found["edges"], edges, "{file}");
+    }
+}
+
+#[test]
 fn plots_are_written_whole_and_the_same_with_any_number_of_threads() {
     let folder = Folder::new();
     folder.write("map.txt", matrix(wavy));
