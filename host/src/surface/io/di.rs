@@ -284,6 +284,10 @@ pub(super) mod tests {
         for end in [0, 5, 11, 100, 500, 1400, 1499, 1511] {
             assert!(read(&bytes[..end]).is_err(), "{end}");
         }
+        // so many images, each sought in all sections, would take minutes
+        let many = format!("\\*File list\n{}", "\\*Ciao image list\n".repeat(300));
+        let fault = read(many.as_bytes()).unwrap_err();
+        assert!(fault.to_string().contains("more than 256 sections"), "{fault}");
         for (old, new) in [
             ("\\*File list\n", "\\*Force file list\n"),
             (super::END, ""),

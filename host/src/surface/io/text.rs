@@ -216,7 +216,7 @@ pub(super) fn matrix<'a>(
 
 #[cfg(test)]
 mod tests {
-    use super::{Layout, decode, head, length_um, quantity_um};
+    use super::{Layout, decode, head, length_um, quantity_um, shown};
 
     fn numbers(line: &str) -> Option<Vec<f64>> {
         let mut values = Vec::new();
@@ -247,5 +247,12 @@ mod tests {
         }
         assert_eq!(length_um("V"), None);
         assert!(head(b"1 2\n\0").is_none() && head(b"").is_none());
+    }
+
+    #[test]
+    fn a_message_is_short_and_holds_no_control_characters() {
+        assert_eq!(shown("line 3: `\u{1b}[2J\n`"), "line 3: `\u{fffd}[2J\u{fffd}`");
+        assert_eq!(shown(&"x".repeat(300)), "x".repeat(300));
+        assert_eq!(shown(&"x".repeat(9000)), "x".repeat(300) + "...");
     }
 }

@@ -219,6 +219,7 @@ pub(super) mod tests {
     fn malformed_arrays_are_refused() {
         let f4 = |shape: &str| npy(1, &header("'<f4'", "False", shape), &[0; 24]);
         let long = [&b"\x93NUMPY\x02\x00\xff\xff\xff\xff"[..], &[b' '; 30]].concat();
+        let names: Vec<String> = (0..1001).map(|k| format!("{k}.npy")).collect();
         let nested = format!("{}{}", "(".repeat(4000), ")".repeat(4000));
         for (file, word) in [
             (sample()[..sample().len() - 1].to_vec(), "need 24 bytes"),
@@ -249,6 +250,10 @@ pub(super) mod tests {
             ),
             (npz(&[("a.npy", f4("(16384, 16384)"))], true), "need 1073741824 bytes"),
             (npz(&[("a.npy", f4("(2, 4)"))], true), "need 32 bytes"),
+            (
+                npz(&(0..1001).map(|k| (names[k].as_str(), sample())).collect::<Vec<_>>(), false),
+                "a zip of 1001 files",
+            ),
             (npz(&[("a.npy", sample())], true)[..80].to_vec(), "the zip is broken"),
         ] {
             let fault = read(&file).unwrap_err().to_string();
