@@ -1,18 +1,16 @@
 //! `check`: where the flux goes, from both sides, and whether the law is reciprocal.
 
-use std::path::PathBuf;
-
 use asperity_core::direction::Side;
 use clap::ValueEnum;
 use serde::Serialize;
 
 use super::error::Failure;
 use super::print;
-use super::scan::parse_rays;
+use super::source::parse_rays;
+use super::subject::{Subject, SubjectFlags};
 use crate::boundary::Boundary;
 use crate::energy::{Energy, balance, reciprocity_error, side_name};
 use crate::forward::Rays;
-use crate::model::Model;
 
 /// One side of the boundary, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -25,11 +23,13 @@ enum SideFlag {
 
 /// Say where the flux goes: reflected, transmitted and lost fractions, from both sides
 ///
+/// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays.
+///
 /// Exit 1 if the model gives more than it receives (R + T > 1 + 1e-4) or a value that is not finite.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Model made by `asperity model` or `asperity fit`
-    model: PathBuf,
+    #[command(flatten)]
+    subject: SubjectFlags,
     /// Angles of incidence in degrees, in the medium the light comes from
     #[arg(long, value_name = "DEG,...", value_delimiter = ',',
           default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])]
@@ -70,7 +70,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--incidence {bad} is not usable; give 0 to below 90 degrees"
         )));
     }
-    let (model, boundary, _) = Model::read(&args.model)?;
+    let Subject { boundary, method, ior, .. } = args.subject.read()?;
     let sides: &[Side] = match (args.side, &boundary) {
         (Some(SideFlag::Dielectric), Boundary::Opaque(_)) => {
             return Err(Failure::bad("an opaque body has no inside; use --side air"));
@@ -96,8 +96,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.json {
         let answer = Answer {
             asperity: 1,
-            method: model.method,
-            ior: model.ior,
+            method,
+            ior,
             energy,
             reciprocity_error: reciprocity,
             reciprocal,
@@ -106,7 +106,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
         print(&(text + "\n"))?;
     } else {
-        print(&human(&model, sides, &energy, &reciprocity, reciprocal))?;
+        print(&human(&method, sides, &energy, &reciprocity, reciprocal))?;
     }
     if conserves_energy {
         Ok(())
@@ -118,7 +118,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn human(
-    model: &Model,
+    method: &str,
     sides: &[Side],
     energy: &[Energy],
     reciprocity: &[Option<f64>],
@@ -147,7 +147,7 @@ fn human(
             );
         }
     }
-    let verdict = match (reciprocal, model.method.as_str()) {
+    let verdict = match (reciprocal, method) {
         (None, _) => "traced ray by ray: every path is reversible, so the law is reciprocal",
         (Some(true), _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
         (Some(false), "normals") => {

@@ -6,7 +6,8 @@ use asperity_core::gonio::{AngleGrid, Geometry};
 use asperity_core::plate::RoughSide;
 
 use super::error::Failure;
-use super::fit::{Job, best, noise_floor, record};
+use super::fit::{best, noise_floor};
+use super::fitted::{Job, record};
 use super::print;
 use super::scan::simulate;
 use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
@@ -98,7 +99,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             .collect::<Result<Vec<_>, _>>()
             .map_err(Failure::Bad)?;
         let (k, entry) = best(&methods, &job)?;
-        let model = record(&*methods[k], &entry, &job, noise, vec![input.clone()]);
+        let model = record(&*methods[k], &entry, &job, noise, vec![input.clone()], None);
         write_text(folder.join(format!("{name}.json")), &model.to_json())?;
         models.push(model);
         entries.push(entry);

@@ -5,17 +5,16 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use super::fitted::{Job, human, record};
+use super::map::MapFlags;
 use super::model::LawFlag;
-use super::source::{ReadFlags, SetupFlags};
+use super::source::{ReadFlags, SetupFlags, parse_rays};
 use super::{interrupt, print, progress};
-use crate::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, Termination, fit};
-use crate::forward::Setup;
+use crate::fit::{FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, fit};
 use crate::measurement::{Measurement, noise};
-use crate::method::{Method, Surface};
-use crate::model::{IncidenceRecord, METHODS, Model, Value, method_by_name};
+use crate::method::{Choice, METHODS, Method, Surface};
 use crate::output::AtomicFile;
-use crate::provenance::{InputFile, Provenance};
-use crate::report::{self, Entry, FigureFiles};
+use crate::report::{Entry, FigureFiles};
 
 /// What is minimised, as a flag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -42,14 +41,17 @@ impl From<ObjectiveFlag> for Objective {
 /// Fit a model to a measured scan
 ///
 /// The scan is CSV with the columns sigma_deg,theta_deg,reading and `# key: value` lines above; a
-/// foreign CSV is read with --columns. Methods: ggx (alpha), normals (delta, n). The error printed is
-/// eq. (18): rms deviation over all angles, in % of the largest reading.
+/// foreign CSV is read with --columns. Methods: ggx (alpha), normals (delta, n), heights (delta) and
+/// measured-ray (scale, cutoff_um; needs --map). The error printed is eq. (18): rms deviation over all
+/// angles, in % of the largest reading. The last two trace rays: their figures are found with rays that the
+/// fit has not seen, and the noise of these is printed beside.
 ///
 /// Exit 1 if the fit did not converge or the model does not describe the surface; what was found is
 /// written all the same.
 ///
 /// Examples:
 ///   asperity fit scan.csv --method ggx --ior 1.49 -o fit.json --plot fit
+///   asperity fit scan.csv --method measured-ray --map map.x3p --fill harmonic -o fit.json
 ///   asperity fit metal.csv --method ggx --opaque --objective relative
 ///   asperity fit foreign.csv --method ggx --opaque --quantity bsdf \
 ///       --columns sigma=theta_i,theta=theta_o,reading=brdf --where "surface=steel"
@@ -58,18 +60,39 @@ impl From<ObjectiveFlag> for Objective {
 pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
-    /// Method: ggx or normals
+    /// Method: ggx, normals, heights or measured-ray
     #[arg(short, long)]
     method: String,
     /// What is minimised; eq. (18) is always printed
     #[arg(long, value_enum, default_value = "rmsd")]
     objective: ObjectiveFlag,
-    /// Law of `normals`; both are tried without it
+    /// Law of `normals` and `heights`; both are tried without it
     #[arg(long, value_enum)]
     law: Option<LawFlag>,
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
+    /// Fit the exponent n of the law of `heights` too (2 without it)
+    #[arg(long)]
+    fit_n: bool,
+    /// Fit the largest height h_max of `heights` too (1 step without it)
+    #[arg(long)]
+    fit_h_max: bool,
+    /// Fit the most frequent height z0 of `heights` too (0 without it)
+    #[arg(long)]
+    fit_z0: bool,
+    /// Height map of `measured-ray`
+    #[arg(long, value_name = "FILE")]
+    map: Option<PathBuf>,
+    /// Do not filter the map of `measured-ray`: fit its vertical scale only
+    #[arg(long, requires = "map")]
+    no_cutoff: bool,
+    /// Rays an incidence for the final figures of a traced method; without it as many as bring their noise below 0.2 %
+    #[arg(long, value_name = "N", value_parser = parse_rays)]
+    rays: Option<u64>,
+    /// Seed of traced methods
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
     /// Fit the refractive index too; --ior or the header gives the start
     #[arg(long)]
     fit_ior: bool,
@@ -94,16 +117,9 @@ pub(super) struct Args {
     #[command(flatten)]
     setup: SetupFlags,
     #[command(flatten)]
+    map_flags: MapFlags,
+    #[command(flatten)]
     read: ReadFlags,
-}
-
-/// All that a reconstruction needs.
-pub(super) struct Job<'a> {
-    pub(super) measurement: &'a Measurement,
-    pub(super) setup: Setup,
-    pub(super) options: FitOptions,
-    /// Largest error of a single incidence that counts as described, %.
-    pub(super) max_misfit: f64,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -114,9 +130,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             METHODS.join(", ")
         )));
     }
-    if args.method != "normals" && (args.law.is_some() || args.fit_theta0) {
-        return Err(Failure::bad("--law and --fit-theta0 belong to --method normals"));
-    }
+    check_flags(args)?;
     if args.max_misfit.is_nan() || args.max_misfit <= 0.0 || args.max_evaluations == 0 {
         return Err(Failure::bad("--max-misfit and --max-evaluations must be positive"));
     }
@@ -127,14 +141,27 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--fit-ior and --fit-gain are for a plate; an opaque body has a gain anyway and no index",
         ));
     }
-    let laws: &[Option<&str>] = match (args.method.as_str(), args.law) {
-        ("normals", None) => &[Some("gauss"), Some("cauchy")],
-        ("normals", Some(law)) => &[Some(law.word())],
-        _ => &[None],
+    let map = match &args.map {
+        Some(path) => Some(args.map_flags.load_for_light(path)?),
+        None => None,
+    };
+    let laws: &[Option<&str>] = match args.law {
+        None if Choice::has_law(&args.method) => &[Some("gauss"), Some("cauchy")],
+        None => &[None],
+        Some(law) => &[Some(law.word())],
     };
     let methods = laws
         .iter()
-        .map(|law| method_by_name(&args.method, *law, surface, args.fit_theta0))
+        .map(|law| {
+            let choice = Choice {
+                law: *law,
+                asked: &|name| args.asks_for(name),
+                map: map.as_ref().map(|m| (&m.map, m.edges)),
+                seed: args.seed,
+                ..Choice::new(&args.method, surface)
+            };
+            choice.method()
+        })
         .collect::<Result<Vec<_>, _>>()
         .map_err(Failure::Bad)?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
@@ -148,7 +175,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             fit_gain: args.fit_gain,
             objective: args.objective.into(),
             max_evaluations: args.max_evaluations,
-            rays: FitRays::default(),
+            rays: FitRays { last: args.rays, seed: args.seed, ..FitRays::default() },
         },
         max_misfit: args.max_misfit,
     };
@@ -157,7 +184,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         no @ Failure::No(_) => no,
     })?;
     let noise = noise_floor(&measurement);
-    let model = record(&*methods[method], &entry, &job, noise, vec![input]);
+    let inputs = std::iter::once(input).chain(map.iter().map(|m| m.input.clone())).collect();
+    let model = record(&*methods[method], &entry, &job, noise, inputs, map.as_ref());
     let text = model.to_json();
     if let Some(files) = plots {
         let title = measurement.meta.sample.clone();
@@ -176,6 +204,40 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&human(&entry, &job, noise))?;
     }
     entry.refusal.map_or(Ok(()), |why| Err(Failure::No(why)))
+}
+
+impl Args {
+    /// Whether an optional parameter of the method is to be fitted.
+    fn asks_for(&self, name: &str) -> bool {
+        match name {
+            "theta0" => self.fit_theta0,
+            "n" => self.fit_n,
+            "h_max" => self.fit_h_max,
+            "z0" => self.fit_z0,
+            "cutoff_um" => !self.no_cutoff,
+            _ => false,
+        }
+    }
+}
+
+/// Refuses flags that belong to another method.
+fn check_flags(args: &Args) -> Result<(), Failure> {
+    let method = args.method.as_str();
+    let heights = args.fit_n || args.fit_h_max || args.fit_z0;
+    let wrong = if args.law.is_some() && !Choice::has_law(method) {
+        "--law belongs to the methods normals and heights"
+    } else if args.fit_theta0 && method != "normals" {
+        "--fit-theta0 belongs to --method normals"
+    } else if heights && method != "heights" {
+        "--fit-n, --fit-h-max and --fit-z0 belong to --method heights"
+    } else if args.map.is_some() && !Choice::needs_map(method) {
+        "--map belongs to --method measured-ray"
+    } else if args.map.is_none() && Choice::needs_map(method) {
+        "--method measured-ray needs a height map; give --map FILE"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::bad(wrong))
 }
 
 /// Fits with every method and keeps the one with the lowest objective.
@@ -234,105 +296,10 @@ pub(super) fn noise_floor(measurement: &Measurement) -> Option<f64> {
         .or_else(|| noise::estimate(measurement).map(|n| n.floor_percent()))
 }
 
-/// The fit as a model file.
-pub(super) fn record(
-    method: &dyn Method,
-    entry: &Entry,
-    job: &Job<'_>,
-    noise: Option<f64>,
-    inputs: Vec<InputFile>,
-) -> Model {
-    let fit = &entry.fit;
-    let surface = match fit.ior {
-        Some(ior) => Surface::Dielectric { ior },
-        None => job.options.surface,
-    };
-    let values = fit.parameters.iter().map(|p| {
-        let unit = p.unit.to_owned();
-        (p.name.to_owned(), Value { value: p.value, unit, std_error: p.std_error })
-    });
-    let mut model = Model::new(method, surface, values);
-    model.rmsd_percent = Some(fit.rmsd_percent);
-    model.noise_floor_percent = noise;
-    model.objective = Some(fit.objective.0.to_string());
-    model.objective_value = Some(fit.objective.1);
-    model.incidences = fit
-        .incidences
-        .iter()
-        .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
-        .collect();
-    model.evaluations = Some(fit.evaluations);
-    model.seconds = Some(fit.seconds);
-    model.termination = Some(fit.termination.word().into());
-    model.neglected_flux = Some(fit.neglected.flux);
-    model.neglected_percent =
-        Some(100.0 * fit.neglected.reading / job.measurement.largest_reading());
-    model.validity = entry.refusal.iter().cloned().collect();
-    model.validity.extend(warnings(fit));
-    let mut provenance = Provenance::of_this_program(None);
-    provenance.inputs = inputs;
-    provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
-    model.provenance = Some(provenance);
-    model
-}
-
-fn warnings(fit: &Fit) -> Vec<String> {
-    let at_bound = fit.parameters.iter().filter(|p| p.at_bound);
-    let unknown = fit.parameters.iter().filter(|p| p.std_error.is_none() && !p.at_bound);
-    at_bound
-        .map(|p| format!("{} = {:.3e} ended at the bound of its range", p.name, p.value))
-        .chain(unknown.map(|p| format!("the data do not determine {}", p.name)))
-        .collect()
-}
-
 fn open_plots(stem: &std::path::Path) -> Result<FigureFiles, Failure> {
     let name = stem.file_name().map(|n| n.to_string_lossy().into_owned()).ok_or_else(|| {
         Failure::bad(format!("--plot {}: give a stem for file names", stem.display()))
     })?;
     let folder = stem.parent().unwrap_or(std::path::Path::new(""));
     Ok(FigureFiles::create(folder, &name)?)
-}
-
-fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String {
-    use std::fmt::Write;
-    let fit = &entry.fit;
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "method       {}", entry.label);
-    for p in &fit.parameters {
-        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-        let _ = writeln!(text, "{:12} {}{unit}", p.name, report::with_error(p.value, p.std_error));
-    }
-    if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
-        let _ = writeln!(text, "ior          {ior:.4} (given)");
-    }
-    let noise = noise.map_or("unknown".into(), |n| format!("{n:.3} %"));
-    let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
-    if fit.objective.0 != Objective::Rmsd {
-        let (objective, value) = fit.objective;
-        let _ = writeln!(text, "objective    {objective} {value:.3} {}", objective.unit());
-    }
-    if let Some((sigma, error)) = fit.worst_incidence() {
-        let _ = writeln!(
-            text,
-            "worst        {error:.2} % at sigma {sigma} deg, of its largest reading"
-        );
-    }
-    let _ = writeln!(
-        text,
-        "neglected    {:.1e} of the flux in internal passes, about {:.1e} % of the largest reading",
-        fit.neglected.flux,
-        100.0 * fit.neglected.reading / job.measurement.largest_reading()
-    );
-    let _ = writeln!(
-        text,
-        "{:12} {} evaluations, {:.3} s",
-        if fit.termination == Termination::Converged { "converged" } else { "ended" },
-        fit.evaluations,
-        fit.seconds
-    );
-    for warning in warnings(fit) {
-        let _ = writeln!(text, "warning: {warning}");
-    }
-    text
 }

@@ -7,24 +7,27 @@ use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
-use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture, check_plate};
+use super::source::{
+    GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture, check_plate, parse_rays,
+};
+use super::subject::{Subject, SubjectFlags};
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
 use crate::forward::{
     Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan,
 };
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
-use crate::model::Model;
 use crate::output::AtomicFile;
 
-/// Simulate a goniophotometer scan of a model
+/// Simulate a goniophotometer scan of a model, or of a height map
 ///
 /// Without --rays by quadrature, free of noise; with it by Monte Carlo, and the noise floor is written
-/// into the header. The plate has one rough and one smooth face; all internal passes are followed.
+/// into the header. The plate has one rough and one smooth face; all internal passes are followed. A height
+/// map (--map FILE --ior N) and the models made of one are traced ray by ray, all bounces included.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Model made by `asperity model` or `asperity fit`
-    model: PathBuf,
+    #[command(flatten)]
+    subject: SubjectFlags,
     /// Angles of incidence in degrees
     #[arg(long, value_name = "DEG,...", value_delimiter = ',',
           default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0])]
@@ -47,7 +50,7 @@ pub(super) struct Args {
     /// What the readings are
     #[arg(long, value_enum, default_value = "flux")]
     quantity: QuantityFlag,
-    /// Monte Carlo with so many rays an incidence
+    /// Monte Carlo with so many rays an incidence; a height map takes 1e7 without it
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
     /// Seed of the Monte Carlo
@@ -61,13 +64,8 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// A number of rays, also as 1e6.
-pub(super) fn parse_rays(text: &str) -> Result<u64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if (1.0..=1e15).contains(&x) && x.fract().abs() < f64::EPSILON => Ok(x as u64),
-        _ => Err("write a whole number of rays from 1 to 1e15".into()),
-    }
-}
+/// Rays an incidence where there is no other way.
+const TRACED_RAYS: u64 = 10_000_000;
 
 /// A finished virtual scan.
 pub(super) struct Virtual {
@@ -80,7 +78,7 @@ pub(super) struct Virtual {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let (model, boundary, _) = Model::read(&args.model)?;
+    let Subject { boundary, ior, path, .. } = args.subject.read()?;
     let setup = setup(args, &boundary)?;
     let grid = grid(args)?;
     if let Some(bad) = args.sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {
@@ -96,14 +94,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )));
     }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
-    let mut meta = Metadata {
-        sample: Some(format!("virtual: {}", args.model.display())),
-        ..Metadata::default()
-    };
-    if let Some(ior) = model.ior {
+    let mut meta =
+        Metadata { sample: Some(format!("virtual: {}", path.display())), ..Metadata::default() };
+    if let Some(ior) = ior {
         meta.ior = Some(ior);
     }
-    let rays = args.rays.map(|count| Rays { count, seed: args.seed });
+    let traced = matches!(boundary, Boundary::Traced(_));
+    let count = args.rays.or(traced.then_some(TRACED_RAYS));
+    let rays = count.map(|count| Rays { count, seed: args.seed });
     let done = simulate(&boundary, &setup, &args.sigma, &grid, rays, meta)?;
     let mut text = Vec::new();
     write::write(&done.measurement, &mut text).map_err(Failure::bad)?;
@@ -136,7 +134,8 @@ fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
         return Err(Failure::bad("an opaque body transmits nothing; use --geometry reflection"));
     }
     check_aperture(args.aperture, quantity)?;
-    if args.rays.is_some() && args.aperture <= 0.0 {
+    let traced = matches!(boundary, Boundary::Traced(_));
+    if (args.rays.is_some() || traced) && args.aperture <= 0.0 {
         return Err(Failure::bad("rays need a detector to fall into; give --aperture above 0"));
     }
     Ok(Setup { sample, geometry, aperture_deg: args.aperture, quantity })

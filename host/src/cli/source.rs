@@ -263,3 +263,11 @@ pub(super) fn check_aperture(aperture_deg: f64, quantity: Quantity) -> Result<()
         )))
     }
 }
+
+/// A number of rays, also as 1e6.
+pub(super) fn parse_rays(text: &str) -> Result<u64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (1.0..=1e15).contains(&x) && x.fract().abs() < f64::EPSILON => Ok(x as u64),
+        _ => Err("write a whole number of rays from 1 to 1e15".into()),
+    }
+}

@@ -21,10 +21,22 @@ pub(super) struct Problem<'a> {
     parameters: Vec<Parameter>,
 }
 
-const IOR: Parameter =
-    Parameter { name: "ior", unit: "", bounds: (1.05, 4.0), scale: Scale::Linear, starts: Cow::Borrowed(&[]), low_is_none: false };
-const GAIN: Parameter =
-    Parameter { name: "gain", unit: "", bounds: (1e-3, 1e3), scale: Scale::Log, starts: Cow::Borrowed(&[]), low_is_none: false };
+const IOR: Parameter = Parameter {
+    name: "ior",
+    unit: "",
+    bounds: (1.05, 4.0),
+    scale: Scale::Linear,
+    starts: Cow::Borrowed(&[]),
+    low_is_none: false,
+};
+const GAIN: Parameter = Parameter {
+    name: "gain",
+    unit: "",
+    bounds: (1e-3, 1e3),
+    scale: Scale::Log,
+    starts: Cow::Borrowed(&[]),
+    low_is_none: false,
+};
 
 /// Readings an incidence that a draft needs.
 const DRAFT_READINGS: usize = 120;

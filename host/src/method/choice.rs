@@ -59,10 +59,7 @@ impl<'a> Choice<'a> {
                 return Err(format!("law `{}` is unknown; write gauss or cauchy", short(other)));
             }
         };
-        if self.surface == Surface::Opaque
-            && self.name != "ggx"
-            && METHODS.contains(&self.name)
-        {
+        if self.surface == Surface::Opaque && self.name != "ggx" && METHODS.contains(&self.name) {
             return Err(format!(
                 "method {} needs a dielectric with a refractive index; an opaque body can be \
                  described with ggx",
@@ -71,9 +68,7 @@ impl<'a> Choice<'a> {
         }
         match self.name {
             "ggx" => Ok(Box::new(GgxMethod::new(self.surface))),
-            "normals" => {
-                Ok(Box::new(NormalsMethod { profile, centre: (self.asked)("theta0") }))
-            }
+            "normals" => Ok(Box::new(NormalsMethod { profile, centre: (self.asked)("theta0") })),
             "heights" => Ok(Box::new(HeightsMethod::new(profile, self.seed, self.asked))),
             "measured-ray" => {
                 let Some((map, edges)) = self.map else {

@@ -32,8 +32,12 @@ const ALPHA: Parameter = Parameter {
     starts: Cow::Borrowed(&[0.004, 0.02, 0.08, 0.25, 0.8]),
     low_is_none: false,
 };
-const GAIN: Parameter =
-    Parameter { name: "gain", unit: "", bounds: (1e-6, 100.0), scale: Scale::Log, starts: Cow::Borrowed(&[0.5]),
+const GAIN: Parameter = Parameter {
+    name: "gain",
+    unit: "",
+    bounds: (1e-6, 100.0),
+    scale: Scale::Log,
+    starts: Cow::Borrowed(&[0.5]),
     low_is_none: false,
 };
 const LAMBERT: Parameter = Parameter {

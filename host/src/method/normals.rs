@@ -30,8 +30,12 @@ const DELTA: Parameter = Parameter {
     starts: Cow::Borrowed(&[0.3, 2.0, 8.0, 25.0]),
     low_is_none: false,
 };
-const N: Parameter =
-    Parameter { name: "n", unit: "", bounds: (0.5, 64.0), scale: Scale::Log, starts: Cow::Borrowed(&[2.0]),
+const N: Parameter = Parameter {
+    name: "n",
+    unit: "",
+    bounds: (0.5, 64.0),
+    scale: Scale::Log,
+    starts: Cow::Borrowed(&[2.0]),
     low_is_none: false,
 };
 const THETA0: Parameter = Parameter {

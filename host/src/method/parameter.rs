@@ -85,7 +85,14 @@ mod tests {
     #[test]
     fn the_transform_is_bounded_and_inverted() {
         for scale in [Scale::Linear, Scale::Log] {
-            let p = Parameter { name: "x", unit: "", bounds: (0.01, 5.0), scale, starts: Cow::Borrowed(&[1.0]), low_is_none: false };
+            let p = Parameter {
+                name: "x",
+                unit: "",
+                bounds: (0.01, 5.0),
+                scale,
+                starts: Cow::Borrowed(&[1.0]),
+                low_is_none: false,
+            };
             for value in [0.011, 0.1, 1.0, 4.9] {
                 assert!((p.to_bounded(p.to_free(value)) / value - 1.0).abs() < 1e-9);
                 assert!(p.step(value).abs() > 1e-3 && p.step(value).is_finite());

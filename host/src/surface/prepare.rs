@@ -145,9 +145,8 @@ mod tests {
         let light = pixel().load(file.path(), Purpose::Light).unwrap();
         let figures = pixel().load(file.path(), Purpose::Figures).unwrap();
         assert_eq!(light.edges, Edges::Periodic);
-        let step = |l: &super::Prepared| {
-            l.map.height_um(12, 0).unwrap() - l.map.height_um(0, 0).unwrap()
-        };
+        let step =
+            |l: &super::Prepared| l.map.height_um(12, 0).unwrap() - l.map.height_um(0, 0).unwrap();
         assert!(step(&light).abs() < 1e-12 && step(&figures).abs() > 0.01);
         // what was chosen is written down, and gives the same map again
         let again = light.preparation.load(file.path(), Purpose::Light).unwrap();

@@ -84,7 +84,8 @@ impl HeightLaw {
                 at += 1;
             }
             let width = sums[at + 1] - sums[at];
-            let share = if width > 0.0 { ((wanted - sums[at]) / width).clamp(0.0, 1.0) } else { 0.0 };
+            let share =
+                if width > 0.0 { ((wanted - sums[at]) / width).clamp(0.0, 1.0) } else { 0.0 };
             edges[at] + share * (edges[at + 1] - edges[at])
         });
         Some(heights.collect())

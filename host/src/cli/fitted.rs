@@ -1,0 +1,126 @@
+//! A fit as a model file, and as text.
+
+use crate::fit::{Fit, FitOptions, Objective, Termination};
+use crate::forward::Setup;
+use crate::measurement::Measurement;
+use crate::method::{Method, Surface};
+use crate::model::{IncidenceRecord, MapRecord, Model, Value};
+use crate::provenance::{InputFile, Provenance};
+use crate::report::{self, Entry};
+use crate::surface::Prepared;
+
+/// All that a reconstruction needs.
+pub(super) struct Job<'a> {
+    pub(super) measurement: &'a Measurement,
+    pub(super) setup: Setup,
+    pub(super) options: FitOptions,
+    /// Largest error of a single incidence that counts as described, %.
+    pub(super) max_misfit: f64,
+}
+
+/// The fit as a model file.
+pub(super) fn record(
+    method: &dyn Method,
+    entry: &Entry,
+    job: &Job<'_>,
+    noise: Option<f64>,
+    inputs: Vec<InputFile>,
+    map: Option<&Prepared>,
+) -> Model {
+    let fit = &entry.fit;
+    let surface = match fit.ior {
+        Some(ior) => Surface::Dielectric { ior },
+        None => job.options.surface,
+    };
+    let values = fit.parameters.iter().map(|p| {
+        let unit = p.unit.to_owned();
+        (p.name.to_owned(), Value { value: p.value, unit, std_error: p.std_error })
+    });
+    let mut model = Model::new(method, surface, values);
+    model.rmsd_percent = Some(fit.rmsd_percent);
+    model.map = map.map(MapRecord::from);
+    model.noise_floor_percent = noise;
+    model.simulation_noise_percent = fit.simulation_noise_percent;
+    model.objective = Some(fit.objective.0.to_string());
+    model.objective_value = Some(fit.objective.1);
+    model.incidences = fit
+        .incidences
+        .iter()
+        .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
+        .collect();
+    model.evaluations = Some(fit.evaluations);
+    model.seconds = Some(fit.seconds);
+    model.termination = Some(fit.termination.word().into());
+    model.neglected_flux = Some(fit.neglected.flux);
+    model.neglected_percent =
+        Some(100.0 * fit.neglected.reading / job.measurement.largest_reading());
+    model.validity = entry.refusal.iter().cloned().collect();
+    model.validity.extend(warnings(fit));
+    let seed = method.is_traced().then_some(job.options.rays.seed);
+    let mut provenance = Provenance::of_this_program(seed);
+    provenance.inputs = inputs;
+    provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
+    model.provenance = Some(provenance);
+    model
+}
+
+fn warnings(fit: &Fit) -> Vec<String> {
+    let at_bound = fit.parameters.iter().filter(|p| p.at_bound);
+    let unknown = fit.parameters.iter().filter(|p| p.std_error.is_none() && !p.at_bound);
+    at_bound
+        .map(|p| format!("{} = {:.3e} ended at the bound of its range", p.name, p.value))
+        .chain(unknown.map(|p| format!("the data do not determine {}", p.name)))
+        .collect()
+}
+
+pub(super) fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String {
+    use std::fmt::Write;
+    let fit = &entry.fit;
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "method       {}", entry.label);
+    for p in &fit.parameters {
+        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+        let _ = writeln!(text, "{:12} {}{unit}", p.name, report::with_error(p.value, p.std_error));
+    }
+    if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
+        let _ = writeln!(text, "ior          {ior:.4} (given)");
+    }
+    let noise = noise.map_or("unknown".into(), |n| format!("{n:.3} %"));
+    let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
+    if let Some(noise) = fit.simulation_noise_percent {
+        let _ = writeln!(
+            text,
+            "ray noise    {noise:.3} %  (of the simulated readings, in the same terms)"
+        );
+    }
+    if fit.objective.0 != Objective::Rmsd {
+        let (objective, value) = fit.objective;
+        let _ = writeln!(text, "objective    {objective} {value:.3} {}", objective.unit());
+    }
+    if let Some((sigma, error)) = fit.worst_incidence() {
+        let _ = writeln!(
+            text,
+            "worst        {error:.2} % at sigma {sigma} deg, of its largest reading"
+        );
+    }
+    if fit.simulation_noise_percent.is_none() {
+        let _ = writeln!(
+            text,
+            "neglected    {:.1e} of the flux in internal passes, about {:.1e} % of the largest reading",
+            fit.neglected.flux,
+            100.0 * fit.neglected.reading / job.measurement.largest_reading()
+        );
+    }
+    let _ = writeln!(
+        text,
+        "{:12} {} evaluations, {:.3} s",
+        if fit.termination == Termination::Converged { "converged" } else { "ended" },
+        fit.evaluations,
+        fit.seconds
+    );
+    for warning in warnings(fit) {
+        let _ = writeln!(text, "warning: {warning}");
+    }
+    text
+}

@@ -1,0 +1,74 @@
+//! What a verb sends light on: a model, or a height map as it is.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::ValueEnum;
+
+use super::error::Failure;
+use super::map::MapFlags;
+use crate::boundary::Boundary;
+use crate::method::Surface;
+use crate::model::Model;
+use crate::raytrace::{Field, TracedBoundary};
+
+/// How light is sent on a map, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EngineFlag {
+    /// Rays: refraction and reflection at every facet, all bounces
+    Ray,
+}
+
+/// A model file, or a height map with its refractive index.
+#[derive(Debug, clap::Args)]
+pub(super) struct SubjectFlags {
+    /// Model made by `asperity model` or `asperity fit`
+    #[arg(required_unless_present = "map", conflicts_with = "map")]
+    model: Option<PathBuf>,
+    /// A height map in place of a model
+    #[arg(long, value_name = "FILE", requires = "ior")]
+    map: Option<PathBuf>,
+    /// How light is sent on the map
+    #[arg(long, value_enum, requires = "map", default_value = "ray")]
+    method: EngineFlag,
+    /// Refractive index of the material under the map over that of air
+    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true)]
+    ior: Option<f64>,
+    #[command(flatten)]
+    map_flags: MapFlags,
+}
+
+/// A boundary and where it came from.
+pub(super) struct Subject {
+    pub(super) boundary: Boundary,
+    /// Name of the method.
+    pub(super) method: String,
+    /// Refractive index; `None` for an opaque body.
+    pub(super) ior: Option<f64>,
+    /// The file.
+    pub(super) path: PathBuf,
+}
+
+impl SubjectFlags {
+    /// Reads the model, or the map.
+    pub(super) fn read(&self) -> Result<Subject, Failure> {
+        if let Some(path) = &self.model {
+            let (model, boundary, _) = Model::read(path)?;
+            let (method, ior) = (model.method, model.ior);
+            return Ok(Subject { boundary, method, ior, path: path.clone() });
+        }
+        let (Some(path), Some(ior)) = (&self.map, self.ior) else {
+            return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
+        };
+        let eta = Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
+        let prepared = self.map_flags.load_for_light(path)?;
+        let field = Field::new(&prepared.map, prepared.edges)
+            .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+        Ok(Subject {
+            boundary: Boundary::Traced(TracedBoundary { field: Arc::new(field), eta }),
+            method: "ray".into(),
+            ior: Some(ior),
+            path: path.clone(),
+        })
+    }
+}
