@@ -12,7 +12,7 @@ mod verdict;
 pub use objective::Objective;
 pub use verdict::{IncidenceError, MISFIT_PERCENT};
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use asperity_core::metric::rmsd_percent;
@@ -191,10 +191,13 @@ pub fn fit(
     problem.check_fixed()?;
     let mut search = Search::new(stop, progress, options.max_evaluations);
 
+    // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
+    let (draft_tolerance, tolerance) =
+        if problem.is_traced() { (2e-2, 5e-3) } else { (1e-3, 5e-6) };
     let draft = problem.thinned();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for (cost, start) in search.best_starts(&draft, MOST_STARTS) {
-        match search.minimise(&draft, &start, Effort::Draft, 1e-3) {
+        match search.minimise(&draft, &start, Effort::Draft, draft_tolerance) {
             Ok(end) if end.cost < cost => found.push((end.cost, end.values)),
             Ok(_) => found.push((cost, start)),
             Err(Stopped) => break,
@@ -207,8 +210,6 @@ pub fn fit(
     };
     // A floor lost in the draft lies far down a flat logarithm: its least-squares value is where to look.
     problem.solve_linear(&mut start);
-    // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
-    let tolerance = if problem.is_traced() { 1e-3 } else { 5e-6 };
     let (values, termination) = match search.minimise(&problem, &start, Effort::Full, tolerance) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
@@ -272,16 +273,25 @@ fn last_readings(
     if !problem.is_traced() {
         return problem.simulate(values, Effort::Full);
     }
+    let stop = problem.stop();
+    let never = AtomicBool::new(false);
     let seed = options.rays.seed.wrapping_add(1);
-    let with = |count| problem.simulate_with(values, Effort::Full, Rays { count, seed });
-    if let Some(count) = options.rays.last {
-        return with(count);
+    let with = |count, stop: &AtomicBool| problem.simulate_last(values, Rays { count, seed }, stop);
+    if stop.load(Ordering::Relaxed) {
+        // The best values so far deserve figures, however noisy.
+        return with(options.rays.draft, &never);
     }
-    let Some(first) = with(options.rays.fit)? else { return Ok(None) };
+    if let Some(count) = options.rays.last {
+        return with(count, stop);
+    }
+    let Some(first) = with(options.rays.fit, stop)? else {
+        return with(options.rays.draft, &never);
+    };
     let excess = noise_percent(&first, measurement).unwrap_or(0.0) / FitRays::NOISE_PERCENT;
     if excess <= 1.0 {
         return Ok(Some(first));
     }
-    let count = (options.rays.fit as f64 * excess * excess).min(FitRays::MOST) as u64;
-    Ok(with(count)?.or(Some(first)))
+    // Strata make noise fall faster than with the root of the number.
+    let count = (options.rays.fit as f64 * excess.powf(1.7)).min(FitRays::MOST) as u64;
+    Ok(with(count, stop)?.or(Some(first)))
 }

@@ -73,6 +73,11 @@ impl<'a> Problem<'a> {
         self.method.is_traced()
     }
 
+    /// Set when the user wants to stop.
+    pub(super) fn stop(&self) -> &AtomicBool {
+        self.stop
+    }
+
     /// The same with fewer readings: evenly thinned, each incidence's largest kept. A simulation that traces rays
     /// gets all readings from the same rays: there it keeps them all.
     pub(super) fn thinned(&self) -> Self {
@@ -154,26 +159,8 @@ impl<'a> Problem<'a> {
         Ok((self.method.boundary(own, surface)?, surface))
     }
 
-    /// Readings for values; `None` if the user stopped them.
-    pub(super) fn simulate(
-        &self,
-        values: &[f64],
-        effort: Effort,
-    ) -> Result<Option<Readings>, BuildError> {
-        let count = match effort {
-            Effort::Draft => self.options.rays.draft,
-            Effort::Full => self.options.rays.fit,
-        };
-        self.simulate_with(values, effort, Rays { count, seed: self.options.rays.seed })
-    }
-
-    /// The same with a given number and seed of rays.
-    pub(super) fn simulate_with(
-        &self,
-        values: &[f64],
-        effort: Effort,
-        rays: Rays,
-    ) -> Result<Option<Readings>, BuildError> {
+    /// The forward model for values, ready to be run.
+    fn ready(&self, values: &[f64]) -> Result<Ready<'_>, BuildError> {
         let (boundary, surface) = self.boundary(values)?;
         let mut setup = self.setup;
         if let (Sample::Plate { eta, .. }, Surface::Dielectric { .. }) =
@@ -181,14 +168,67 @@ impl<'a> Problem<'a> {
         {
             *eta = surface.eta()?;
         }
-        let done = simulate(&boundary, &setup, &self.plan, effort, rays, self.stop);
-        let Some(mut readings) = done else { return Ok(None) };
-        if let Some(gain) = self.named(values, "gain") {
-            readings.values.iter_mut().for_each(|r| *r *= gain);
-            readings.neglected.reading *= gain;
-            readings.std_errors.iter_mut().flatten().for_each(|e| *e *= gain);
+        Ok(Ready { boundary, setup, plan: &self.plan, gain: self.named(values, "gain") })
+    }
+
+    /// Rays of a stage.
+    fn rays(&self, effort: Effort) -> Rays {
+        let count = match effort {
+            Effort::Draft => self.options.rays.draft,
+            Effort::Full => self.options.rays.fit,
+        };
+        Rays { count, seed: self.options.rays.seed }
+    }
+
+    /// Readings for values; `None` if the user stopped them.
+    pub(super) fn simulate(
+        &self,
+        values: &[f64],
+        effort: Effort,
+    ) -> Result<Option<Readings>, BuildError> {
+        Ok(self.ready(values)?.readings(effort, self.rays(effort), self.stop))
+    }
+
+    /// The same in full with given rays, also if the user stops.
+    pub(super) fn simulate_last(
+        &self,
+        values: &[f64],
+        rays: Rays,
+        stop: &AtomicBool,
+    ) -> Result<Option<Readings>, BuildError> {
+        Ok(self.ready(values)?.readings(Effort::Full, rays, stop))
+    }
+
+    /// What a fit minimises; `None` if the user stopped it.
+    ///
+    /// Traced readings have noise, which adds to the mean square of the residuals, and adds less where a
+    /// surface is smoother: a fit would prefer that. The mean product of the residuals of two
+    /// independent simulations has no such part; it may be negative where the model is as good as the
+    /// noise allows to see. So the cost is the objective for quadrature, and this mean, times 10^4, for rays.
+    pub(super) fn cost(&self, values: &[f64], effort: Effort) -> Result<Option<f64>, BuildError> {
+        let ready = self.ready(values)?;
+        let rays = self.rays(effort);
+        if !self.is_traced() {
+            return Ok(ready.readings(effort, rays, self.stop).map(|r| self.cost_of(&r.values)));
         }
-        Ok(Some(readings))
+        let half = |seed| {
+            let rays = Rays { count: rays.count.div_ceil(2), seed };
+            ready.readings(effort, rays, self.stop).map(|r| r.values)
+        };
+        let (Some(a), Some(b)) = (half(rays.seed), half(rays.seed ^ (1 << 63))) else {
+            return Ok(None);
+        };
+        let objective = self.objective();
+        let product: f64 = self
+            .measured
+            .iter()
+            .zip(a.iter().zip(&b))
+            .map(|(&m, (&a, &b))| {
+                objective.residual(m, a, self.largest) * objective.residual(m, b, self.largest)
+            })
+            .sum();
+        // A root would make a cliff of the place where the mean is nothing.
+        Ok(Some(1e4 * product / self.measured.len() as f64))
     }
 
     /// The objective for simulated readings; not finite if any of them is not.
@@ -277,5 +317,25 @@ impl<'a> Problem<'a> {
         if let Some(k) = lambert {
             set(point, k, l.max(1e-3 * self.largest.min(1.0)));
         }
+    }
+}
+
+/// A forward model with its parameters set.
+struct Ready<'a> {
+    boundary: Boundary,
+    setup: Setup,
+    plan: &'a Plan,
+    gain: Option<f64>,
+}
+
+impl Ready<'_> {
+    fn readings(&self, effort: Effort, rays: Rays, stop: &AtomicBool) -> Option<Readings> {
+        let mut readings = simulate(&self.boundary, &self.setup, self.plan, effort, rays, stop)?;
+        if let Some(gain) = self.gain {
+            readings.values.iter_mut().for_each(|r| *r *= gain);
+            readings.neglected.reading *= gain;
+            readings.std_errors.iter_mut().flatten().for_each(|e| *e *= gain);
+        }
+        Some(readings)
     }
 }

@@ -100,8 +100,11 @@ impl<'a> Search<'a> {
         let target = Target { search: self, problem, effort };
         let spent = || End { values: start.to_vec(), cost: IMPOSSIBLE, converged: false };
         let at_start = target.cost(&first).map_err(|_| Stopped)?;
+        // A cost that has its noise taken off may be nothing at all.
+        let least = if problem.is_traced() { 2.0 } else { 1e-6 };
         let iterations = self.budget.saturating_sub(self.evaluations());
-        let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(1e-6))
+        let Ok(solver) =
+            NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(least))
         else {
             return Ok(End { values: start.to_vec(), cost: at_start, converged: false });
         };
@@ -155,12 +158,7 @@ impl CostFunction for Target<'_, '_> {
         (self.search.progress)(done);
         let parameters = self.problem.parameters();
         let values: Vec<f64> = parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect();
-        let cost = self
-            .problem
-            .simulate(&values, self.effort)
-            .ok()
-            .flatten()
-            .map_or(IMPOSSIBLE, |r| self.problem.cost_of(&r.values));
+        let cost = self.problem.cost(&values, self.effort).ok().flatten().unwrap_or(IMPOSSIBLE);
         // NaN compares false: it becomes impossible too.
         let cost = if cost < IMPOSSIBLE { cost } else { IMPOSSIBLE };
         if let Ok(mut best) = self.search.best.lock()

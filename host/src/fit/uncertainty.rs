@@ -26,7 +26,12 @@ pub(super) fn std_errors(
             .map(|(&m, &s)| objective.residual(m, s, problem.largest()))
             .collect()
     };
-    let at_optimum = residual(simulated);
+    // The fit chose its values under the noise of its own rays, which is part of their error.
+    let fitted = problem.is_traced().then(|| problem.simulate(values, Effort::Full));
+    let at_optimum = match &fitted {
+        Some(Ok(Some(readings))) => residual(&readings.values),
+        _ => residual(simulated),
+    };
     let (n, p) = (at_optimum.len(), values.len());
     if n <= p {
         return unknown;
