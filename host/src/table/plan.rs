@@ -1,6 +1,6 @@
 //! What a table is to hold: incidences of each side, azimuths, rays.
 
-use asperity_core::direction::Side;
+use asperity_core::direction::{Direction, Side};
 use asperity_core::quantity::RelativeIor;
 
 use crate::forward::Rays;
@@ -103,6 +103,28 @@ impl TablePlan {
         Ok(self)
     }
 
+    /// With just the incidences of some directions, if they are at most 40 a side, and if azimuths are fixed just
+    /// theirs, if they are at most 12; else as it was. A side that no light comes from is left out.
+    pub fn for_directions(mut self, wi: &[Direction<f64>]) -> Self {
+        for side in [Side::Air, Side::Dielectric] {
+            let of_side = wi.iter().filter(|w| w.side() == Some(side));
+            let angles = of_side.map(|w| w.x().hypot(w.y()).atan2(w.z().abs()).to_degrees());
+            let distinct = apart(ascending(angles.filter(|a| *a < 90.0).collect()));
+            if distinct.len() <= MOST_EXACT {
+                self.incidences_deg[side_index(side)] = distinct;
+            }
+        }
+        if let Azimuth::Fixed(list) = &mut self.azimuth {
+            let azimuths = wi.iter().filter(|w| w.x().hypot(w.y()) > 0.0);
+            let azimuths = azimuths.map(|w| (-w.y()).atan2(-w.x()).to_degrees().rem_euclid(360.0));
+            let distinct = apart(ascending(azimuths.collect()));
+            if (1..=MOST_EXACT_AZIMUTHS).contains(&distinct.len()) {
+                *list = distinct;
+            }
+        }
+        self
+    }
+
     /// With bins of at least about so many rays (at most twice as many, where the lobe is not finer
     /// than the smallest bin): their relative error is one over the root of it.
     pub fn with_rays_per_bin(mut self, count: u32) -> Self {
@@ -114,6 +136,17 @@ impl TablePlan {
     pub fn incidences_deg(&self, side: Side) -> &[f64] {
         &self.incidences_deg[side_index(side)]
     }
+}
+
+/// Most incidences of a side that are tabulated as they are asked for.
+const MOST_EXACT: usize = 40;
+/// Most azimuths.
+const MOST_EXACT_AZIMUTHS: usize = 12;
+
+/// Of ascending angles those at least 0.001 degrees apart: rounded components make one angle many.
+fn apart(mut degrees: Vec<f64>) -> Vec<f64> {
+    degrees.dedup_by(|next, kept| *next - *kept < 1e-3);
+    degrees
 }
 
 /// Sorted, each once.
@@ -144,7 +177,7 @@ pub fn default_incidences_deg(side: Side, eta: RelativeIor<f64>) -> Vec<f64> {
 mod tests {
     use super::{Azimuth, PlanError, TablePlan};
     use crate::forward::Rays;
-    use asperity_core::direction::Side;
+    use asperity_core::direction::{Direction, Side};
     use asperity_core::quantity::RelativeIor;
 
     fn plan(eta: f64) -> TablePlan {
@@ -161,6 +194,24 @@ mod tests {
         // an air bubble: the other way round
         assert_eq!(plan(1.0 / 1.49).incidences_deg(Side::Dielectric).len(), 18);
         assert!(plan(1.0 / 1.49).incidences_deg(Side::Air).len() > 20);
+    }
+
+    #[test]
+    fn few_directions_are_tabulated_exactly() {
+        let at = |deg: f64, phi: f64| Direction::from_angles(deg.to_radians(), phi.to_radians());
+        let wi = [at(30.0, 180.0), at(30.000_01, 7.0), at(60.0, 180.0), at(91.0, 190.0)];
+        let p = plan(1.5).for_directions(&wi[..3]);
+        let found = p.incidences_deg(Side::Air);
+        assert!(found.len() == 2 && (found[0] - 30.0).abs() < 1e-4, "{found:?}");
+        assert!(p.incidences_deg(Side::Dielectric).is_empty());
+        let p = plan(1.5).with_azimuth(Azimuth::directional()).unwrap().for_directions(&wi);
+        assert!((p.incidences_deg(Side::Dielectric)[0] - 89.0).abs() < 1e-9);
+        let Azimuth::Fixed(azimuths) = &p.azimuth else { panic!() };
+        for (found, exact) in azimuths.iter().zip([0.0, 10.0, 187.0]) {
+            assert!((found - exact).abs() < 1e-9, "{azimuths:?}");
+        }
+        let many: Vec<_> = (0..41).map(|k| at(2.0 * f64::from(k), 0.0)).collect();
+        assert_eq!(plan(1.5).for_directions(&many).incidences_deg(Side::Air).len(), 18);
     }
 
     #[test]

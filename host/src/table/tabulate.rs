@@ -258,3 +258,52 @@ impl Tally {
         BinnedLobe::new(partition, &bins, self.total_squares.sqrt() / n)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+    use super::super::{Azimuth, BsdfTable, TablePlan};
+    use super::tabulate;
+    use crate::forward::Rays;
+    use crate::raytrace::{Field, TracedBoundary};
+    use crate::surface::{Edges, HeightMap};
+    use asperity_core::bsdf::Lobe;
+    use asperity_core::direction::Side;
+    use asperity_core::quantity::RelativeIor;
+
+    #[test]
+    fn the_bits_do_not_depend_on_the_number_of_threads() {
+        let eta = RelativeIor::new(1.49).unwrap();
+        let heights = (0..64 * 64).map(|k| 0.3 * f64::from(k * 7919 % 101) / 101.0).collect();
+        let map = HeightMap::new((64, 64), (1.0, 1.0), heights).unwrap();
+        let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
+        let again = field.map().unwrap();
+        assert_eq!((again.nx(), again.ny()), (64, 64));
+        let boundary = TracedBoundary { field, eta };
+        for azimuth in [Azimuth::Isotropic, Azimuth::Fixed(vec![0.0, 40.0])] {
+            let mut plan = TablePlan::new(eta, Rays { count: 20_000, seed: 6 });
+            for side in [Side::Air, Side::Dielectric] {
+                plan = plan.with_incidences(side, &[10.0, 50.0]).unwrap();
+            }
+            let plan = plan.with_azimuth(azimuth).unwrap();
+            let done = AtomicU64::new(0);
+            let count = |n| drop(done.fetch_add(n, Ordering::Relaxed));
+            let table = |threads| -> BsdfTable {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| tabulate(&boundary, &plan, &AtomicBool::new(false), &count))
+                    .unwrap()
+            };
+            let (one, three) = (table(1), table(3));
+            assert_eq!(done.load(Ordering::Relaxed), 2 * plan.rays_in_all());
+            for side in [Side::Air, Side::Dielectric] {
+                for (k, lobe) in [(0, Lobe::Reflection), (1, Lobe::Transmission)] {
+                    assert!(one.bins(side, k, 0, lobe).count() > 10);
+                    assert!(one.bins(side, k, 0, lobe).eq(three.bins(side, k, 0, lobe)));
+                }
+            }
+            assert!(tabulate(&boundary, &plan, &AtomicBool::new(true), &|_| ()).is_none());
+        }
+    }
+}
