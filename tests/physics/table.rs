@@ -190,7 +190,7 @@ fn totals_are_the_balance_of_the_closed_form() {
 /// The default incidences follow the reflected share from inside through the critical angle.
 #[test]
 fn the_default_incidences_describe_the_critical_angle() {
-    for a in [0.01, 0.1] {
+    for a in [0.01, 0.05, 0.2] {
         let law = ggx::<f64>(a, 1.49);
         let plan = TablePlan::new(ior(1.49), Rays { count: 20_000, seed: 2 });
         let table = traced(&law, &plan.with_incidences(Side::Air, &[]).unwrap());
@@ -204,7 +204,7 @@ fn the_default_incidences_describe_the_critical_angle() {
             worst[1] = worst[1].max((found.transmitted.value - exact.transmitted).abs());
         }
         println!("alpha {a}: totals between the default incidences off by {worst:?} at most");
-        assert!(worst[0].max(worst[1]) < 0.06, "{a}: {worst:?}");
+        assert!(worst[0].max(worst[1]) < 0.02, "{a}: {worst:?}");
     }
     let table = traced(&ggx(0.1, 1.49), &plan(1000, 1, &[]));
     assert!(table.eval(from(10.0, Side::Air), from(5.0, Side::Air)).abs() <= 0.0);

@@ -196,3 +196,44 @@ fn parse<'a>(name: &str, text: &'a str) -> Result<Vec<Pair<'a>>, Failure> {
         Err(bad(1, format!("there is nothing to read; the first line must be `{COLUMNS}`")))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::{parse, tabulated, values};
+    use crate::forward::Rays;
+    use crate::raytrace::{Field, TracedBoundary};
+    use crate::surface::{Edges, HeightMap};
+    use crate::table::Azimuth;
+    use asperity_core::direction::Side;
+    use asperity_core::quantity::RelativeIor;
+
+    /// A boundary of grooves along y, or of bumps.
+    fn traced(grooves: bool) -> TracedBoundary {
+        let height = |k: u32| {
+            let wave = |k: u32| (f64::from(k % 64) * std::f64::consts::TAU / 8.0).sin();
+            0.3 * (wave(k) + if grooves { 0.0 } else { wave(k / 64) })
+        };
+        let map = HeightMap::new((64, 64), (1.0, 1.0), (0..64 * 64).map(height).collect()).unwrap();
+        let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
+        TracedBoundary { field, eta: RelativeIor::new(1.49).unwrap() }
+    }
+
+    #[test]
+    fn a_traced_boundary_is_tabulated_where_it_is_asked_for() {
+        let text = "wix,wiy,wiz,wox,woy,woz\n-0.6,0,0.8,0.4,0,-0.9165151\n0,-0.6,0.8,0,0.6,0.8\n";
+        let pairs = parse("pairs", text).unwrap();
+        let rays = Rays { count: 20_000, seed: 1 };
+        let table = tabulated(&traced(false), &pairs, rays).unwrap();
+        assert_eq!(table.azimuth(), &Azimuth::Isotropic);
+        let incidences = table.incidences_deg(Side::Air);
+        assert!(incidences.len() == 1 && table.incidences_deg(Side::Dielectric).is_empty());
+        for row in values(&table, &pairs, |wi, wo| Some(table.std_error(wi, wo))) {
+            assert!(row.f > 0.0 && row.f_std_error.is_some_and(|e| e > 0.0 && e < row.f));
+        }
+        let table = tabulated(&traced(true), &pairs, rays).unwrap();
+        let Azimuth::Fixed(azimuths) = table.azimuth() else { panic!("{:?}", table.azimuth()) };
+        assert!(azimuths.len() == 2 && (azimuths[1] - 90.0).abs() < 1e-9, "{azimuths:?}");
+    }
+}

@@ -28,7 +28,7 @@ impl Rays {
         let side = (self.count.max(1) as f64).sqrt().ceil().min(f64::from(1 << 24)) as u32;
         let tile = side.div_ceil(8).next_multiple_of(2).min(MOST_SIDE);
         let tiles = side.div_ceil(tile);
-        Tiles { key: mix(mix(0, self.seed), sigma_deg.to_bits()), tile, tiles }
+        Tiles { key: mix(mix(0, self.seed), sigma_deg.to_bits()), tile, along: tiles }
     }
 }
 
@@ -39,13 +39,13 @@ pub(crate) struct Tiles {
     /// Rays along the side of a tile.
     tile: u32,
     /// Tiles along a side.
-    tiles: u32,
+    along: u32,
 }
 
 impl Tiles {
     /// Number of tiles.
     pub(crate) fn count(self) -> u64 {
-        u64::from(self.tiles) * u64::from(self.tiles)
+        u64::from(self.along) * u64::from(self.along)
     }
 
     /// Rays in a tile: an even number.
@@ -58,8 +58,8 @@ impl Tiles {
     pub(crate) fn ray(self, tile: u64, number: u32) -> Uniforms {
         let a = mix(mix(self.key, tile), u64::from(number));
         let mut generator = Pcg64Mcg::new((u128::from(a) << 64) | u128::from(mix(a, 1)));
-        let width = 1.0 / (f64::from(self.tiles) * f64::from(self.tile));
-        let tiles = u64::from(self.tiles);
+        let width = 1.0 / (f64::from(self.along) * f64::from(self.tile));
+        let tiles = u64::from(self.along);
         let corner = [tile % tiles, tile / tiles].map(|t| t as f64 * f64::from(self.tile));
         let square = [number % self.tile, number / self.tile].map(f64::from);
         let mut within = |k: usize| {
@@ -106,8 +106,8 @@ mod tests {
     fn one_ray_starts_in_every_square() {
         for count in [1, 50, 1000, 100_000] {
             let tiles = Rays { count, seed: 3 }.tiles(30.0);
-            let side = (tiles.tile * tiles.tiles) as usize;
-            assert!((side * side) as u64 >= count && tiles.rays_each() % 2 == 0);
+            let side = (tiles.tile * tiles.along) as usize;
+            assert!((side * side) as u64 >= count && tiles.rays_each().is_multiple_of(2));
             let mut seen = vec![0_u32; side * side];
             for tile in 0..tiles.count() {
                 for k in 0..tiles.rays_each() {

@@ -289,7 +289,9 @@ mod tests {
             }
             let plan = plan.with_azimuth(azimuth).unwrap();
             let done = AtomicU64::new(0);
-            let count = |n| drop(done.fetch_add(n, Ordering::Relaxed));
+            let count = |n| {
+                let _ = done.fetch_add(n, Ordering::Relaxed);
+            };
             let table = |threads| -> BsdfTable {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| tabulate(&boundary, &plan, &AtomicBool::new(false), &count))
