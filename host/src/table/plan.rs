@@ -116,7 +116,10 @@ impl TablePlan {
         }
         if let Azimuth::Fixed(list) = &mut self.azimuth {
             let azimuths = wi.iter().filter(|w| w.x().hypot(w.y()) > 0.0);
-            let azimuths = azimuths.map(|w| (-w.y()).atan2(-w.x()).to_degrees().rem_euclid(360.0));
+            let azimuths = azimuths.map(|w| {
+                let degrees = (-w.y()).atan2(-w.x()).to_degrees().rem_euclid(360.0);
+                if degrees > 359.999 { 0.0 } else { degrees }
+            });
             let distinct = apart(ascending(azimuths.collect()));
             if (1..=MOST_EXACT_AZIMUTHS).contains(&distinct.len()) {
                 *list = distinct;
