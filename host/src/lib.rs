@@ -12,6 +12,7 @@ pub mod raytrace;
 pub mod boundary;
 pub mod batch;
 pub mod forward;
+pub mod table;
 pub mod method;
 pub mod model;
 pub mod energy;

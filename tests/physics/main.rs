@@ -17,3 +17,4 @@ mod reciprocity;
 mod sampling;
 mod extremes;
 mod plate;
+mod table;

@@ -106,7 +106,8 @@ impl Bins {
         self.cells.is_empty()
     }
 
-    fn index(&self, w: [f64; 3]) -> usize {
+    /// The bin of a direction.
+    pub fn index(&self, w: [f64; 3]) -> usize {
         let [theta, phi] = coordinates(w);
         let mut node = self.roots[usize::from(w[2] < 0.0)];
         loop {

@@ -8,18 +8,25 @@ use asperity_core::direction::Direction;
 use serde::Serialize;
 
 use super::error::Failure;
-use super::print;
+use super::scan::parse_rays;
+use super::{interrupt, print, progress};
 use crate::boundary::with_boundary;
+use crate::forward::Rays;
 use crate::input::{read_all, read_file};
 use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
+use crate::raytrace::TracedBoundary;
+use crate::surface::Spectrum;
+use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate};
 
 /// Evaluate the BSDF for pairs of directions
 ///
 /// Reads CSV from stdin with the columns wix,wiy,wiz,wox,woy,woz: unit vectors pointing away from the
 /// surface, +z into the air. Writes the same rows with f (1/sr, without cosine), ars = f |cos theta_o|
-/// and pdf (1/sr) added. Flux transport: transmission carries no eta^2 of radiance.
+/// and pdf (1/sr) added. Flux transport: transmission carries no eta^2 of radiance. A height map is traced into
+/// a table first: at just the angles of incidence asked for if they are at most 40 a side, else at 5
+/// degrees. With --json its values come with their statistical error, f_std_error.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Model made by `asperity model` or `asperity fit`
@@ -33,6 +40,12 @@ pub(super) struct Args {
     /// Write JSON: a list of objects
     #[arg(long)]
     json: bool,
+    /// Rays an incidence (and azimuth), for a model whose rays must be traced
+    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
+    rays: u64,
+    /// Seed of these rays
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
 }
 
 /// Largest list of pairs that is read.
@@ -48,6 +61,9 @@ struct Row {
     f: f64,
     ars: f64,
     pdf: f64,
+    /// Statistical error of f; of traced boundaries only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    f_std_error: Option<f64>,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -55,33 +71,55 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let (name, text) = pairs_text(args.input.as_ref())?;
     let pairs = parse(&name, &text)?;
-    let mut csv = format!("{COLUMNS},f,ars,pdf\n");
-    let mut rows = Vec::new();
-    with_boundary!(&boundary, b => {
-        for (kept, wi, wo) in &pairs {
-            let (f, ars, pdf) = (b.eval(*wi, *wo), b.ars(*wi, *wo), b.pdf(*wi, *wo));
-            if args.json {
-                rows.push(Row { wi: wi.xyz(), wo: wo.xyz(), f, ars, pdf });
-            } else {
-                // Writing to a string cannot fail.
-                let _ = writeln!(csv, "{kept},{f:e},{ars:e},{pdf:e}");
-            }
-        }
-    }, traced _t => {
-        return Err(Failure::bad(format!(
-            "{}: a traced boundary has no closed form to evaluate",
-            args.model.display()
-        )));
+    let rows = with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
+        let table = tabulated(t, &pairs, Rays { count: args.rays, seed: args.seed })?;
+        values(&table, &pairs, |wi, wo| Some(table.std_error(wi, wo)))
     });
     let text = if args.json {
         serde_json::to_string_pretty(&rows).map_err(Failure::bad)? + "\n"
     } else {
+        let mut csv = format!("{COLUMNS},f,ars,pdf\n");
+        for ((kept, ..), Row { f, ars, pdf, .. }) in pairs.iter().zip(&rows) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(csv, "{kept},{f:e},{ars:e},{pdf:e}");
+        }
         csv
     };
     match output {
         Some(file) => Ok(file.finish(text.as_bytes())?),
         None => print(&text),
     }
+}
+
+fn values<B: Bsdf<f64>>(
+    boundary: &B,
+    pairs: &[Pair],
+    std_error: impl Fn(Direction<f64>, Direction<f64>) -> Option<f64>,
+) -> Vec<Row> {
+    let row = |&(_, wi, wo): &Pair| Row {
+        wi: wi.xyz(),
+        wo: wo.xyz(),
+        f: boundary.eval(wi, wo),
+        ars: boundary.ars(wi, wo),
+        pdf: boundary.pdf(wi, wo),
+        f_std_error: std_error(wi, wo),
+    };
+    pairs.iter().map(row).collect()
+}
+
+/// A traced boundary as a table, of the incidences that are asked for if they are few.
+fn tabulated(boundary: &TracedBoundary, pairs: &[Pair], rays: Rays) -> Result<BsdfTable, Failure> {
+    let map = boundary.field.map().map_err(Failure::bad)?;
+    let spectrum = Spectrum::of(&map, boundary.field.edges()).map_err(Failure::bad)?;
+    let wi: Vec<Direction<f64>> = pairs.iter().map(|pair| pair.1).collect();
+    let plan = TablePlan::new(boundary.eta, rays)
+        .with_azimuth(Azimuth::of(spectrum.anisotropy()))
+        .map_err(Failure::bad)?
+        .for_directions(&wi);
+    let bar = progress::bar(plan.rays_in_all(), "tracing");
+    let table = tabulate(boundary, &plan, interrupt::flag(), &|n| bar.inc(n));
+    bar.finish_and_clear();
+    table.ok_or_else(|| Failure::No("interrupted before all rays were traced".into()))
 }
 
 fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {
@@ -156,5 +194,47 @@ fn parse<'a>(name: &str, text: &'a str) -> Result<Vec<Pair<'a>>, Failure> {
         Ok(pairs)
     } else {
         Err(bad(1, format!("there is nothing to read; the first line must be `{COLUMNS}`")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::{parse, tabulated, values};
+    use crate::forward::Rays;
+    use crate::raytrace::{Field, TracedBoundary};
+    use crate::surface::{Edges, HeightMap};
+    use crate::table::Azimuth;
+    use asperity_core::direction::Side;
+    use asperity_core::quantity::RelativeIor;
+
+    /// A boundary of grooves along y, or of bumps.
+    fn traced(grooves: bool) -> TracedBoundary {
+        let height = |k: u32| {
+            let wave = |k: u32| (f64::from(k % 64) * std::f64::consts::TAU * 7.0 / 64.0).sin();
+            0.3 * (wave(k) + if grooves { 0.0 } else { wave(k / 64) })
+        };
+        let map = HeightMap::new((64, 64), (1.0, 1.0), (0..64 * 64).map(height).collect()).unwrap();
+        let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
+        TracedBoundary { field, eta: RelativeIor::new(1.49).unwrap() }
+    }
+
+    #[test]
+    fn a_traced_boundary_is_tabulated_where_it_is_asked_for() {
+        let text = "wix,wiy,wiz,wox,woy,woz\n-0.6,0,0.8,0.4,0,-0.9165151\n0,-0.6,0.8,0,0.6,0.8\n";
+        let pairs = parse("pairs", text).unwrap();
+        let rays = Rays { count: 20_000, seed: 1 };
+        let table = tabulated(&traced(false), &pairs, rays).unwrap();
+        assert_eq!(table.azimuth(), &Azimuth::Isotropic);
+        let incidences = table.incidences_deg(Side::Air);
+        assert!(incidences.len() == 1 && table.incidences_deg(Side::Dielectric).is_empty());
+        for row in values(&table, &pairs, |wi, wo| Some(table.std_error(wi, wo))) {
+            let error = row.f_std_error.unwrap();
+            assert!(error > 0.0 && error < row.f, "{} {error}", row.f);
+        }
+        let table = tabulated(&traced(true), &pairs, rays).unwrap();
+        let Azimuth::Fixed(azimuths) = table.azimuth() else { panic!("{:?}", table.azimuth()) };
+        assert!(azimuths.len() == 2 && (azimuths[1] - 90.0).abs() < 1e-9, "{azimuths:?}");
     }
 }

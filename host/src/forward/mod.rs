@@ -14,6 +14,7 @@ mod simulate;
 pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
 pub use rays::Rays;
+pub(crate) use rays::{Tiles, mix};
 pub use simulate::simulate;
 
 use asperity_core::gonio::Geometry;

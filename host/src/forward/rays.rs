@@ -24,42 +24,42 @@ const MOST_SIDE: u32 = 128;
 
 impl Rays {
     /// The tiles of an incidence.
-    pub(super) fn tiles(self, sigma_deg: f64) -> Tiles {
+    pub(crate) fn tiles(self, sigma_deg: f64) -> Tiles {
         let side = (self.count.max(1) as f64).sqrt().ceil().min(f64::from(1 << 24)) as u32;
         let tile = side.div_ceil(8).next_multiple_of(2).min(MOST_SIDE);
         let tiles = side.div_ceil(tile);
-        Tiles { key: mix(mix(0, self.seed), sigma_deg.to_bits()), tile, tiles }
+        Tiles { key: mix(mix(0, self.seed), sigma_deg.to_bits()), tile, along: tiles }
     }
 }
 
 /// A square of tiles, each a square of rays.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tiles {
+pub(crate) struct Tiles {
     key: u64,
     /// Rays along the side of a tile.
     tile: u32,
     /// Tiles along a side.
-    tiles: u32,
+    along: u32,
 }
 
 impl Tiles {
     /// Number of tiles.
-    pub(super) fn count(self) -> u64 {
-        u64::from(self.tiles) * u64::from(self.tiles)
+    pub(crate) fn count(self) -> u64 {
+        u64::from(self.along) * u64::from(self.along)
     }
 
     /// Rays in a tile: an even number.
-    pub(super) fn rays_each(self) -> u32 {
+    pub(crate) fn rays_each(self) -> u32 {
         self.tile * self.tile
     }
 
     /// The random numbers of a ray of a tile; an even and the odd number after it are neighbours.
     #[inline]
-    pub(super) fn ray(self, tile: u64, number: u32) -> Uniforms {
+    pub(crate) fn ray(self, tile: u64, number: u32) -> Uniforms {
         let a = mix(mix(self.key, tile), u64::from(number));
         let mut generator = Pcg64Mcg::new((u128::from(a) << 64) | u128::from(mix(a, 1)));
-        let width = 1.0 / (f64::from(self.tiles) * f64::from(self.tile));
-        let tiles = u64::from(self.tiles);
+        let width = 1.0 / (f64::from(self.along) * f64::from(self.tile));
+        let tiles = u64::from(self.along);
         let corner = [tile % tiles, tile / tiles].map(|t| t as f64 * f64::from(self.tile));
         let square = [number % self.tile, number / self.tile].map(f64::from);
         let mut within = |k: usize| {
@@ -72,7 +72,7 @@ impl Tiles {
 }
 
 /// The random numbers of one ray.
-pub(super) struct Uniforms {
+pub(crate) struct Uniforms {
     first: [f64; 2],
     taken: usize,
     generator: Pcg64Mcg,
@@ -80,7 +80,7 @@ pub(super) struct Uniforms {
 
 impl Uniforms {
     #[inline]
-    pub(super) fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         let taken = self.taken;
         self.taken = taken + 1;
         match self.first.get(taken) {
@@ -91,7 +91,7 @@ impl Uniforms {
 }
 
 /// Avalanches a word into a state (splitmix64).
-fn mix(state: u64, word: u64) -> u64 {
+pub(crate) fn mix(state: u64, word: u64) -> u64 {
     let mut z = (state ^ word).wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -106,8 +106,8 @@ mod tests {
     fn one_ray_starts_in_every_square() {
         for count in [1, 50, 1000, 100_000] {
             let tiles = Rays { count, seed: 3 }.tiles(30.0);
-            let side = (tiles.tile * tiles.tiles) as usize;
-            assert!((side * side) as u64 >= count && tiles.rays_each() % 2 == 0);
+            let side = (tiles.tile * tiles.along) as usize;
+            assert!((side * side) as u64 >= count && tiles.rays_each().is_multiple_of(2));
             let mut seen = vec![0_u32; side * side];
             for tile in 0..tiles.count() {
                 for k in 0..tiles.rays_each() {

@@ -1,6 +1,6 @@
 //! The surface that rays meet: a triangulated grid with its pyramid of bounds.
 
-use crate::surface::{Edges, HeightMap};
+use crate::surface::{Edges, HeightMap, HeightMapError};
 
 /// A height map made ready for rays: single precision, with bounds of ever larger blocks.
 ///
@@ -130,6 +130,20 @@ impl Field {
     /// Pitch along x, um.
     pub fn pitch_um(&self) -> f64 {
         self.pitch_um
+    }
+
+    /// The points as a map again, heights in um from the middle of their range, in single precision.
+    ///
+    /// # Errors
+    /// [`HeightMapError`] never for a field made from a map.
+    pub fn map(&self) -> Result<HeightMap, HeightMapError> {
+        let seam = usize::from(self.edges == Edges::Periodic);
+        let [nx, ny] = self.cells.map(|n| n as usize + 1 - seam);
+        let rows = self.heights.chunks(nx + seam).take(ny);
+        let heights = rows.flat_map(|row| row.iter().take(nx));
+        let heights_um = heights.map(|h| f64::from(*h) * self.pitch_um).collect();
+        let pitches_um = (self.pitch_um, self.pitch_um * f64::from(self.aspect));
+        HeightMap::new((nx, ny), pitches_um, heights_um)
     }
 
     /// Bytes held.
