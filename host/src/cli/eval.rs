@@ -8,7 +8,7 @@ use asperity_core::direction::Direction;
 use serde::Serialize;
 
 use super::error::Failure;
-use super::scan::parse_rays;
+use super::source::parse_rays;
 use super::{interrupt, print, progress};
 use crate::boundary::with_boundary;
 use crate::forward::Rays;

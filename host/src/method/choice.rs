@@ -3,6 +3,7 @@
 use asperity_core::ndf::law::Profile;
 
 use super::{GgxMethod, HeightsMethod, MeasuredRayMethod, Method, NormalsMethod, Surface};
+use crate::measurement::excerpt;
 use crate::surface::{Edges, HeightMap};
 
 /// The names of the methods, for messages.
@@ -56,7 +57,7 @@ impl<'a> Choice<'a> {
             None | Some("gauss") => Profile::Gauss,
             Some("cauchy") => Profile::Cauchy,
             Some(other) => {
-                return Err(format!("law `{}` is unknown; write gauss or cauchy", short(other)));
+                return Err(format!("law `{}` is unknown; write gauss or cauchy", excerpt(other)));
             }
         };
         if self.surface == Surface::Opaque && self.name != "ggx" && METHODS.contains(&self.name) {
@@ -80,14 +81,9 @@ impl<'a> Choice<'a> {
             }
             other => Err(format!(
                 "method `{}` is unknown; the methods are {}",
-                short(other),
+                excerpt(other),
                 METHODS.join(", ")
             )),
         }
     }
-}
-
-/// Foreign text in a message.
-fn short(text: &str) -> String {
-    crate::measurement::excerpt(text).to_string()
 }
