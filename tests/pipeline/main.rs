@@ -13,6 +13,7 @@
 mod common;
 mod student;
 mod real_scans;
+mod traced_samples;
 mod metals;
 mod recovery;
 mod forward;

@@ -12,7 +12,7 @@ use crate::common::{CAUCHY, GAUSS, fitted, options};
 const SURFACE: Surface = Surface::Dielectric { ior: 1.49 };
 
 /// The instrument that the header describes.
-fn setup(scan: &Measurement) -> Setup {
+pub(crate) fn setup(scan: &Measurement) -> Setup {
     let meta = &scan.meta;
     assert!(meta.ior.is_some_and(|n| (n - 1.49).abs() < 1e-12));
     Setup {
