@@ -6,5 +6,6 @@ mod oracle;
 mod energy;
 mod smooth;
 mod facets;
+mod extremes;
 mod refusals;
 mod repeats;
