@@ -44,19 +44,19 @@ fn compare(tally: &mut Tally, field: &Field, oracle: &Triangles, ray: &Ray) -> F
             tally.same += 1;
             return fate;
         }
-        (Fate::Hits(hit), Some(found)) => {
-            // A ray that only grazes the triangle meets it farther off for the same shift.
-            if oracle.same(hit, found, unit / found.cosine.max(1e-3)) {
-                if hit.triangle == found.triangle {
-                    tally.same += 1;
-                } else {
-                    tally.neighbours += 1;
-                }
-                tally.images += usize::from(hit.mirrored != [false; 2]);
-                let off = (f64::from(hit.point[2]) - found.point[2]).abs();
-                tally.worst = tally.worst.max(off * found.cosine / size);
-                return fate;
+        // A ray that only grazes the triangle meets it farther off for the same shift.
+        (Fate::Hits(hit), Some(found))
+            if oracle.same(hit, found, unit / found.cosine.max(1e-3)) =>
+        {
+            if hit.triangle == found.triangle {
+                tally.same += 1;
+            } else {
+                tally.neighbours += 1;
             }
+            tally.images += usize::from(hit.mirrored != [false; 2]);
+            let off = (f64::from(hit.point[2]) - found.point[2]).abs();
+            tally.worst = tally.worst.max(off * found.cosine / size);
+            return fate;
         }
         _ => {}
     }
