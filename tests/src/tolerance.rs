@@ -117,6 +117,24 @@ table! {
         "what the forward model promises: 2e-4, and dropped rays of 1e-4 of an even share each";
     NEGLECTED_READING = 5e-5, "bound of what a reading may miss, of the largest, transmission",
         "a twentieth of the noise of a good scan, 0.1 %; what is really missing is less than the bound";
+    RAY_PLACE = 2e-6, "shift of a ray on a height map that explains what it meets, of the map's size",
+        "places and heights are single: a few roundings of 6e-8 at each way around the map";
+    RAY_TIES = 2e-3, "share of rays that meet the neighbour of the triangle brute force names, or need the shift",
+        "a strip of the width of the shift along every edge";
+    FLAT = 1e-6, "x, y and z^2 of a direction from a flat map against the smooth boundary's, absolute",
+        "some ten roundings of 6e-8: a traced ray is single, the smooth boundary double";
+    FLAT_PLATE = 1e-5, "the same, and fluxes, in a plate, absolute",
+        "several passes, and at grazing incidence fluxes change with the cosine";
+    STATED_ERROR = 1.5, "error a Monte Carlo reading states over its scatter between seeds, at most",
+        "found from neighbours, which start in different places: too large, up to this on smooth maps";
+    FACETS_TRACED = 6.0, "flux in a cone from traced maps against single facets, in standard errors",
+        "the error is estimated from the scatter of eight maps: Student's t of 7 degrees";
+    FACETS_TRACED_MEAN = 0.01, "the same, weighted mean of all cones, relative",
+        "the slopes of a map of 51 correlation lengths are Gaussian to a percent";
+    EXTREMES_SECONDS = 60.0, "time of a few thousand of the worst rays on the worst maps, seconds",
+        "a few seconds on a busy machine; a ray that does not end takes for ever";
+    UPRIGHT_LOST = 1e-4, "share of rays lost on white noise of rms slope 10 to 100",
+        "single precision places a hit on an upright wall to a few millionths of its height only";
     SMOOTH_TRANSMISSION = 1e-4, "second difference of the error of eq. (18) in %, at steps of 1e-4 in ln alpha",
         "moves the minimum of an error of 1 % by less than 3e-4 in ln alpha";
     SMOOTH_REFLECTION = 2e-3, "the same in reflection",

@@ -57,10 +57,11 @@ fn gradient(h: [f32; 4], upper: bool) -> [f32; 2] {
     if upper { [h[3] - h[2], h[2] - h[0]] } else { [h[1] - h[0], h[3] - h[1]] }
 }
 
-/// Reciprocal of a component; of nothing it is large enough to make every distance larger than any other.
+/// A component that is nothing as one that leads nowhere: its distances are larger than any other, and it
+/// has a sign, so that a ray within a mirror wall knows on which side of it it goes on.
 #[inline(always)]
-fn reciprocal(d: f32) -> f32 {
-    if d.abs() > 1e-30 { 1.0 / d } else { 1e30 }
+fn not_nothing(d: f32) -> f32 {
+    if d.abs() < 1e-30 { 1e-30 } else { d }
 }
 
 /// The point of a ray's line at `t` as a cell between bounds; `high` is not included.
@@ -102,14 +103,14 @@ impl<'a, const ABOVE: bool> Walk<'a, ABOVE> {
     fn new(field: &'a Field, ray: &Ray) -> Self {
         let sign = if ABOVE { 1.0 } else { -1.0 };
         let [x, y, z] = ray.direction;
-        let d = [x, y / field.aspect, sign * z];
+        let d = [not_nothing(x), not_nothing(y / field.aspect), sign * z];
         let [ox, oy, oz] = ray.origin;
         let mut walk = Self {
             field,
             from: ray.from,
             o: [ox, oy, sign * oz],
             d,
-            inverse: [reciprocal(d[0]), reciprocal(d[1]), 1.0 / d[2]],
+            inverse: [1.0 / d[0], 1.0 / d[1], 1.0 / d[2]],
             t: 0.0,
             x: 0,
             y: 0,
