@@ -121,10 +121,8 @@ fn a_map_mirrored_at_its_edges_scatters_like_the_whole() {
     let part = quarter.of(&prepared.map).unwrap();
     assert_eq!(Edges::of(&part), Edges::Mirrored);
     let setup = setup(&scan);
-    let angles = Incidence {
-        sigma_deg: 30.0,
-        theta_deg: (0..181).map(|k| f64::from(k) - 90.0).collect(),
-    };
+    let angles =
+        Incidence { sigma_deg: 30.0, theta_deg: (0..181).map(|k| f64::from(k) - 90.0).collect() };
     let (rays, stop) = (Rays { count: 1_000_000, seed: 2 }, AtomicBool::new(false));
     let trace = |map, edges| {
         let field = Arc::new(Field::new(map, edges).unwrap());

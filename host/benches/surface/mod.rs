@@ -33,7 +33,9 @@ pub(crate) fn gaussian(size: usize, length: f64, slope: f64, seed: u128) -> Heig
     let rise = |k: usize| heights[k - k % size + (k + 1) % size] - heights[k];
     let square = (0..size * size).map(|k| rise(k).powi(2)).sum::<f64>();
     let scale = slope / (square / (size * size) as f64).sqrt();
-    heights.iter_mut().for_each(|h| *h *= scale);
+    for h in &mut heights {
+        *h *= scale;
+    }
     HeightMap::new((size, size), (1.0, 1.0), heights).unwrap()
 }
 
