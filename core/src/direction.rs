@@ -44,10 +44,10 @@ impl<T: Real> Direction<T> {
         Self(T::Vec3::from_xyz(x, y, z))
     }
 
-    /// Normalised; the vector is known to be far from zero.
+    /// Normalised by one step of Newton; the vector is of unit length but for rounding.
     #[inline(always)]
-    pub(crate) fn from_vector(v: T::Vec3) -> Self {
-        Self(v.scale(T::ONE / v.dot(v).sqrt()))
+    pub(crate) fn renormalised(v: T::Vec3) -> Self {
+        Self(v.scale(T::ONE + T::HALF * (T::ONE - v.dot(v))))
     }
 
     /// From polar angle (from +z) and azimuth (from +x), radians.
@@ -121,7 +121,7 @@ impl<T: Real> Direction<T> {
     /// Reflected at a facet of unit normal `m`, on either side of it: 2 (w.m) m - w.
     #[inline(always)]
     pub fn reflect(self, m: Self) -> Self {
-        Self::from_vector(m.0.scale(T::TWO * self.dot(m)) - self.0)
+        Self::renormalised(m.0.scale(T::TWO * self.dot(m)) - self.0)
     }
 
     /// Refracted at a facet of unit normal `m` \[Walter2007, eq. 40\]; `None` on total reflection.
@@ -137,7 +137,7 @@ impl<T: Real> Direction<T> {
         if cos2_t > T::ZERO {
             let cos_t = cos2_t.sqrt();
             let along = if c > T::ZERO { c * inverse - cos_t } else { c * inverse + cos_t };
-            Some(Self::from_vector(m.0.scale(along) - self.0.scale(inverse)))
+            Some(Self::renormalised(m.0.scale(along) - self.0.scale(inverse)))
         } else {
             None
         }

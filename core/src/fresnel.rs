@@ -7,7 +7,8 @@
 //! so that nothing cancels when the two indices are nearly alike, and the transmittance is computed
 //! from its own products rather than as `1 - F`, so that it keeps its digits at grazing incidence.
 
-use crate::math::Real;
+use crate::direction::Direction;
+use crate::math::{Real, Vector};
 
 /// Reflectance and transmittance of flux; they sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,26 @@ pub fn dielectric<T: Real>(cos_i: T, eta: T) -> Fresnel<T> {
         }
     } else {
         Fresnel { reflected: T::ONE, transmitted: T::ZERO }
+    }
+}
+
+/// What a facet of unit normal `m` does to light from `w`, on either side of it: the share it reflects, and where
+/// the rest goes; `None` on total reflection. `eta` is the index of the far medium over that of the near one.
+///
+/// The same as [`dielectric`] and [`Direction::refract`], with one root between them.
+#[inline(always)]
+pub fn facet<T: Real>(w: Direction<T>, m: Direction<T>, eta: T) -> (T, Option<Direction<T>>) {
+    let c = w.dot(m);
+    let step = (eta - T::ONE) * (eta + T::ONE);
+    let g2 = step + c * c;
+    if g2 > T::ZERO {
+        let g = g2.sqrt_positive();
+        let inverse = T::ONE / eta;
+        let along = if c > T::ZERO { c - g } else { c + g };
+        let through = m.vector().scale(along * inverse) - w.vector().scale(inverse);
+        (reflectance(c.abs(), g, T::ONE, eta * eta, step), Some(Direction::renormalised(through)))
+    } else {
+        (T::ONE, None)
     }
 }
 

@@ -50,16 +50,15 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
     /// what is left after these a matter of rounding.
     pub const MOST_PASSES: usize = 4096;
 
-    /// Flux below which a roulette decides whether a ray goes on: a ray of a few percent costs as much
-    /// as a whole one and tells less.
-    pub const ROULETTE: f64 = 0.25;
+    /// Least flux that is followed on from the smooth face: a ray of a few percent costs as much as a whole
+    /// one and tells less.
+    pub const LEAST: f64 = 0.25;
 
     /// Follows one ray of unit flux from `wi` (towards the source, z > 0) through all internal passes.
     ///
     /// Each hit of the smooth face splits the ray, so that the part that leaves is counted exactly;
-    /// below [`Self::ROULETTE`] what goes on is decided by roulette. `exit(wo, flux)` is called for
-    /// every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted); on average over
-    /// rays the parts are the outcome, which for each ray sums to 1.
+    /// what would go on with less than [`Self::LEAST`] goes on rarely, with that much. `exit(wo, flux)` is called for
+    /// every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
     pub fn trace(
         &self,
         wi: Direction<T>,
@@ -106,27 +105,20 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
             // On to the smooth face. Seen from it the light comes from the opposite of where it goes.
             let arriving = turned(s.wo).opposite();
             let (share, gone) = self.through_the_smooth_face(arriving);
+            let mut kept = flux * (T::ONE - share);
             if let Some(gone) = gone {
-                leave(gone, flux * share, &mut out);
-            }
-            let kept = flux * (T::ONE - share);
-            let least = T::from_f64(Self::ROULETTE);
-            if kept < least {
-                // The survivor carries what the others lose: right on average. The balance, zero on
-                // average, is booked where most of such light leaves, so that the sum stays 1.
-                let survives = kept > T::ZERO && uniform() * least < kept;
-                let balance = if survives { kept - least } else { kept };
-                match self.rough_side {
-                    RoughSide::Source => out.reflected = out.reflected + balance,
-                    RoughSide::Detector => out.transmitted = out.transmitted + balance,
+                let least = T::from_f64(Self::LEAST).min(flux);
+                if kept < least {
+                    // Rarely a ray worth following goes on, mostly none: right on average, and no flux
+                    // is lost or made, for what does not go on leaves.
+                    kept = if uniform() * least < kept { least } else { T::ZERO };
                 }
-                if !survives {
-                    return out;
-                }
-                flux = least;
-            } else {
-                flux = kept;
+                leave(gone, flux - kept, &mut out);
             }
+            if kept <= T::ZERO {
+                return out;
+            }
+            flux = kept;
             let [x, y, z] = arriving.xyz();
             // mirrored at the smooth face, then seen from the rough face, whence it comes
             w = turned(Direction::from_unit(-x, -y, z).opposite());
@@ -143,11 +135,11 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
             RoughSide::Source => w.turned_over(),
             RoughSide::Detector => w,
         };
-        let f = self.smooth.fresnel(own);
-        let gone = self.smooth.refract(own).map(|o| match self.rough_side {
+        let Some((reflected, gone)) = self.smooth.facet(own) else { return (T::ZERO, None) };
+        let gone = gone.map(|o| match self.rough_side {
             RoughSide::Source => o.turned_over(),
             RoughSide::Detector => o,
         });
-        (if gone.is_some() { f.transmitted } else { T::ZERO }, gone)
+        (T::ONE - reflected, gone)
     }
 }

@@ -20,14 +20,19 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ),
         (
             "fit",
-            "<SCAN> --method --objective --law --fit-theta0 --fit-ior --fit-gain \
+            "<SCAN> --method --objective --law --fit-theta0 --fit-n --fit-h-max --fit-z0 --map \
+             --no-cutoff --rays --seed --pixel-um --z-um --crop --fill --form --edges --fit-ior --fit-gain \
              --max-evaluations --max-misfit --output --plot --json --ior --opaque --geometry \
              --rough-side --aperture --columns --quantity --where --delimiter --decimal-comma \
              --skip-missing --sigma-range --theta-range",
             "Examples:\n  asperity fit scan.csv",
         ),
-        ("eval", "<MODEL> --input --output --json", "wix,wiy,wiz,wox,woy,woz"),
-        ("check", "<MODEL> --incidence --side --json", "R + T > 1"),
+        ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
+        (
+            "check",
+            "[MODEL] --map --method --ior --incidence --side --rays --seed --json",
+            "R + T > 1",
+        ),
         (
             "stats",
             "<MAP> --pixel-um --z-um --crop --fill --form --edges --plot --json",

@@ -7,7 +7,7 @@ use asperity::method::{GgxMethod, Method, Surface};
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
 use asperity_tests::tolerance::{
-    BEST, PULL, PULL_RMS, RECOVERED_ALPHA, RECOVERED_ALPHA_WITHIN, RECOVERED_DELTA,
+    BEST, FORWARD_MODEL, PULL, PULL_RMS, RECOVERED_ALPHA, RECOVERED_ALPHA_WITHIN, RECOVERED_DELTA,
     RECOVERED_EXPONENT, RECOVERED_GAIN, RECOVERED_IOR, RECOVERED_LAMBERT, Tolerance,
 };
 use asperity_tests::{count, extensive};
@@ -90,7 +90,9 @@ impl<'a> Case<'a> {
                 fit.evaluations
             );
             claim(off.abs() <= limit.allowed, format!("{parameter} {found}, true {truth}"));
-            claim(pull.abs() < PULL.allowed, format!("{parameter} pull {pull:.2}"));
+            // a deviation this small is the forward model's, not the noise's
+            let noise = pull.abs() < PULL.allowed || off.abs() < FORWARD_MODEL.allowed;
+            claim(noise, format!("{parameter} pull {pull:.2}"));
         }
         if let Some(ior) = fit.ior.filter(|_| self.options.fit_ior) {
             claim(ior.to_bits() == value(&fit, "ior").0.to_bits(), "two values of ior".into());

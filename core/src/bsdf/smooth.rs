@@ -40,6 +40,12 @@ impl<T: Real> Smooth<T> {
         wi.refract(Direction::normal(), self.relative(wi.side()?))
     }
 
+    /// Reflected share of the flux from `wi`, and the transmitted direction; `None` for a grazing ray.
+    #[inline]
+    pub fn facet(&self, wi: Direction<T>) -> Option<(T, Option<Direction<T>>)> {
+        Some(fresnel::facet(wi, Direction::normal(), self.relative(wi.side()?)))
+    }
+
     /// The mirror direction.
     #[inline]
     pub fn reflect(&self, wi: Direction<T>) -> Direction<T> {

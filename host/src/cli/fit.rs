@@ -225,13 +225,13 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
     let method = args.method.as_str();
     let heights = args.fit_n || args.fit_h_max || args.fit_z0;
     let wrong = if args.law.is_some() && !Choice::has_law(method) {
-        "--law belongs to the methods normals and heights"
+        "--law belongs to the methods normals and heights; leave it out"
     } else if args.fit_theta0 && method != "normals" {
-        "--fit-theta0 belongs to --method normals"
+        "--fit-theta0 belongs to --method normals; leave it out"
     } else if heights && method != "heights" {
-        "--fit-n, --fit-h-max and --fit-z0 belong to --method heights"
+        "--fit-n, --fit-h-max and --fit-z0 belong to --method heights; leave them out"
     } else if args.map.is_some() && !Choice::needs_map(method) {
-        "--map belongs to --method measured-ray"
+        "--map belongs to --method measured-ray; leave it out"
     } else if args.map.is_none() && Choice::needs_map(method) {
         "--method measured-ray needs a height map; give --map FILE"
     } else {

@@ -50,8 +50,8 @@ pub struct FitOptions {
 pub struct FitRays {
     /// In the search for a start.
     pub draft: u64,
-    /// In the fit.
-    pub fit: u64,
+    /// In the fit; `None`: as many as bring their noise to [`FitRays::FIT_NOISE_PERCENT`].
+    pub fit: Option<u64>,
     /// For the final figures; `None`: as many as bring their noise below [`FitRays::NOISE_PERCENT`].
     pub last: Option<u64>,
     /// The seed of the fit; the final figures use the next one.
@@ -61,13 +61,21 @@ pub struct FitRays {
 impl FitRays {
     /// Noise of the final figures in terms of eq. (18), %, that is aimed at.
     pub const NOISE_PERCENT: f64 = 0.2;
-    /// Rays an incidence that are spent on the aim at most.
+    /// Noise of a simulation in the fit, %, that is aimed at: some of it falls out of the cost.
+    pub const FIT_NOISE_PERCENT: f64 = 1.3;
+    /// Rays an incidence that are spent on the aims, in the fit and for the final figures.
+    const IN_FIT: (f64, f64) = (2e5, 4e6);
     const MOST: f64 = 1e8;
+
+    /// How many rays bring a noise down to an aim. In strata it falls faster than with the root of the number.
+    fn for_noise(count: u64, percent: f64, aim_percent: f64) -> f64 {
+        count as f64 * (percent / aim_percent).powf(1.7)
+    }
 }
 
 impl Default for FitRays {
     fn default() -> Self {
-        Self { draft: 100_000, fit: 1_000_000, last: None, seed: 1 }
+        Self { draft: 100_000, fit: None, last: None, seed: 1 }
     }
 }
 
@@ -181,7 +189,7 @@ pub fn fit(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Fit, FitError> {
     let begun = Instant::now();
-    let problem = Problem::new(method, measurement, setup, options, stop);
+    let mut problem = Problem::new(method, measurement, setup, options, stop);
     if problem.parameters().len() > measurement.readings().len() {
         return Err(FitError::TooFewReadings {
             readings: measurement.readings().len(),
@@ -210,6 +218,9 @@ pub fn fit(
     };
     // A floor lost in the draft lies far down a flat logarithm: its least-squares value is where to look.
     problem.solve_linear(&mut start);
+    if problem.is_traced() {
+        choose_rays(&mut problem, &start, measurement, options)?;
+    }
     let (values, termination) = match search.minimise(&problem, &start, Effort::Full, tolerance) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
@@ -284,14 +295,34 @@ fn last_readings(
     if let Some(count) = options.rays.last {
         return with(count, stop);
     }
-    let Some(first) = with(options.rays.fit, stop)? else {
+    let count = problem.full_rays();
+    let Some(first) = with(count, stop)? else {
         return with(options.rays.draft, &never);
     };
-    let excess = noise_percent(&first, measurement).unwrap_or(0.0) / FitRays::NOISE_PERCENT;
-    if excess <= 1.0 {
+    let noise = noise_percent(&first, measurement).unwrap_or(0.0);
+    if noise <= FitRays::NOISE_PERCENT {
         return Ok(Some(first));
     }
-    // Strata make noise fall faster than with the root of the number.
-    let count = (options.rays.fit as f64 * excess.powf(1.7)).min(FitRays::MOST) as u64;
-    Ok(with(count, stop)?.or(Some(first)))
+    let count = FitRays::for_noise(count, noise, FitRays::NOISE_PERCENT).min(FitRays::MOST);
+    Ok(with(count as u64, stop)?.or(Some(first)))
+}
+
+/// Rays of the fit: as given, or as many as the noise of the draft at its best values calls for.
+fn choose_rays(
+    problem: &mut Problem<'_>,
+    start: &[f64],
+    measurement: &Measurement,
+    options: &FitOptions,
+) -> Result<(), BuildError> {
+    let Some(given) = options.rays.fit else {
+        let draft = options.rays.draft;
+        let Some(readings) = problem.simulate(start, Effort::Draft)? else { return Ok(()) };
+        let noise = noise_percent(&readings, measurement).unwrap_or(0.0);
+        let (least, most) = FitRays::IN_FIT;
+        let count = FitRays::for_noise(draft, noise, FitRays::FIT_NOISE_PERCENT);
+        problem.set_full_rays(count.clamp(least, most) as u64);
+        return Ok(());
+    };
+    problem.set_full_rays(given);
+    Ok(())
 }

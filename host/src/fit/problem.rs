@@ -19,6 +19,8 @@ pub(super) struct Problem<'a> {
     measured: Cow<'a, [f64]>,
     largest: f64,
     parameters: Vec<Parameter>,
+    /// Rays an incidence in full effort, for traced methods.
+    full_rays: u64,
 }
 
 const IOR: Parameter = Parameter {
@@ -65,6 +67,7 @@ impl<'a> Problem<'a> {
             measured: measurement.readings().iter().map(|r| r.value).collect(),
             largest: measurement.largest_reading(),
             parameters,
+            full_rays: options.rays.fit.unwrap_or(options.rays.draft),
         }
     }
 
@@ -171,11 +174,21 @@ impl<'a> Problem<'a> {
         Ok(Ready { boundary, setup, plan: &self.plan, gain: self.named(values, "gain") })
     }
 
+    /// Rays an incidence in full effort.
+    pub(super) fn full_rays(&self) -> u64 {
+        self.full_rays
+    }
+
+    /// Sets them.
+    pub(super) fn set_full_rays(&mut self, count: u64) {
+        self.full_rays = count;
+    }
+
     /// Rays of a stage.
     fn rays(&self, effort: Effort) -> Rays {
         let count = match effort {
             Effort::Draft => self.options.rays.draft,
-            Effort::Full => self.options.rays.fit,
+            Effort::Full => self.full_rays,
         };
         Rays { count, seed: self.options.rays.seed }
     }

@@ -13,6 +13,9 @@ use super::optics::{Entry, View, enter, look};
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
 use crate::measurement::Quantity;
 
+/// Incidence, rad, from which on internal passes take more rays in transmission: 40 degrees.
+const OBLIQUE: f64 = 0.7;
+
 /// How much work a simulation may cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
@@ -203,9 +206,11 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         };
         let views: Vec<Option<View>> =
             nodes.iter().step_by(stride).map(|node| self.view(node, psi)).collect();
-        // Seen from the front, half of what a clear plate returns has been inside.
+        // Seen from the front, half of what a clear plate returns has been inside; at oblique incidence
+        // much of the light stays inside for long.
         let count = match self.setup.geometry {
-            Geometry::Transmission => 64,
+            Geometry::Transmission if self.sigma < OBLIQUE => 64,
+            Geometry::Transmission => 256,
             Geometry::Reflection => 2048,
         };
         let found = passes(self.boundary, eta, &self.entry, &views, count);

@@ -42,13 +42,13 @@ impl TracedBoundary {
         let [dx, dy, dz] = travel.xyz();
         let mut mirrored = [false; 2];
         let mut place = [0.0_f32; 2];
-        let back = f64::from(height / dz);
-        for (k, d) in [dx, dy / field.aspect].into_iter().enumerate() {
+        for k in 0..2 {
             let n = f64::from(field.cells[k]);
             let mut x = match field.edges {
                 Edges::Periodic => n * u[k],
                 Edges::Mirrored => {
-                    let reach = back * f64::from(d);
+                    let d = if k == 0 { dx } else { dy / field.aspect };
+                    let reach = f64::from(height / dz) * f64::from(d);
                     let margin = reach.abs().min(0.25 * n);
                     margin + (n - 2.0 * margin) * u[k] + reach
                 }
@@ -75,9 +75,10 @@ impl Scatter<f64> for TracedBoundary {
     ) -> Option<Scattered<f64>> {
         let mut above = wi.side()? == Side::Air;
         let [x, y, z] = wi.xyz().map(|c| -c as f32);
-        let mut travel = Direction::<f32>::new(x, y, z)?;
+        let mut travel = Direction::<f32>::from_unit(x, y, z);
         travel.side()?;
         let n = self.eta.get() as f32;
+        let n = [1.0 / n, n];
         let u = [uniform(), uniform()];
         let (mut ray, mut mirrored) = self.start(travel, above, u);
         travel = mirror(travel, mirrored);
@@ -85,7 +86,10 @@ impl Scatter<f64> for TracedBoundary {
             match self.field.follow(&ray) {
                 Fate::Escapes => {
                     let [x, y, z] = mirror(travel, mirrored).xyz().map(f64::from);
-                    return Some(Scattered { wo: Direction::new(x, y, z)?, weight: 1.0 });
+                    // of unit length to single precision: one step of Newton makes it so to double
+                    let scale = 1.5 - 0.5 * (x * x + y * y + z * z);
+                    let wo = Direction::from_unit(x * scale, y * scale, z * scale);
+                    return Some(Scattered { wo, weight: 1.0 });
                 }
                 Fate::Lost => return None,
                 Fate::Hits(hit) => {
@@ -93,13 +97,8 @@ impl Scatter<f64> for TracedBoundary {
                     let m = Direction::from_unit(mx, my, mz);
                     mirrored = [mirrored[0] ^ hit.mirrored[0], mirrored[1] ^ hit.mirrored[1]];
                     let from = mirror(travel, hit.mirrored).opposite();
-                    let relative = if above { n } else { 1.0 / n };
-                    let f = fresnel::dielectric(from.dot(m).abs(), relative);
-                    let refracted = if uniform() < f64::from(f.reflected) {
-                        None
-                    } else {
-                        from.refract(m, relative)
-                    };
+                    let (reflected, through) = fresnel::facet(from, m, n[usize::from(above)]);
+                    let refracted = through.filter(|_| uniform() >= f64::from(reflected));
                     match refracted {
                         Some(through) => {
                             travel = through;
