@@ -9,19 +9,19 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ("demo", "--output --json", "known GGX facets"),
         (
             "model",
-            "<METHOD> --set --ior --opaque --law --output --json",
+            "<METHOD> --set --ior --opaque --law --map --seed --output --json",
             "Example: asperity model normals",
         ),
         (
             "scan",
-            "<MODEL> --sigma --theta-range --step --aperture --geometry --rough-side --quantity \
+            "[MODEL] --map --method --ior --pixel-um --fill --edges --sigma --theta-range --step --aperture --geometry --rough-side --quantity \
              --rays --seed --output --json",
             "internal passes",
         ),
         (
             "fit",
             "<SCAN> --method --objective --law --fit-theta0 --fit-n --fit-h-max --fit-z0 --map \
-             --no-cutoff --rays --seed --pixel-um --z-um --crop --fill --form --edges --fit-ior --fit-gain \
+             --no-cutoff --rays --fit-rays --seed --pixel-um --z-um --crop --fill --form --edges --fit-ior --fit-gain \
              --max-evaluations --max-misfit --output --plot --json --ior --opaque --geometry \
              --rough-side --aperture --columns --quantity --where --delimiter --decimal-comma \
              --skip-missing --sigma-range --theta-range",

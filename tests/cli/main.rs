@@ -7,6 +7,7 @@
 //! | `help` | help, version, completions |
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
+//! | `map_verbs` | light on height maps |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
@@ -26,6 +27,7 @@ mod refusal;
 mod help;
 mod happy;
 mod maps;
+mod map_verbs;
 mod malformed;
 mod map_files;
 mod malformed_maps;
