@@ -11,6 +11,7 @@ use super::subject::{Subject, SubjectFlags};
 use crate::boundary::Boundary;
 use crate::energy::{Energy, balance, reciprocity_error, side_name};
 use crate::forward::Rays;
+use crate::surface::Edges;
 
 /// One side of the boundary, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -53,6 +54,8 @@ struct Answer {
     asperity: u32,
     method: String,
     ior: Option<f64>,
+    /// How a height map goes on beyond its border.
+    edges: Option<&'static str>,
     energy: Vec<Energy>,
     reciprocity_error: Vec<Option<f64>>,
     reciprocal: Option<bool>,
@@ -70,7 +73,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--incidence {bad} is not usable; give 0 to below 90 degrees"
         )));
     }
-    let Subject { boundary, method, ior, .. } = args.subject.read()?;
+    let Subject { boundary, method, ior, map, .. } = args.subject.read()?;
     let sides: &[Side] = match (args.side, &boundary) {
         (Some(SideFlag::Dielectric), Boundary::Opaque(_)) => {
             return Err(Failure::bad("an opaque body has no inside; use --side air"));
@@ -98,6 +101,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             asperity: 1,
             method,
             ior,
+            edges: map.and_then(|m| m.edges).map(Edges::name),
             energy,
             reciprocity_error: reciprocity,
             reciprocal,

@@ -18,6 +18,7 @@ use crate::forward::{
 };
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::output::AtomicFile;
+use crate::surface::{Edges, Form};
 
 /// Simulate a goniophotometer scan of a model, or of a height map
 ///
@@ -78,7 +79,7 @@ pub(super) struct Virtual {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let Subject { boundary, ior, path, .. } = args.subject.read()?;
+    let Subject { boundary, ior, path, map, .. } = args.subject.read()?;
     let setup = setup(args, &boundary)?;
     let grid = grid(args)?;
     if let Some(bad) = args.sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {
@@ -98,6 +99,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Metadata { sample: Some(format!("virtual: {}", path.display())), ..Metadata::default() };
     if let Some(ior) = ior {
         meta.ior = Some(ior);
+    }
+    if let Some(map) = map {
+        let (edges, form) = (map.edges.map(Edges::name), map.form.map(Form::name));
+        for (key, word) in [("edges", edges), ("form_removed", form)] {
+            if let Some(word) = word {
+                meta.set(key, word).map_err(Failure::bad)?;
+            }
+        }
     }
     let traced = matches!(boundary, Boundary::Traced(_));
     let count = args.rays.or(traced.then_some(TRACED_RAYS));

@@ -11,6 +11,7 @@ use crate::boundary::Boundary;
 use crate::method::Surface;
 use crate::model::Model;
 use crate::raytrace::{Field, TracedBoundary};
+use crate::surface::Preparation;
 
 /// How light is sent on a map, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -47,6 +48,8 @@ pub(super) struct Subject {
     pub(super) ior: Option<f64>,
     /// The file.
     pub(super) path: PathBuf,
+    /// How the map was prepared; `None` without one.
+    pub(super) map: Option<Preparation>,
 }
 
 impl SubjectFlags {
@@ -55,7 +58,8 @@ impl SubjectFlags {
         if let Some(path) = &self.model {
             let (model, boundary, _) = Model::read(path)?;
             let (method, ior) = (model.method, model.ior);
-            return Ok(Subject { boundary, method, ior, path: path.clone() });
+            let map = model.map.map(|map| map.preparation);
+            return Ok(Subject { boundary, method, ior, path: path.clone(), map });
         }
         let (Some(path), Some(ior)) = (&self.map, self.ior) else {
             return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
@@ -69,6 +73,7 @@ impl SubjectFlags {
             method: "ray".into(),
             ior: Some(ior),
             path: path.clone(),
+            map: Some(prepared.preparation),
         })
     }
 }
