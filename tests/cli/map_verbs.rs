@@ -88,6 +88,8 @@ fn what_a_map_cannot_do_is_refused() {
         case("fit scan.csv --method measured-ray", &["--map"]).file("scan.csv", scan),
         with_map("fit scan.csv --method ggx --map map.txt", &["--map"]).file("scan.csv", scan),
         with_map("fit scan.csv --method heights --map map.txt", &["--map"]).file("scan.csv", scan),
+        case("fit scan.csv --method heights --quantity bsdf --aperture 0", &["--aperture"])
+            .file("scan.csv", scan),
         case("fit scan.csv --method ggx --fit-n", &["--fit-n"]).file("scan.csv", scan),
         case("model heights --set delta=0 --ior 1.49", &["delta"]),
         case("model heights --set delta=1 n=0 --ior 1.49", &["`n`"]),

@@ -167,6 +167,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         })
         .collect::<Result<Vec<_>, _>>()
         .map_err(Failure::Bad)?;
+    if setup.aperture_deg <= 0.0 && methods.iter().any(|m| m.is_traced()) {
+        return Err(Failure::bad(format!(
+            "{}: rays need a detector to fall into; give --aperture above 0",
+            args.scan.display()
+        )));
+    }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(open_plots).transpose()?;
     let job = Job {
