@@ -50,15 +50,10 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
     /// what is left after these a matter of rounding.
     pub const MOST_PASSES: usize = 4096;
 
-    /// Least flux that is followed on from the smooth face: a ray of a few percent costs as much as a whole
-    /// one and tells less.
-    pub const LEAST: f64 = 0.25;
-
     /// Follows one ray of unit flux from `wi` (towards the source, z > 0) through all internal passes.
     ///
-    /// Each hit of the smooth face splits the ray, so that the part that leaves is counted exactly;
-    /// what would go on with less than [`Self::LEAST`] goes on rarely, with that much. `exit(wo, flux)` is called for
-    /// every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
+    /// At each further hit of the smooth face it leaves or goes on as a whole; light mirrored by a smooth face that
+    /// looks to the source is counted exactly. `exit(wo, flux)` is called for every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
     pub fn trace(
         &self,
         wi: Direction<T>,
@@ -105,20 +100,13 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
             // On to the smooth face. Seen from it the light comes from the opposite of where it goes.
             let arriving = turned(s.wo).opposite();
             let (share, gone) = self.through_the_smooth_face(arriving);
-            let mut kept = flux * (T::ONE - share);
-            if let Some(gone) = gone {
-                let least = T::from_f64(Self::LEAST).min(flux);
-                if kept < least {
-                    // Rarely a ray worth following goes on, mostly none: right on average, and no flux
-                    // is lost or made, for what does not go on leaves.
-                    kept = if uniform() * least < kept { least } else { T::ZERO };
-                }
-                leave(gone, flux - kept, &mut out);
-            }
-            if kept <= T::ZERO {
+            // The whole ray leaves, or none of it: a ray of a few percent would cost as much and tell less.
+            if let Some(gone) = gone
+                && uniform() < share
+            {
+                leave(gone, flux, &mut out);
                 return out;
             }
-            flux = kept;
             let [x, y, z] = arriving.xyz();
             // mirrored at the smooth face, then seen from the rough face, whence it comes
             w = turned(Direction::from_unit(-x, -y, z).opposite());

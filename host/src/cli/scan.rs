@@ -51,7 +51,7 @@ pub(super) struct Args {
     /// What the readings are
     #[arg(long, value_enum, default_value = "flux")]
     quantity: QuantityFlag,
-    /// Monte Carlo with so many rays an incidence; a height map takes 1e7 without it
+    /// Monte Carlo with so many rays an incidence; a height map takes 1.5e7 without it
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
     /// Seed of the Monte Carlo
@@ -66,7 +66,7 @@ pub(super) struct Args {
 }
 
 /// Rays an incidence where there is no other way.
-const TRACED_RAYS: u64 = 10_000_000;
+const TRACED_RAYS: u64 = 15_000_000;
 
 /// A finished virtual scan.
 pub(super) struct Virtual {
