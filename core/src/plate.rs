@@ -52,8 +52,9 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
 
     /// Follows one ray of unit flux from `wi` (towards the source, z > 0) through all internal passes.
     ///
-    /// At each further hit of the smooth face it leaves or goes on as a whole; light mirrored by a smooth face that
-    /// looks to the source is counted exactly. `exit(wo, flux)` is called for every part that leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
+    /// At each further hit of the smooth face it leaves or goes on as a whole; light mirrored by a smooth
+    /// face that looks to the source is counted exactly. `exit(wo, flux)` is called for every part that
+    /// leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
     pub fn trace(
         &self,
         wi: Direction<T>,

@@ -23,22 +23,8 @@ pub(super) struct Problem<'a> {
     full_rays: u64,
 }
 
-const IOR: Parameter = Parameter {
-    name: "ior",
-    unit: "",
-    bounds: (1.05, 4.0),
-    scale: Scale::Linear,
-    starts: Cow::Borrowed(&[]),
-    low_is_none: false,
-};
-const GAIN: Parameter = Parameter {
-    name: "gain",
-    unit: "",
-    bounds: (1e-3, 1e3),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[]),
-    low_is_none: false,
-};
+const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
+const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]);
 
 /// Readings an incidence that a draft needs.
 const DRAFT_READINGS: usize = 120;

@@ -4,8 +4,6 @@
 //! meets more than one facet, and knows one shape of lobe only. On an opaque body the facets get a
 //! constant reflectance `gain` and a Lambert floor `lambert`, both fitted.
 
-use std::borrow::Cow;
-
 use asperity_core::bsdf::{Ggx, OpaqueGgx};
 
 use super::{BuildError, Method, Parameter, Scale, Surface, alpha};
@@ -24,30 +22,13 @@ impl GgxMethod {
     }
 }
 
-const ALPHA: Parameter = Parameter {
-    name: "alpha",
-    unit: "",
-    bounds: (1e-4, 5.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[0.004, 0.02, 0.08, 0.25, 0.8]),
-    low_is_none: false,
-};
-const GAIN: Parameter = Parameter {
-    name: "gain",
-    unit: "",
-    bounds: (1e-6, 100.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[0.5]),
-    low_is_none: false,
-};
-const LAMBERT: Parameter = Parameter {
-    name: "lambert",
-    unit: "1/sr",
-    bounds: (1e-6, 100.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[0.03]),
-    low_is_none: false,
-};
+const ALPHA: Parameter =
+    Parameter::new("alpha", "", (1e-4, 5.0), Scale::Log, &[0.004, 0.02, 0.08, 0.25, 0.8]);
+const GAIN: Parameter = Parameter::new("gain", "", (1e-6, 100.0), Scale::Log, &[0.5]);
+const LAMBERT: Parameter = Parameter::new("lambert", "1/sr", (1e-6, 100.0), Scale::Log, &[0.03]);
+
+static CLEAR: [Parameter; 1] = [ALPHA];
+static OPAQUE: [Parameter; 3] = [ALPHA, GAIN, LAMBERT];
 
 impl Method for GgxMethod {
     fn name(&self) -> &'static str {
@@ -59,7 +40,7 @@ impl Method for GgxMethod {
     }
 
     fn parameters(&self) -> &[Parameter] {
-        if self.opaque { &[ALPHA, GAIN, LAMBERT] } else { &[ALPHA] }
+        if self.opaque { &OPAQUE } else { &CLEAR }
     }
 
     fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {

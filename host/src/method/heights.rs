@@ -25,30 +25,10 @@ pub struct HeightsMethod {
     parameters: Vec<Parameter>,
 }
 
-const DELTA: Parameter = Parameter {
-    name: "delta",
-    unit: "step",
-    bounds: (1e-4, 30.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[0.003, 0.03, 0.1, 0.3, 1.0]),
-    low_is_none: false,
-};
-const N: Parameter = Parameter {
-    name: "n",
-    unit: "",
-    bounds: (0.5, 16.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[2.0]),
-    low_is_none: false,
-};
-const H_MAX: Parameter = Parameter {
-    name: "h_max",
-    unit: "step",
-    bounds: (1e-3, 30.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[1.0]),
-    low_is_none: false,
-};
+const DELTA: Parameter =
+    Parameter::new("delta", "step", (1e-4, 30.0), Scale::Log, &[0.003, 0.03, 0.1, 0.3, 1.0]);
+const N: Parameter = Parameter::new("n", "", (0.5, 16.0), Scale::Log, &[2.0]);
+const H_MAX: Parameter = Parameter::new("h_max", "step", (1e-3, 30.0), Scale::Log, &[1.0]);
 const Z0: Parameter = Parameter {
     name: "z0",
     unit: "step",

@@ -20,14 +20,7 @@ pub struct MeasuredRayMethod {
     parameters: Vec<Parameter>,
 }
 
-const SCALE: Parameter = Parameter {
-    name: "scale",
-    unit: "",
-    bounds: (0.05, 20.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[0.5, 1.0, 2.0]),
-    low_is_none: false,
-};
+const SCALE: Parameter = Parameter::new("scale", "", (0.05, 20.0), Scale::Log, &[0.5, 1.0, 2.0]);
 
 impl MeasuredRayMethod {
     /// For a complete map; without a cut-off the heights are scaled only.

@@ -4,8 +4,6 @@
 //! It fits more shapes of lobe than `ggx`, but has no masking, no shadowing and no interreflection, so it
 //! is not reciprocal and grows wrong towards grazing incidence.
 
-use std::borrow::Cow;
-
 use asperity_core::bsdf::Normals;
 use asperity_core::ndf::law::{Law, LawError, Profile};
 use asperity_core::ndf::normals::NormalDensity;
@@ -22,30 +20,13 @@ pub struct NormalsMethod {
     pub centre: bool,
 }
 
-const DELTA: Parameter = Parameter {
-    name: "delta",
-    unit: "deg",
-    bounds: (0.005, 90.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[0.3, 2.0, 8.0, 25.0]),
-    low_is_none: false,
-};
-const N: Parameter = Parameter {
-    name: "n",
-    unit: "",
-    bounds: (0.5, 64.0),
-    scale: Scale::Log,
-    starts: Cow::Borrowed(&[2.0]),
-    low_is_none: false,
-};
-const THETA0: Parameter = Parameter {
-    name: "theta0",
-    unit: "deg",
-    bounds: (0.0, 60.0),
-    scale: Scale::Linear,
-    starts: Cow::Borrowed(&[1.0]),
-    low_is_none: false,
-};
+const DELTA: Parameter =
+    Parameter::new("delta", "deg", (0.005, 90.0), Scale::Log, &[0.3, 2.0, 8.0, 25.0]);
+const N: Parameter = Parameter::new("n", "", (0.5, 64.0), Scale::Log, &[2.0]);
+const THETA0: Parameter = Parameter::new("theta0", "deg", (0.0, 60.0), Scale::Linear, &[1.0]);
+
+static PLAIN: [Parameter; 2] = [DELTA, N];
+static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];
 
 impl Method for NormalsMethod {
     fn name(&self) -> &'static str {
@@ -57,7 +38,7 @@ impl Method for NormalsMethod {
     }
 
     fn parameters(&self) -> &[Parameter] {
-        if self.centre { &[DELTA, N, THETA0] } else { &[DELTA, N] }
+        if self.centre { &CENTRED } else { &PLAIN }
     }
 
     fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {

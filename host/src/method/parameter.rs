@@ -29,6 +29,17 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// A parameter that a fit may not take to a bound unnoticed.
+    pub const fn new(
+        name: &'static str,
+        unit: &'static str,
+        bounds: (f64, f64),
+        scale: Scale,
+        starts: &'static [f64],
+    ) -> Self {
+        Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), low_is_none: false }
+    }
+
     /// From a bounded value to an unbounded one: the logit of its place between the bounds.
     pub fn to_free(&self, value: f64) -> f64 {
         let (lo, hi) = self.ends();
