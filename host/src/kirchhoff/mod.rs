@@ -1,5 +1,14 @@
-//! Wave optics on a height map in the Kirchhoff (tangent plane) approximation.
+//! Scattering of waves by a height map in the tangent-plane (Kirchhoff) approximation: reflection and
+//! transmission, from both sides.
 
 mod wavelengths;
+mod fft;
+mod screen;
+mod kernel;
+mod optics;
+mod orders;
 
+pub use fft::{Coefficients, Fourier};
+pub use optics::Beam;
+pub use orders::{BeamOrders, Order, orders};
 pub use wavelengths::{Wavelengths, WavelengthsError};
