@@ -3,6 +3,7 @@
 use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 
+use crate::kirchhoff::WaveBoundary;
 use crate::raytrace::TracedBoundary;
 
 /// A boundary, seen from both sides (an opaque one from the air only).
@@ -16,6 +17,8 @@ pub enum Boundary {
     Opaque(OpaqueGgx<f64>),
     /// A height map on a dielectric, traced; it can be sampled, not evaluated.
     Traced(TracedBoundary),
+    /// A height map on a dielectric that scatters waves.
+    Wave(Box<WaveBoundary>),
 }
 
 /// Runs an expression with the concrete boundary, so that hot loops do not branch on its kind: one for
@@ -29,6 +32,10 @@ macro_rules! with_boundary {
                 $body
             }
             $crate::boundary::Boundary::Opaque($name) => $body,
+            $crate::boundary::Boundary::Wave(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
             $crate::boundary::Boundary::Traced($traced) => $other,
         }
     };
@@ -42,6 +49,7 @@ impl Boundary {
             Self::Ggx(b) => Some(b.eta.get()),
             Self::Normals(b) => Some(b.eta.get()),
             Self::Traced(t) => Some(t.eta.get()),
+            Self::Wave(w) => Some(w.eta().get()),
             Self::Opaque(_) => None,
         }
     }

@@ -47,6 +47,11 @@ impl<T: FftNum> Coefficients<T> {
         &self.values[at * ny..(at + 1) * ny]
     }
 
+    /// All coefficients, column by column.
+    pub(super) fn values(&self) -> &[Complex<T>] {
+        &self.values
+    }
+
     /// One coefficient; orders are taken modulo the size if the field is periodic.
     pub fn at(&self, order_x: isize, order_y: isize) -> Complex<T> {
         self.column(order_x)[place(order_y, self.size[1], self.edges)]

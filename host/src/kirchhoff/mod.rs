@@ -7,8 +7,14 @@ mod screen;
 mod kernel;
 mod optics;
 mod orders;
+mod coherent;
+mod mean;
+mod shadowing;
+mod boundary;
 
+pub use boundary::{CoherentFlux, Speckle, WaveBoundary};
 pub use fft::{Coefficients, Fourier};
+pub use mean::MeanSpectra;
 pub use optics::Beam;
 pub use orders::{BeamOrders, Order, orders};
 pub use wavelengths::{Wavelengths, WavelengthsError};

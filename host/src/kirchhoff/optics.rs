@@ -94,6 +94,15 @@ impl Optics {
         (high > 0.0).then_some((low, high))
     }
 
+    /// Where a flat surface sends the light, and `|q_z|` in 1/um; `None` on total reflection.
+    pub(super) fn specular(&self) -> Option<(Direction<f64>, f64)> {
+        let tangent = self.tangent([0.0; 2]);
+        let cos2 = 1.0 - tangent[0] * tangent[0] - tangent[1] * tangent[1];
+        let cos = (cos2 > 0.0).then(|| cos2.sqrt())?;
+        let q_z = self.k * self.height(cos);
+        (q_z > 0.0).then(|| (self.direction(tangent, cos), q_z))
+    }
+
     /// Tangential part of `wo` for a momentum `q_xy` in 1/um.
     #[inline]
     pub(super) fn tangent(&self, q: [f64; 2]) -> [f64; 2] {
