@@ -200,8 +200,14 @@ pub fn fit(
     let mut search = Search::new(stop, progress, options.max_evaluations);
 
     // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
-    let (draft_tolerance, tolerance) =
-        if problem.is_traced() { (2e-2, 5e-3) } else { (1e-3, 5e-6) };
+    let (draft_tolerance, tolerance) = if problem.is_traced() {
+        (2e-2, 5e-3)
+    } else if method.wave().is_some() {
+        // seconds an evaluation, and maps are not known better
+        (2e-2, 1e-3)
+    } else {
+        (1e-3, 5e-6)
+    };
     let draft = problem.thinned();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for (cost, start) in search.best_starts(&draft, MOST_STARTS) {

@@ -11,7 +11,7 @@ use super::mean::{Density, MeanSpectra};
 use super::optics::{Beam, Optics};
 use super::shadowing::Shadowing;
 use super::wavelengths::Wavelengths;
-use crate::surface::{Edges, HeightMap};
+use crate::surface::{Edges, HeightMap, Spectrum};
 
 /// Whether readings are those of this very map, or of a larger piece of the same surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -21,6 +21,30 @@ pub enum Speckle {
     Averaged,
     /// This very map, its speckle smoothed by the detector's cone and the wavelengths alone.
     Kept,
+}
+
+/// How waves are sent on a map.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveOptions {
+    /// The light, vacuum wavelengths in nm with weights.
+    #[serde(rename = "wavelengths_nm")]
+    pub wavelengths: Wavelengths,
+    /// What readings are of.
+    pub speckle: Speckle,
+    /// Smith's shadowing and masking on the stationary facet: what Kirchhoff's integral leaves out.
+    #[serde(default)]
+    pub shadowing: bool,
+}
+
+impl Speckle {
+    /// `averaged` or `kept`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Averaged => "averaged",
+            Self::Kept => "kept",
+        }
+    }
 }
 
 /// Fluxes of the light that stays coherent, as fractions of the incident flux.
@@ -51,7 +75,7 @@ pub struct WaveBoundary {
 }
 
 /// `|q_z|` down to this share of the wave number is tabulated; below, D grows with its square.
-const LEAST: f64 = 0.03;
+const LEAST: f64 = 0.08;
 
 impl WaveBoundary {
     /// From the spectra of a map; `map` is the same with its heights times `scale`.
@@ -60,20 +84,21 @@ impl WaveBoundary {
         edges: Edges,
         (spectra, scale): (Arc<MeanSpectra>, f64),
         eta: RelativeIor<f64>,
-        wavelengths: Wavelengths,
-        speckle: Speckle,
+        options: &WaveOptions,
     ) -> Self {
+        let WaveOptions { wavelengths, speckle, shadowing } = options.clone();
         let wave = |um: f64| std::f64::consts::TAU / um * scale.abs();
         let low = LEAST * wave(wavelengths.longest_um());
         let high = 2.0 * eta.get().max(1.0) * wave(wavelengths.shortest_um());
         let density = spectra.density(low, high);
-        Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing: None }
+        let shadowing = shadowing.then(|| Shadowing::of(&map, edges));
+        Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing }
     }
 
-    /// With Smith's shadowing and masking on the stationary facet, or without.
-    pub fn with_shadowing(mut self, shadowing: bool) -> Self {
-        self.shadowing = shadowing.then(|| Shadowing::of(&self.map, self.edges));
-        self
+    /// All directions of a surface alike: its far field may be averaged over azimuths.
+    pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
+        let spectrum = Spectrum::of(map, edges).ok();
+        !spectrum.and_then(|s| s.anisotropy()).is_some_and(|a| a.is_directional())
     }
 
     /// The map as it scatters.
@@ -120,10 +145,7 @@ impl WaveBoundary {
     /// The same for one wavelength.
     pub fn coherent_at(&self, wi: Direction<f64>, wavelength_um: f64) -> CoherentFlux {
         let part = |lobe| self.specular(&Beam { wi, lobe, wavelength_um });
-        CoherentFlux {
-            reflected: part(Lobe::Reflection),
-            transmitted: part(Lobe::Transmission),
-        }
+        CoherentFlux { reflected: part(Lobe::Reflection), transmitted: part(Lobe::Transmission) }
     }
 
     /// Coherent flux of a beam.
@@ -164,11 +186,7 @@ impl WaveBoundary {
         let [x, y, z] = wo.xyz();
         let [qx, qy] = optics.momentum([x, y]);
         let q_z = optics.k * optics.height(z.abs());
-        if q_z > 0.0 {
-            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs())
-        } else {
-            0.0
-        }
+        if q_z > 0.0 { self.density.speckle(qx.hypot(qy), q_z * self.scale.abs()) } else { 0.0 }
     }
 }
 
@@ -261,7 +279,8 @@ impl Aim {
         let specular = optics.specular();
         let middle = || optics.heights().map_or(1.0, |(a, b)| optics.k * 0.5 * (a + b));
         let q_z = specular.map_or_else(middle, |(_, q_z)| q_z);
-        let share = if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
+        let share =
+            if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
         let coherent = if share < 1e-6 { 0.0 } else { share.min(1.0 - 1e-6) };
         Self { q_z: q_z * boundary.scale.abs(), coherent }
     }

@@ -80,7 +80,8 @@ mod tests {
             .collect();
         let found = Coherent::new(&heights);
         for q_z in [0.0, 1e-9, 0.1, 1.0, 3.7, 11.4, 22.8, -22.8, 51.0] {
-            let sum: Complex<f64> = heights.iter().map(|h| Complex::from_polar(1.0, -q_z * h)).sum();
+            let sum: Complex<f64> =
+                heights.iter().map(|h| Complex::from_polar(1.0, -q_z * h)).sum();
             let exact = (sum / heights.len() as f64).norm_sqr();
             let error = (found.intensity(q_z) - exact).abs();
             assert!(error < 2e-5, "{q_z} {exact} {error}");

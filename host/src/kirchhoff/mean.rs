@@ -3,7 +3,7 @@
 //! A map is one sample of a surface, and its far field is speckle. What a larger piece of the same surface scatters is
 //! the mean over rings of constant `|q_xy|`, of which there are 2 pi |q| / step orders. It depends on the
 //! wavelength, the incidence and the vertical scale of the heights by `q_xy` and `q_z` alone, so one table serves
-//! them all: a transform for each of a few `q_z`, a tenth apart in logarithm, and cubic
+//! them all: a transform for each of a few `q_z`, 0.15 apart in logarithm, and cubic
 //! interpolation of ln D between them. What is left of the speckle is known from the spread on each ring.
 
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use super::screen::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
 /// Steps of ln `q_z`.
-const STEP: f64 = 0.1;
+const STEP: f64 = 0.15;
 /// Growth of the rings' width with their radius.
 const GROWTH: f64 = 0.04;
 /// Orders that are summed together.
@@ -41,7 +41,9 @@ pub struct MeanSpectra {
 
 impl std::fmt::Debug for MeanSpectra {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("MeanSpectra").field("rings", &self.rings.radii.len()).finish_non_exhaustive()
+        f.debug_struct("MeanSpectra")
+            .field("rings", &self.rings.radii.len())
+            .finish_non_exhaustive()
     }
 }
 
@@ -165,9 +167,8 @@ impl Rings {
         let cell = step[0] * step[1];
         let base = cell.sqrt();
         let signed = |k: usize, n: usize| if 2 * k < n { k as f64 } else { k as f64 - n as f64 };
-        let radius = |at: usize| {
-            (signed(at / ny, nx) * step[0]).hypot(signed(at % ny, ny) * step[1])
-        };
+        let radius =
+            |at: usize| (signed(at / ny, nx) * step[0]).hypot(signed(at % ny, ny) * step[1]);
         let of_order: Vec<u16> = (0..nx * ny)
             .into_par_iter()
             .map(|at| if at == 0 { 0 } else { place(radius(at) / base).round().max(1.0) as u16 })
@@ -180,7 +181,8 @@ impl Rings {
         }
         for k in 1..=last {
             // a ring that no order falls into takes its place between the others
-            radii[k] = if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
+            radii[k] =
+                if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
             radii[k] = radii[k].max(radii[k - 1] + 1e-9 * base);
         }
         // the field at small q_z is real, so that q and -q are alike; the window makes neighbours alike

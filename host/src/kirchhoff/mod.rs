@@ -12,7 +12,7 @@ mod mean;
 mod shadowing;
 mod boundary;
 
-pub use boundary::{CoherentFlux, Speckle, WaveBoundary};
+pub use boundary::{CoherentFlux, Speckle, WaveBoundary, WaveOptions};
 pub use fft::{Coefficients, Fourier};
 pub use mean::MeanSpectra;
 pub use optics::Beam;
