@@ -127,6 +127,17 @@ impl Args {
     }
 }
 
+/// What the samples are, by their files and what these say.
+fn samples_text(names: &[String], loaded: &[Loaded]) -> String {
+    let one = |(name, l): (&String, &Loaded)| {
+        let sample = l.measurement.meta.sample.as_ref();
+        let sample = sample.map(|s| format!(" ({s})")).unwrap_or_default();
+        let map = l.map.as_ref().map(|m| format!(", map {}", m.input.path));
+        format!("{name}: scan {}{sample}{}.", l.input.path, map.unwrap_or_default())
+    };
+    names.iter().zip(loaded).map(one).collect::<Vec<_>>().join(" ")
+}
+
 /// The methods asked for, each once, or all.
 fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
     let mut methods: Vec<String> = Vec::new();

@@ -34,7 +34,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "DIR", default_value = "asperity-demo")]
     output: PathBuf,
     /// Rays an incidence of the virtual scan; the fits take fewer in proportion. Fewer are faster and noisier
-    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "8e6")]
+    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "6e6")]
     rays: u64,
     /// Print the results as JSON
     #[arg(long)]
