@@ -35,6 +35,10 @@ fn methods_stand_side_by_side_in_all_formats() {
     let title = sample["title"].as_str().unwrap();
     assert!(title.starts_with("scan (Rq = 0."), "{title}");
     let markdown = folder.text("r/compare.md");
+    assert!(
+        markdown.contains("scan: scan scan.csv (virtual: map.txt), map map.txt."),
+        "{markdown}"
+    );
     let error = |k: usize| results[k]["error_percent"].as_f64().unwrap();
     let row =
         format!("| {title} | {:.2} % | {:.2} % | **{:.2} %** |", error(0), error(1), error(2));
@@ -138,8 +142,8 @@ fn what_cannot_be_compared_is_refused() {
         case("compare scan.csv --methods measured-ray -o r", &["scan.csv", "--map"]),
         case("compare scan.csv --map none.txt -o r", &["none.txt"]),
         with_map("compare scan.csv --map map.txt -o r", &["map.txt", "--pixel-um"]),
-        with_map("compare scan.csv --map map.txt map.txt -o r", &["2 height maps for 1 scans"]),
-        with_map("compare scan.csv scan.csv --map map.txt -o r", &["1 height maps for 2 scans"]),
+        with_map("compare scan.csv --map map.txt map.txt -o r", &["scans: 1, height maps: 2"]),
+        with_map("compare scan.csv scan.csv --map map.txt -o r", &["scans: 2, height maps: 1"]),
         case("compare scan.csv --opaque -o r", &["scan.csv", "--geometry reflection"]),
         case(
             "compare scan.csv --opaque --geometry reflection --methods heights -o r",

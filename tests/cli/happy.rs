@@ -469,7 +469,7 @@ fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
         // also from elsewhere: a map is found beside its model
         folder.run(&format!("check {file} --incidence 0 --rays 1e4")).ok();
     }
-    let stats = folder.run("stats new/results/map.sdf --json").json();
+    let stats = folder.run("stats new/results/map.sdf --form mean --json").json();
     close(&stats["rq_um"], 0.45, 1e-6);
     let scan = folder.text("new/results/scan.csv");
     assert!(scan.contains("virtual plate") && scan.contains("no measured data"));

@@ -73,9 +73,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     args.effort.check()?;
     if !args.maps.is_empty() && args.maps.len() != args.scans.len() {
         return Err(Failure::bad(format!(
-            "{} height maps for {} scans; give one map a scan in the same order, or none",
-            args.maps.len(),
-            args.scans.len()
+            "scans: {}, height maps: {}; give one --map a scan in the same order, or none",
+            args.scans.len(),
+            args.maps.len()
         )));
     }
     let loaded = (0..args.scans.len()).map(|k| args.load(k)).collect::<Result<Vec<_>, _>>()?;
@@ -98,8 +98,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         };
         samples.push(Sample::new(name.clone(), title, job, &methods)?);
     }
-    let work =
-        Work { title: "Comparison of the methods".into(), what: String::new(), methods, samples };
+    let work = Work {
+        title: "Comparison of the methods".into(),
+        what: samples_text(&names, &loaded),
+        methods,
+        samples,
+    };
     let comparison = work.carry_out(&args.output)?;
     if args.json {
         print(&format!("{:#}\n", comparison.json()))?;
