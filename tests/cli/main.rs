@@ -27,6 +27,7 @@ mod refusal;
 mod help;
 mod happy;
 mod maps;
+mod stats_waves;
 mod map_verbs;
 mod malformed;
 mod map_files;

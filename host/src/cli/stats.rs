@@ -16,7 +16,7 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 /// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Figures are those of the paper's eqs 12-17,
 /// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e. The anisotropy is 0
 /// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
-/// A periodic map is taken with its tilt there, and in the spectrum: to subtract it would tear the borders open.
+/// A periodic map is taken with its tilt there, in the spectrum and for waves: to subtract it would tear the borders open.
 ///
 /// With --ior and --wavelength-nm it also says where waves on this map may be trusted: the conditions of the
 /// paper's eqs 9-11 for light from both sides, and whether the pixel is small enough; failures as warnings.
@@ -70,9 +70,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             args.map.display()
         )));
     }
-    let verdict = question.map(|q| q.of(&loaded, &figures)).transpose()?;
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
+    let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
     let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
     if let Some(files) = files {

@@ -8,7 +8,8 @@ use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
 use crate::kirchhoff::{Validity, Wavelengths};
-use crate::surface::{Prepared, Roughness};
+use crate::method::Surface;
+use crate::surface::{Edges, HeightMap};
 
 /// Light on a map; both the index and the wavelength, or neither.
 #[derive(Debug, clap::Args)]
@@ -49,7 +50,7 @@ impl KirchhoffFlags {
         let (Some(ior), Some(wavelengths)) = (self.ior, &self.wavelength_nm) else {
             return Ok(None);
         };
-        let eta = RelativeIor::new(ior).map_err(|e| Failure::bad(format!("--ior {ior}: {e}")))?;
+        let eta = Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
         if let Some(bad) = self.incidence.iter().find(|deg| !(0.0..90.0).contains(*deg)) {
             return Err(Failure::bad(format!(
                 "--incidence {bad} is not usable; give 0 to below 90 degrees"
@@ -64,11 +65,9 @@ impl KirchhoffFlags {
 }
 
 impl Question {
-    /// The answer for a map whose figures are known.
-    pub(super) fn of(&self, map: &Prepared, figures: &Roughness) -> Result<Verdict, Failure> {
-        let angles = &self.incidences_deg;
-        let (eta, light) = (self.eta, &self.wavelengths);
-        Validity::with(figures, &map.map, map.edges, eta, light, angles)
+    /// The answer for a map.
+    pub(super) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Verdict, Failure> {
+        Validity::of(map, edges, self.eta, &self.wavelengths, &self.incidences_deg)
             .map(Verdict)
             .map_err(Failure::bad)
     }

@@ -37,6 +37,8 @@ pub struct Validity {
     pub ior: f64,
     /// The larger pitch, um.
     pub pixel_um: f64,
+    /// Rms height, um.
+    pub rq_um: f64,
     /// Eq. (10): Rq over the 1/e autocorrelation length; `None` if the autocorrelation does not fall to 1/e.
     pub rq_over_acl: Option<f64>,
     /// Eq. (11): the largest angle of incidence or observation from the mean normal, on either side, degrees;
@@ -126,25 +128,11 @@ impl Validity {
         wavelengths: &Wavelengths,
         incidences_deg: &[f64],
     ) -> Result<Self, ValidityError> {
-        map.need_complete()?;
-        Self::with(&Roughness::of(map), map, edges, eta, wavelengths, incidences_deg)
-    }
-
-    /// The same if the roughness figures of the map are known already.
-    ///
-    /// # Errors
-    /// As [`of`](Self::of).
-    pub fn with(
-        roughness: &Roughness,
-        map: &HeightMap,
-        edges: Edges,
-        eta: RelativeIor<f64>,
-        wavelengths: &Wavelengths,
-        incidences_deg: &[f64],
-    ) -> Result<Self, ValidityError> {
         if let Some(bad) = incidences_deg.iter().find(|deg| !(0.0..90.0).contains(*deg)) {
             return Err(ValidityError::Incidence(*bad));
         }
+        map.need_complete()?;
+        let roughness = &Roughness::of(map);
         let lights: Vec<Light> = wavelengths
             .iter()
             .flat_map(|(um, _)| SIDES.map(|side| (um, side)))
@@ -186,6 +174,7 @@ impl Validity {
             wavelengths: wavelengths.clone(),
             ior: eta.get(),
             pixel_um,
+            rq_um: roughness.rq_um,
             rq_over_acl,
             most_angle_deg: rq_over_acl
                 .map(|ratio| (COS_RQ_OVER_ACL * ratio).min(1.0).acos().to_degrees()),

@@ -30,11 +30,12 @@ impl Validity {
 
     fn curvature(&self) -> Option<String> {
         let bad = self.first_failures(LobeValidity::is_gently_curved, |l| l.curved_fraction);
-        let steepest_first = bad.iter().all(|l| l.incidence_deg > 0.0);
-        let remedy = if steepest_first {
+        let remedy = if bad.iter().any(|l| l.incidence_deg <= 0.0) {
+            "structures are about as small as the wavelength: take results as estimates, rays are no better"
+        } else if self.rq_um > self.wavelengths.longest_um() {
             "trust ray methods at these angles"
         } else {
-            "structures are about as small as the wavelength: take results as estimates, rays are no better"
+            "keep to smaller angles"
         };
         said(&bad, |l| l.curved_fraction).map(|places| {
             format!(
