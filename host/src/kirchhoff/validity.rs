@@ -280,7 +280,7 @@ struct Light {
 impl Light {
     fn nm(&self) -> f64 {
         // whole and half nanometres as they were given
-        (self.um * 1e9).round() * 1e-6
+        (self.um * 1e9).round() / 1e6
     }
 
     /// Indices of the media it comes from and goes to.
