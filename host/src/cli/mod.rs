@@ -11,6 +11,7 @@ mod interrupt;
 mod progress;
 mod source;
 mod map;
+mod validity;
 mod subject;
 mod check;
 mod completions;

@@ -2,6 +2,9 @@
 //! transmission, from both sides.
 
 mod wavelengths;
+mod facets;
+pub mod validity;
+mod warnings;
 mod fft;
 mod screen;
 mod kernel;
@@ -17,4 +20,5 @@ pub use fft::{Coefficients, Fourier};
 pub use mean::MeanSpectra;
 pub use optics::Beam;
 pub use orders::{BeamOrders, Order, orders};
+pub use validity::{Validity, ValidityError};
 pub use wavelengths::{Wavelengths, WavelengthsError};
