@@ -11,6 +11,7 @@ mod interrupt;
 mod progress;
 mod source;
 mod map;
+mod light;
 mod validity;
 mod subject;
 mod check;

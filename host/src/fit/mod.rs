@@ -271,6 +271,20 @@ pub fn fit(
     })
 }
 
+/// The objective of a method with given values, without a fit; `None` if they make no boundary, or if stopped.
+pub fn cost_at(
+    method: &dyn Method,
+    measurement: &Measurement,
+    setup: &Setup,
+    options: &FitOptions,
+    values: &[f64],
+    stop: &AtomicBool,
+) -> Option<f64> {
+    let problem = Problem::new(method, measurement, setup, options, stop);
+    let readings = problem.simulate(values, Effort::Full).ok()??;
+    Some(problem.cost_of(&readings.values))
+}
+
 /// Noise of simulated readings in terms of eq. (18), %.
 fn noise_percent(readings: &Readings, measurement: &Measurement) -> Option<f64> {
     let errors = readings.std_errors.as_ref()?;

@@ -18,17 +18,18 @@ use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature, solid_
 use crate::kirchhoff::{Beam, BeamOrders, Speckle, WaveBoundary, orders};
 use crate::measurement::Quantity;
 
-/// Simulates a scan; `None` if `stop` was set before the end.
+/// Simulates a scan; `None` if `stop` was set before the end. `progress(done, all)` counts transforms.
 pub fn wave(
     boundary: &WaveBoundary,
     setup: &Setup,
     plan: &Plan,
     effort: Effort,
     stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Option<Readings> {
     match boundary.speckle() {
         Speckle::Averaged => Some(averaged(boundary, setup, plan, effort)),
-        Speckle::Kept => kept(boundary, setup, plan, effort, stop),
+        Speckle::Kept => kept(boundary, setup, plan, effort, stop, progress),
     }
 }
 
@@ -54,6 +55,7 @@ fn kept(
     plan: &Plan,
     effort: Effort,
     stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Option<Readings> {
     let mut readings = match effort {
         Effort::Draft => Readings {
@@ -66,7 +68,7 @@ fn kept(
     let all: Vec<Beams<'_>> =
         plan.incidences.iter().map(|angles| Beams::new(boundary, setup, angles)).collect();
     let beams: Vec<Beam> = all.iter().flat_map(Beams::first).collect();
-    let found = orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, &|_, _| ());
+    let found = orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, progress);
     // the map of a boundary is complete
     let found = found.ok().flatten()?;
     let wavelengths: Vec<f64> = boundary.wavelengths().iter().map(|w| w.1).collect();

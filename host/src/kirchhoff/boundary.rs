@@ -10,8 +10,9 @@ use asperity_core::quantity::RelativeIor;
 use super::mean::{Density, MeanSpectra};
 use super::optics::{Beam, Optics};
 use super::shadowing::Shadowing;
+use super::validity::{Validity, ValidityError};
 use super::wavelengths::Wavelengths;
-use crate::surface::{Edges, HeightMap, Spectrum};
+use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
 
 /// Whether readings are those of this very map, or of a larger piece of the same surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -95,6 +96,20 @@ impl WaveBoundary {
         Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing }
     }
 
+    /// A map as it is.
+    ///
+    /// # Errors
+    /// [`Incomplete`] if points are missing.
+    pub fn of_map(
+        map: &HeightMap,
+        edges: Edges,
+        eta: RelativeIor<f64>,
+        options: &WaveOptions,
+    ) -> Result<Self, Incomplete> {
+        let spectra = Arc::new(MeanSpectra::new(map, edges)?);
+        Ok(Self::new(Arc::new(map.clone()), edges, (spectra, 1.0), eta, options))
+    }
+
     /// All directions of a surface alike: its far field may be averaged over azimuths.
     pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
         let spectrum = Spectrum::of(map, edges).ok();
@@ -124,6 +139,14 @@ impl WaveBoundary {
     /// What its readings are of.
     pub fn speckle(&self) -> Speckle {
         self.speckle
+    }
+
+    /// Where the approximation holds, for light of these incidences.
+    ///
+    /// # Errors
+    /// Angles that are none of incidence.
+    pub fn validity(&self, incidences_deg: &[f64]) -> Result<Validity, ValidityError> {
+        Validity::of(&self.map, self.edges, self.eta, &self.wavelengths, incidences_deg)
     }
 
     /// Smith's factor for a pair, 1 without shadowing.
