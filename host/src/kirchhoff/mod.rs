@@ -2,6 +2,7 @@
 //! transmission, from both sides.
 
 mod wavelengths;
+mod light;
 mod facets;
 pub mod validity;
 mod warnings;

@@ -1,7 +1,7 @@
 //! Where the Kirchhoff approximation may be trusted on a height map \[Sokolov eqs 9-11\], and whether the map
 //! is sampled well enough for its waves. `CONVENTIONS.md` gives the reason for every limit.
 
-use std::f64::consts::{PI, SQRT_2, TAU};
+use std::f64::consts::SQRT_2;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -9,6 +9,7 @@ use asperity_core::quantity::RelativeIor;
 use serde::{Serialize, Serializer};
 
 use super::facets::{Facets, Question};
+use super::light::{Light, SIDES};
 use super::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Roughness};
 
@@ -108,11 +109,6 @@ pub enum ValidityError {
     Incidence(f64),
 }
 
-/// Both sides.
-const SIDES: [Side; 2] = [Side::Air, Side::Dielectric];
-/// Both lobes.
-const LOBES: [Lobe; 2] = [Lobe::Reflection, Lobe::Transmission];
-
 impl Validity {
     /// Incidences that are looked at if none are asked for, degrees.
     pub const INCIDENCES_DEG: [f64; 3] = [0.0, 30.0, 60.0];
@@ -133,11 +129,7 @@ impl Validity {
         }
         map.need_complete()?;
         let roughness = &Roughness::of(map);
-        let lights: Vec<Light> = wavelengths
-            .iter()
-            .flat_map(|(um, _)| SIDES.map(|side| (um, side)))
-            .flat_map(|(um, side)| LOBES.map(|lobe| Light { um, side, lobe, eta: eta.get() }))
-            .collect();
+        let lights = Light::all(wavelengths, eta.get());
         let incidences: Vec<(Side, f64)> = SIDES
             .iter()
             .flat_map(|&side| incidences_deg.iter().map(move |&deg| (side, deg)))
@@ -157,7 +149,7 @@ impl Validity {
                     [sine, cosine, if side == Side::Air { 1.0 } else { -1.0 }]
                 })
                 .collect(),
-            curvature_um: ascending(lights.iter().map(Light::least_curvature_um).collect()),
+            curvature_um: ascending(lights.iter().map(least_curvature_um).collect()),
             step_um: ascending(lights.iter().flat_map(steps).collect()),
         };
         let facets = Facets::of(map, edges, &question)?;
@@ -180,11 +172,11 @@ impl Validity {
                 .map(|ratio| (COS_RQ_OVER_ACL * ratio).min(1.0).acos().to_degrees()),
             rms_slope,
             correlation_areas: roughness.acl_um.map(|l| area_um2 / (l * l)),
-            far_fields: lights.iter().map(|l| l.far_field(pixel_um, rms_slope)).collect(),
+            far_fields: lights.iter().map(|l| FarField::of(l, pixel_um, rms_slope)).collect(),
             lobes: Vec::new(),
         };
         for (light, far_field) in lights.iter().zip(&validity.far_fields) {
-            let curved = number(&question.curvature_um, light.least_curvature_um());
+            let curved = number(&question.curvature_um, least_curvature_um(light));
             for (k, &(_, deg)) in incidences.iter().enumerate().filter(|c| c.1.0 == light.side) {
                 let step = number(&question.step_um, light.most_step_um(deg));
                 let mut lobe = LobeValidity {
@@ -223,28 +215,33 @@ impl Validity {
 
     /// Whether a lobe may be trusted at this angle of incidence for all wavelengths.
     ///
-    /// The verdict is that of the next larger incidence that was looked at; beyond the largest the answer is no.
+    /// Between two incidences that were looked at both must pass; beyond the largest the answer is no.
     pub fn passes(&self, side: Side, lobe: Lobe, incidence_deg: f64) -> bool {
-        let looked_at = |l: &&LobeValidity| {
-            l.side == side && l.lobe == lobe && l.incidence_deg >= incidence_deg - 1e-9
+        const SAME: f64 = 1e-9;
+        let of_lobe = || self.lobes.iter().filter(|l| l.side == side && l.lobe == lobe);
+        let angles = || of_lobe().map(|l| l.incidence_deg);
+        let next = angles().filter(|a| *a >= incidence_deg - SAME).min_by(f64::total_cmp);
+        let last = angles().filter(|a| *a <= incidence_deg + SAME).max_by(f64::total_cmp);
+        let Some(next) = next else { return false };
+        let last = last.unwrap_or(next);
+        let judges = |l: &&LobeValidity| {
+            [last, next].iter().any(|angle| l.incidence_deg.total_cmp(angle).is_eq())
         };
-        let judge = self
-            .lobes
-            .iter()
-            .filter(looked_at)
-            .map(|l| l.incidence_deg)
-            .fold(f64::INFINITY, f64::min);
-        let mut judges = self
-            .lobes
-            .iter()
-            .filter(looked_at)
-            .filter(|l| l.incidence_deg.total_cmp(&judge).is_eq())
-            .peekable();
-        judges.peek().is_some() && judges.all(|l| l.passes)
+        of_lobe().filter(judges).all(|l| l.passes)
     }
 }
 
 impl FarField {
+    fn of(light: &Light, pixel_um: f64, rms_slope: f64) -> Self {
+        Self {
+            wavelength_nm: light.nm(),
+            side: light.side,
+            lobe: light.lobe,
+            reach_deg: light.reach_deg(pixel_um),
+            lobe_deg: light.turned_deg(STEEP * rms_slope),
+        }
+    }
+
     /// Whether the pixel carries the whole lobe.
     pub fn is_wide_enough(&self) -> bool {
         self.lobe_deg <= self.reach_deg
@@ -268,71 +265,9 @@ impl LobeValidity {
     }
 }
 
-/// Light of one wavelength that goes one way.
-#[derive(Clone, Copy)]
-struct Light {
-    um: f64,
-    side: Side,
-    lobe: Lobe,
-    eta: f64,
-}
-
-impl Light {
-    fn nm(&self) -> f64 {
-        // whole and half nanometres as they were given
-        (self.um * 1e9).round() / 1e6
-    }
-
-    /// Indices of the media it comes from and goes to.
-    fn indices(&self) -> (f64, f64) {
-        let (near, far) = match self.side {
-            Side::Air => (1.0, self.eta),
-            Side::Dielectric => (self.eta, 1.0),
-        };
-        (near, if self.lobe == Lobe::Reflection { near } else { far })
-    }
-
-    /// Eq. (9): the smallest `2 pi R cos^3` that will do.
-    fn least_curvature_um(&self) -> f64 {
-        CURVATURE_WAVELENGTHS * self.um / self.indices().1
-    }
-
-    /// The step between neighbours that changes the phase by pi in the specular direction; infinite if none
-    /// does. Beyond the critical angle transmitted light is taken as grazing.
-    fn most_step_um(&self, incidence_deg: f64) -> f64 {
-        let (n_i, n_o) = self.indices();
-        let (sine, cosine) = incidence_deg.to_radians().sin_cos();
-        let along = match self.lobe {
-            Lobe::Reflection => 2.0 * n_i * cosine,
-            Lobe::Transmission => {
-                (((n_o * n_o) - (n_i * sine).powi(2)).max(0.0).sqrt() - n_i * cosine).abs()
-            }
-        };
-        PI / (TAU / self.um * along)
-    }
-
-    fn specular_deg(&self, incidence_deg: f64) -> Option<f64> {
-        let (n_i, n_o) = self.indices();
-        let sine = n_i / n_o * incidence_deg.to_radians().sin();
-        (sine < 1.0).then(|| sine.asin().to_degrees())
-    }
-
-    fn far_field(&self, pixel_um: f64, rms_slope: f64) -> FarField {
-        let (n_i, n_o) = self.indices();
-        let reach = self.um / n_o / (2.0 * pixel_um);
-        let tilt = (STEEP * rms_slope).atan();
-        let turned = match self.lobe {
-            Lobe::Reflection => (2.0 * tilt).min(PI / 2.0),
-            Lobe::Transmission => ((n_i / n_o * tilt.sin()).min(1.0).asin() - tilt).abs(),
-        };
-        FarField {
-            wavelength_nm: self.nm(),
-            side: self.side,
-            lobe: self.lobe,
-            reach_deg: reach.min(1.0).asin().to_degrees(),
-            lobe_deg: turned.to_degrees(),
-        }
-    }
+/// Eq. (9): the smallest `2 pi R cos^3` that will do, um.
+fn least_curvature_um(light: &Light) -> f64 {
+    CURVATURE_WAVELENGTHS * light.scattered_um()
 }
 
 /// Rms slope, mean square of the directions that have neighbours.
@@ -416,6 +351,13 @@ mod tests {
         let lobe = v.far_fields[0].lobe_deg.to_radians();
         near((lobe / 2.0).tan(), 3.0349 * v.rms_slope);
         assert!(v.passes(Side::Air, Lobe::Transmission, 12.0));
+        // both neighbours of an angle have a say
+        let mut worse = v.clone();
+        for lobe in worse.lobes.iter_mut().filter(|l| l.incidence_deg < 1.0) {
+            lobe.passes = false;
+        }
+        assert!(!worse.passes(Side::Air, Lobe::Transmission, 12.0));
+        assert!(worse.passes(Side::Air, Lobe::Transmission, 40.0));
         assert!(!v.passes(Side::Air, Lobe::Transmission, 41.0), "not looked at");
     }
 }

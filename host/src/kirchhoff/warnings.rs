@@ -3,6 +3,7 @@
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 
+use super::light::{LOBES, SIDES};
 use super::validity::{
     COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, FEWEST_AREAS, FarField, LobeValidity, MOST_RQ_OVER_ACL,
     MOST_SHARE, MOST_TURNED_AWAY, Validity,
@@ -150,9 +151,7 @@ impl Validity {
 
 /// All ways of the light.
 fn ways() -> impl Iterator<Item = (Side, Lobe)> {
-    [Side::Air, Side::Dielectric]
-        .into_iter()
-        .flat_map(|side| [Lobe::Reflection, Lobe::Transmission].map(|lobe| (side, lobe)))
+    SIDES.into_iter().flat_map(|side| LOBES.map(|lobe| (side, lobe)))
 }
 
 /// A way of the light in words.
