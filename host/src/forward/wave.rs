@@ -134,7 +134,12 @@ impl<'a> Beams<'a> {
         let (s, c) = theta_deg.to_radians().sin_cos();
         let z = if self.setup.geometry == Geometry::Transmission { -c } else { c };
         let towards = look(self.setup, Direction::from_unit(s, 0.0, z)).map(|v| v.towards);
-        towards.map_or(0.0, |wo| self.boundary.speckle_error(self.entry.w, wo))
+        let n = self.boundary.eta().get();
+        let outside = self.setup.aperture_deg.to_radians() * c;
+        towards.map_or(0.0, |wo| {
+            let sines = if wo.z() > 0.0 { outside } else { outside / n };
+            self.boundary.speckle_error(self.entry.w, wo, sines)
+        })
     }
 
     /// Adds the coherent beams, which leave in the direction of the undeviated or the mirrored beam.

@@ -201,15 +201,17 @@ impl WaveBoundary {
         n * n * d * factor * self.unshadowed(wi, wo)
     }
 
-    /// Relative standard error of the diffuse light of a pair by what the mean leaves of the speckle.
-    pub fn speckle_error(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+    /// Relative standard error of the diffuse light of a pair by what the mean leaves of the speckle, for a
+    /// detector that sees the tangential part of `wo` over a width of `sines`.
+    pub fn speckle_error(&self, wi: Direction<f64>, wo: Direction<f64>, sines: f64) -> f64 {
         let wavelength_um = self.wavelengths.mean_um();
         let beam = Beam { wi, lobe: lobe_of(wi, wo), wavelength_um };
         let Some(optics) = Optics::new(self.eta, &beam) else { return 0.0 };
         let [x, y, z] = wo.xyz();
         let [qx, qy] = optics.momentum([x, y]);
         let q_z = optics.k * optics.height(z.abs());
-        if q_z > 0.0 { self.density.speckle(qx.hypot(qy), q_z * self.scale.abs()) } else { 0.0 }
+        if q_z > 0.0 { let width = sines * optics.k * optics.n_o;
+            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs(), width) } else { 0.0 }
     }
 }
 

@@ -60,8 +60,8 @@ struct Rings {
     cell: f64,
     /// Its side, 1/um.
     base: f64,
-    /// Orders that are as good as one independent one.
-    correlated: f64,
+    /// Whether the field was weighted by a window, which makes neighbouring orders alike.
+    windowed: bool,
 }
 
 /// The mean density at one `q_z`.
@@ -185,9 +185,7 @@ impl Rings {
                 if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
             radii[k] = radii[k].max(radii[k - 1] + 1e-9 * base);
         }
-        // the field at small q_z is real, so that q and -q are alike; the window makes neighbours alike
-        let correlated = if periodic { 2.0 } else { 4.5 };
-        Self { of_order, radii, counts, cell, base, correlated }
+        Self { of_order, radii, counts, cell, base, windowed: !periodic }
     }
 
     /// Means over rings of the squares of coefficients, scaled so that all of them hold `total`.
@@ -225,6 +223,8 @@ impl Rings {
             speckle: Vec::with_capacity(n),
             cumulated: Vec::with_capacity(n),
         };
+        // orders that are as good as one: weak phases make a real field, q and -q alike; Hann's window 1.5 squared
+        let correlated = if total < 0.9 { 2.0 } else { 1.0 } * if self.windowed { 2.25 } else { 1.0 };
         let mut below = 0.0;
         for ([sum, squares], &count) in sums.iter().zip(&self.counts) {
             let count = f64::from(count.max(1));
@@ -233,7 +233,7 @@ impl Rings {
             let relative = if mean > 0.0 { variance.sqrt() / mean } else { 0.0 };
             below += sum * unit * self.cell;
             node.ln_density.push((mean * unit).max(DARK.exp()).ln());
-            node.speckle.push((relative * (self.correlated / count).sqrt().min(1.0)) as f32);
+            node.speckle.push((relative * (correlated / count).sqrt().min(1.0)) as f32);
             node.cumulated.push(below);
         }
         // the centre itself is the coherent light's: the density there is that about it
@@ -304,11 +304,13 @@ impl Density {
         (ln + spot.ln_below).exp()
     }
 
-    /// Relative standard error of `D` by what is left of the speckle.
-    pub(super) fn speckle(&self, q: f64, q_z: f64) -> f64 {
+    /// Relative standard error of `D`, averaged over `width` in `|q_xy|`, by what is left of the speckle.
+    pub(super) fn speckle(&self, q: f64, q_z: f64, width: f64) -> f64 {
         let Some(spot) = self.spot(q, q_z) else { return 0.0 };
         let node = &self.nodes[spot.node];
-        f64::from(node.speckle[spot.ring].max(node.speckle[spot.ring + 1]))
+        let one = f64::from(node.speckle[spot.ring].max(node.speckle[spot.ring + 1]));
+        let ring = self.base * (1.0 + GROWTH * q / self.base);
+        one / (width / ring).max(1.0).sqrt()
     }
 
     /// Root mean square of one component of `q_xy` about a `q_z`, 1/um.
