@@ -86,7 +86,7 @@ mod tests {
     use super::MeasuredWaveMethod;
     use crate::kirchhoff::{Speckle, WaveOptions, Wavelengths};
     use crate::method::measured::tests::{check_domain, holed, map};
-    use crate::surface::Edges;
+    use crate::surface::{Edges, HeightMap};
 
     #[test]
     fn values_outside_the_domain_are_refused_by_name() {
@@ -95,8 +95,10 @@ mod tests {
             speckle: Speckle::Averaged,
             shadowing: false,
         };
-        let method = |map| MeasuredWaveMethod::new(map, Edges::Mirrored, true, options.clone());
-        check_domain(&method(&map()).unwrap());
-        assert!(method(&holed()).is_err());
+        let method = |map: HeightMap| {
+            MeasuredWaveMethod::new(&map, Edges::Mirrored, true, options.clone())
+        };
+        check_domain(&method(map()).unwrap());
+        assert!(method(holed()).is_err());
     }
 }
