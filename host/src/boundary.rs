@@ -3,6 +3,7 @@
 use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 
+use crate::kirchhoff::WaveBoundary;
 use crate::raytrace::TracedBoundary;
 
 /// A boundary, seen from both sides (an opaque one from the air only).
@@ -16,6 +17,8 @@ pub enum Boundary {
     Opaque(OpaqueGgx<f64>),
     /// A height map on a dielectric, traced; it can be sampled, not evaluated.
     Traced(TracedBoundary),
+    /// A height map on a dielectric that scatters waves.
+    Wave(Box<WaveBoundary>),
 }
 
 /// Runs an expression with the concrete boundary, so that hot loops do not branch on its kind: one for
@@ -29,6 +32,10 @@ macro_rules! with_boundary {
                 $body
             }
             $crate::boundary::Boundary::Opaque($name) => $body,
+            $crate::boundary::Boundary::Wave(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
             $crate::boundary::Boundary::Traced($traced) => $other,
         }
     };
@@ -42,7 +49,20 @@ impl Boundary {
             Self::Ggx(b) => Some(b.eta.get()),
             Self::Normals(b) => Some(b.eta.get()),
             Self::Traced(t) => Some(t.eta.get()),
+            Self::Wave(w) => Some(w.eta().get()),
             Self::Opaque(_) => None,
+        }
+    }
+}
+
+impl Boundary {
+    /// Where the physics of the boundary does not hold, for light of these incidences in air, degrees.
+    pub fn warnings(&self, incidences_deg: &[f64]) -> Vec<String> {
+        match self {
+            Self::Wave(wave) => {
+                wave.validity(incidences_deg).map(|v| v.warnings()).unwrap_or_default()
+            }
+            _ => Vec::new(),
         }
     }
 }

@@ -9,6 +9,7 @@ pub mod provenance;
 pub mod measurement;
 pub mod surface;
 pub mod raytrace;
+pub mod kirchhoff;
 pub mod boundary;
 pub mod batch;
 pub mod forward;

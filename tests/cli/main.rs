@@ -28,6 +28,7 @@ mod refusal;
 mod help;
 mod happy;
 mod maps;
+mod stats_waves;
 mod map_verbs;
 mod compare;
 mod malformed;

@@ -11,6 +11,7 @@ mod harness;
 mod fresnel;
 mod ggx;
 mod heightfield;
+mod kirchhoff;
 mod normals;
 mod energy;
 mod reciprocity;

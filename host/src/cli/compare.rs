@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::comparing::{Sample, Work, verdict};
 use super::error::Failure;
 use super::fitted::Job;
+use super::light::{Light, LightFlags};
 use super::map::MapFlags;
 use super::print;
 use super::source::{ReadFlags, SetupFlags};
@@ -30,6 +31,7 @@ use crate::surface::{Prepared, Roughness};
 /// Examples:
 ///   asperity compare scan.csv --ior 1.49 -o results
 ///   asperity compare scan5.csv scan8.csv --map map5.x3p map8.x3p -o results
+///   asperity compare scan.csv --map map.x3p --wavelength-nm 550 -o results
 ///   asperity compare scan.csv --map map.npy --pixel-um 0.361 --methods ggx,measured-ray -o results
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -54,6 +56,8 @@ pub(super) struct Args {
     #[command(flatten)]
     setup: SetupFlags,
     #[command(flatten)]
+    light: LightFlags,
+    #[command(flatten)]
     map_flags: MapFlags,
     #[command(flatten)]
     read: ReadFlags,
@@ -66,6 +70,7 @@ struct Loaded {
     setup: Setup,
     options: FitOptions,
     map: Option<Prepared>,
+    light: Light,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -88,6 +93,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             options: one.options,
             max_misfit: args.effort.max_misfit,
             map: one.map.as_ref(),
+            light: one.light.clone(),
             input: &one.input,
         };
         let title = match &one.map {
@@ -127,7 +133,9 @@ impl Args {
             Some(path) => Some(self.map_flags.load_for_light(path)?),
             None => None,
         };
-        Ok(Loaded { measurement, input, setup, options: self.effort.options(surface), map })
+        let light = self.light.light(Some(&measurement.meta))?;
+        let options = self.effort.options(surface);
+        Ok(Loaded { measurement, input, setup, options, map, light })
     }
 }
 

@@ -9,12 +9,14 @@ use asperity_core::plate::RoughSide;
 use super::comparing::{Sample, Work, make_folder, verdict};
 use super::error::Failure;
 use super::fitted::Job;
+use super::light::Light;
 use super::print;
 use super::scan::simulate;
 use super::source::parse_rays;
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
 use crate::forward::{self, Rays, Setup};
+use crate::kirchhoff::Wavelengths;
 use crate::measurement::{Measurement, Metadata, Quantity, write};
 use crate::method::{METHODS, Surface};
 use crate::output::AtomicFile;
@@ -50,6 +52,7 @@ const SURFACE: GaussianSurface = GaussianSurface {
     seed: SEED,
 };
 const IOR: f64 = 1.49;
+const WAVELENGTH_NM: f64 = 550.0;
 const SIGMAS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 const SEED: u64 = 20_261_122;
 
@@ -99,6 +102,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         },
         max_misfit: MISFIT_PERCENT,
         map: Some(&map),
+        light: Light::of(Wavelengths::single(WAVELENGTH_NM).map_err(Failure::bad)?),
         input: &input,
     };
     let methods = METHODS.map(String::from).to_vec();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::error::Failure;
 use super::fitted::{Job, human};
+use super::light::LightFlags;
 use super::map::MapFlags;
 use super::model::LawFlag;
 use super::print;
@@ -18,10 +19,11 @@ use crate::report::{self, FigureFiles};
 /// Fit a model to a measured scan
 ///
 /// The scan is CSV with the columns sigma_deg,theta_deg,reading and `# key: value` lines above; a
-/// foreign CSV is read with --columns. Methods: ggx (alpha), normals (delta, n), heights (delta) and
-/// measured-ray (scale, cutoff_um; needs --map). The error printed is eq. (18): rms deviation over all
-/// angles, in % of the largest reading. The last two trace rays: their figures are found with rays that the
-/// fit has not seen, and the noise of these is printed beside.
+/// foreign CSV is read with --columns. Methods: ggx (alpha), normals (delta, n), heights (delta),
+/// measured-ray and measured-wave (scale, cutoff_um; need --map, the latter also --wavelength-nm). The error
+/// printed is eq. (18): rms deviation over all angles, in % of the largest reading. heights and measured-ray
+/// trace rays: their figures are found with rays that the fit has not seen, and the noise of these is
+/// printed beside. measured-wave says where its approximation does not hold, and what is left of the speckle.
 ///
 /// Exit 1 if the fit did not converge or the model does not describe the surface; what was found is
 /// written all the same.
@@ -29,6 +31,7 @@ use crate::report::{self, FigureFiles};
 /// Examples:
 ///   asperity fit scan.csv --method ggx --ior 1.49 -o fit.json --plot fit
 ///   asperity fit scan.csv --method measured-ray --map map.x3p --fill harmonic -o fit.json
+///   asperity fit scan.csv --method measured-wave --map map.x3p --wavelength-nm 550
 ///   asperity fit metal.csv --method ggx --opaque --objective relative
 ///   asperity fit foreign.csv --method ggx --opaque --quantity bsdf \
 ///       --columns sigma=theta_i,theta=theta_o,reading=brdf --where "surface=steel"
@@ -37,7 +40,7 @@ use crate::report::{self, FigureFiles};
 pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
-    /// Method: ggx, normals, heights or measured-ray
+    /// Method: ggx, normals, heights, measured-ray or measured-wave
     #[arg(short, long)]
     method: String,
     /// Law of `normals` and `heights`; both are tried without it
@@ -55,10 +58,10 @@ pub(super) struct Args {
     /// Fit the most frequent height z0 of `heights` too (0 without it)
     #[arg(long)]
     fit_z0: bool,
-    /// Height map of `measured-ray`
+    /// Height map of `measured-ray` and `measured-wave`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Do not filter the map of `measured-ray`: fit its vertical scale only
+    /// Do not filter the map: fit its vertical scale only
     #[arg(long, requires = "map")]
     no_cutoff: bool,
     /// Fit the refractive index too; --ior or the header gives the start
@@ -80,6 +83,8 @@ pub(super) struct Args {
     effort: EffortFlags,
     #[command(flatten)]
     setup: SetupFlags,
+    #[command(flatten)]
+    light: LightFlags,
     #[command(flatten)]
     map_flags: MapFlags,
     #[command(flatten)]
@@ -112,6 +117,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         },
         max_misfit: args.effort.max_misfit,
         map: map.as_ref(),
+        light: args.light.light(Some(&measurement.meta))?,
         input: &input,
     };
     let methods = job
@@ -168,9 +174,11 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
     } else if heights && method != "heights" {
         "--fit-n, --fit-h-max and --fit-z0 belong to --method heights; leave them out"
     } else if args.map.is_some() && !Choice::needs_map(method) {
-        "--map belongs to --method measured-ray; leave it out"
+        "--map belongs to the methods measured-ray and measured-wave; leave it out"
+    } else if args.light.are_given() && !Choice::is_wave(method) {
+        "--wavelength-nm, --speckle and --shadowing belong to --method measured-wave; leave them out"
     } else if args.map.is_none() && Choice::needs_map(method) {
-        "--method measured-ray needs a height map; give --map FILE"
+        "this method needs a height map; give --map FILE"
     } else {
         return Ok(());
     };

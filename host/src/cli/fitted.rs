@@ -1,5 +1,7 @@
 //! A fit as a model file, and as text.
 
+use super::light::Light;
+use crate::boundary::Boundary;
 use crate::fit::{Fit, FitOptions, Objective, Termination};
 use crate::forward::Setup;
 use crate::measurement::{Measurement, noise};
@@ -18,6 +20,8 @@ pub(super) struct Job<'a> {
     pub(super) max_misfit: f64,
     /// The measured map of the surface.
     pub(super) map: Option<&'a Prepared>,
+    /// The light, for methods that send waves.
+    pub(super) light: Light,
     /// The file of the measurement.
     pub(super) input: &'a InputFile,
 }
@@ -62,6 +66,7 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model
         Some(100.0 * fit.neglected.reading / job.measurement.largest_reading());
     model.validity = entry.refusal.iter().cloned().collect();
     model.validity.extend(warnings(fit));
+    model.validity.extend(entry.warnings.iter().cloned());
     let seed = method.is_traced().then_some(job.options.rays.seed);
     let mut provenance = Provenance::of_this_program(seed);
     provenance.inputs = std::iter::once(job.input).chain(map.map(|m| &m.input)).cloned().collect();
@@ -98,7 +103,8 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
     if let Some(noise) = fit.simulation_noise_percent {
         let _ = writeln!(
             text,
-            "ray noise    {noise:.3} %  (of the simulated readings, in the same terms)"
+            "{:12} {noise:.3} %  (of the simulated readings, in the same terms)",
+            if matches!(fit.boundary, Boundary::Wave(_)) { "speckle" } else { "ray noise" }
         );
     }
     if fit.objective.0 != Objective::Rmsd {
@@ -126,7 +132,7 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
         fit.evaluations,
         fit.seconds
     );
-    for warning in warnings(fit) {
+    for warning in warnings(fit).iter().chain(&entry.warnings) {
         let _ = writeln!(text, "warning: {warning}");
     }
     text

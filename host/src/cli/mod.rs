@@ -11,6 +11,8 @@ mod interrupt;
 mod progress;
 mod source;
 mod map;
+mod light;
+mod validity;
 mod subject;
 mod check;
 mod completions;

@@ -6,7 +6,8 @@ use super::error::Failure;
 use super::fitted::{Job, record};
 use super::source::parse_rays;
 use super::{interrupt, progress};
-use crate::fit::{FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, fit};
+use crate::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, cost_at, fit};
+use crate::kirchhoff::WaveOptions;
 use crate::method::{Choice, METHODS, Method, Surface};
 use crate::model::Model;
 use crate::report::Entry;
@@ -118,19 +119,34 @@ impl Job<'_> {
             None if Choice::has_law(name) => &[Some("gauss"), Some("cauchy")],
             law => &[law],
         };
-        let with = |law| {
+        let map = self.map.map(|m| (&m.map, m.edges));
+        let waves = if Choice::is_wave(name) && map.is_some() {
+            self.light.variants(map)?.into_iter().map(Some).collect()
+        } else {
+            vec![None]
+        };
+        let with = |(law, wave): (Option<&str>, Option<&WaveOptions>)| {
             let choice = Choice {
                 law,
                 asked,
-                map: self.map.map(|m| (&m.map, m.edges)),
+                map,
+                wave,
                 seed: self.options.rays.seed,
                 ..Choice::new(name, self.options.surface)
             };
             choice.method()
         };
-        let methods = laws.iter().copied().map(with).collect::<Result<Vec<_>, _>>()?;
-        if self.setup.aperture_deg <= 0.0 && methods.iter().any(|m| m.is_traced()) {
-            return Err("rays need a detector to fall into; give --aperture above 0".into());
+        let variants = laws.iter().flat_map(|law| waves.iter().map(|w| (*law, w.as_ref())));
+        let methods = variants.map(with).collect::<Result<Vec<_>, _>>()?;
+        if self.setup.aperture_deg <= 0.0 {
+            if methods.iter().any(|m| m.is_traced()) {
+                return Err("rays need a detector to fall into; give --aperture above 0".into());
+            }
+            if methods.iter().any(|m| m.wave().is_some()) {
+                return Err(
+                    "coherent light needs a detector to fall into; give --aperture above 0".into(),
+                );
+            }
         }
         Ok(methods)
     }
@@ -150,10 +166,14 @@ impl Job<'_> {
         let mut found: Option<(usize, Entry)> = None;
         let (mut evaluations, mut seconds, mut cut_short) = (0, 0.0, false);
         for (k, method) in methods.iter().enumerate() {
-            let label = match method.law() {
-                Some(law) => format!("{} ({law})", method.name()),
-                None => method.name().to_owned(),
-            };
+            let label = method.label();
+            if let Some((_, best)) = &found
+                && method.wave().is_some()
+                && !self.is_better_there(&**method, best)
+            {
+                // Another way to treat the speckle, worse by far at the same values: seconds an evaluation saved.
+                continue;
+            }
             let bar = progress::counter(&format!("{prefix}fitting {label}"));
             let done = fit(&**method, self.measurement, &self.setup, &self.options, stop, &|n| {
                 bar.set_position(n);
@@ -174,7 +194,8 @@ impl Job<'_> {
             let better = found.as_ref().is_none_or(|(_, b)| done.objective.1 < b.fit.objective.1);
             if better {
                 let refusal = done.refusal(self.max_misfit);
-                found = Some((k, Entry { label, fit: done, refusal }));
+                let warnings = self.warnings(&done);
+                found = Some((k, Entry { label, fit: done, refusal, warnings }));
             }
         }
         let (k, mut entry) = found.ok_or(FitError::NoStart)?;
@@ -187,5 +208,19 @@ impl Job<'_> {
         }
         let model = record(&*methods[k], &entry, self);
         Ok((entry, model))
+    }
+
+    /// Whether a method describes the measurement better than a fit does with the fit's values.
+    fn is_better_there(&self, method: &dyn Method, than: &Entry) -> bool {
+        let values: Vec<f64> = than.fit.parameters.iter().map(|p| p.value).collect();
+        let stop = interrupt::flag();
+        let there = cost_at(method, self.measurement, &self.setup, &self.options, &values, stop);
+        there.is_some_and(|cost| cost < than.fit.objective.1)
+    }
+
+    /// What has to be said about the boundary of a fit at the angles of the measurement.
+    fn warnings(&self, fit: &Fit) -> Vec<String> {
+        let angles: Vec<f64> = self.measurement.by_incidence().map(|i| i.sigma_deg).collect();
+        fit.boundary.warnings(&angles)
     }
 }

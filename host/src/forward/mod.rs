@@ -1,7 +1,8 @@
 //! The forward model: a rough boundary, in a plate, seen by the goniophotometer, gives readings.
 //!
 //! [`quadrature`] is deterministic and smooth in the parameters, for fits; [`monte_carlo`] is the
-//! independent check of it, and the only way for boundaries that cannot be evaluated.
+//! independent check of it, and the only way for boundaries that cannot be evaluated. [`wave`] adds what
+//! waves do: coherent beams and speckle.
 
 mod optics;
 mod aperture;
@@ -9,6 +10,7 @@ mod internal;
 mod quadrature;
 mod rays;
 mod monte_carlo;
+mod wave;
 mod simulate;
 
 pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
@@ -16,6 +18,7 @@ pub use quadrature::{Effort, Neglected, Readings, quadrature};
 pub use rays::Rays;
 pub(crate) use rays::{Tiles, mix};
 pub use simulate::simulate;
+pub use wave::wave;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;

@@ -23,6 +23,8 @@ pub enum Effort {
     Draft,
     /// Internal passes included: what a result is computed with.
     Full,
+    /// Internal passes alone, where first hits are known otherwise.
+    Passes,
 }
 
 /// Readings of a scan, in the order of its plan.
@@ -93,7 +95,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         let scale = lobe_width(boundary.slope(), setup);
         let cells_per_unit = match effort {
             Effort::Draft => 6.0,
-            Effort::Full => 16.0,
+            Effort::Full | Effort::Passes => 16.0,
         };
         let warp = Warp::new(sigma, scale, cells_per_unit);
         Self { boundary, setup, incidence, effort, sigma, entry: enter(setup, sigma), scale, warp }
@@ -188,6 +190,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
 
     /// Flux per solid angle after one hit of the rough face.
     fn first_hit(&self, node: &Node, psi: f64) -> f64 {
+        if self.effort == Effort::Passes {
+            return 0.0;
+        }
         self.view(node, psi).map_or(0.0, |v| {
             self.entry.flux * v.factor * self.boundary.ars(self.entry.w, v.towards)
         })
@@ -201,7 +206,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         let stride: usize = if self.setup.geometry == Geometry::Reflection { 8 } else { 16 };
         let fine = nodes.len();
         let eta = match self.setup.sample {
-            Sample::Plate { eta, .. } if self.effort == Effort::Full => eta.get(),
+            Sample::Plate { eta, .. } if self.effort != Effort::Draft => eta.get(),
             _ => return (vec![0.0; fine], Neglected::default()),
         };
         let views: Vec<Option<View>> =

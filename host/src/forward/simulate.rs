@@ -1,9 +1,10 @@
-//! One entrance to both engines: quadrature where the boundary can be evaluated, else Monte Carlo.
+//! One entrance to all engines: quadrature where the boundary can be evaluated, with what waves add, else Monte
+//! Carlo.
 
 use std::sync::atomic::AtomicBool;
 
 use super::quadrature::Neglected;
-use super::{Effort, Plan, Rays, Readings, Setup, monte_carlo, quadrature};
+use super::{Effort, Plan, Rays, Readings, Setup, monte_carlo, quadrature, wave};
 use crate::boundary::{Boundary, with_boundary};
 
 /// Simulates a scan; `rays` are for a boundary that must be traced.
@@ -18,6 +19,9 @@ pub fn simulate(
     rays: Rays,
     stop: &AtomicBool,
 ) -> Option<Readings> {
+    if let Boundary::Wave(b) = boundary {
+        return wave(b, setup, plan, effort, stop, &|_, _| ());
+    }
     with_boundary!(boundary,
     b => Some(quadrature(b, setup, plan, effort)),
     traced t => {

@@ -23,6 +23,8 @@ pub struct Entry {
     pub fit: Fit,
     /// Why the answer is no, if it is.
     pub refusal: Option<String>,
+    /// What has to be said about the boundary: where its physics does not hold.
+    pub warnings: Vec<String>,
 }
 
 /// A value with as many digits as its standard error supports, and the error in the same place.

@@ -1,0 +1,348 @@
+//! A height map as a boundary that scatters waves.
+
+use std::sync::Arc;
+
+use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
+use asperity_core::direction::Direction;
+use asperity_core::fresnel;
+use asperity_core::quantity::RelativeIor;
+
+use super::mean::{Density, MeanSpectra};
+use super::optics::{Beam, Optics};
+use super::shadowing::Shadowing;
+use super::validity::{Validity, ValidityError};
+use super::wavelengths::Wavelengths;
+use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
+
+/// Whether readings are those of this very map, or of a larger piece of the same surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Speckle {
+    /// The mean over the azimuths of the momentum: all directions of the surface must be alike.
+    Averaged,
+    /// This very map, its speckle smoothed by the detector's cone and the wavelengths alone.
+    Kept,
+}
+
+/// How waves are sent on a map.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveOptions {
+    /// The light, vacuum wavelengths in nm with weights.
+    #[serde(rename = "wavelengths_nm")]
+    pub wavelengths: Wavelengths,
+    /// What readings are of.
+    pub speckle: Speckle,
+    /// Smith's shadowing and masking on the stationary facet: what Kirchhoff's integral leaves out.
+    #[serde(default)]
+    pub shadowing: bool,
+}
+
+impl Speckle {
+    /// `averaged` or `kept`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Averaged => "averaged",
+            Self::Kept => "kept",
+        }
+    }
+}
+
+/// Fluxes of the light that stays coherent, as fractions of the incident flux.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CoherentFlux {
+    /// Specularly reflected.
+    pub reflected: f64,
+    /// Refracted by Snell's law.
+    pub transmitted: f64,
+}
+
+/// The boundary; [`Bsdf`] is its diffuse light, averaged over azimuths, the coherent light comes apart
+/// ([`WaveBoundary::coherent`]).
+#[derive(Clone, Debug)]
+pub struct WaveBoundary {
+    /// Heights, scaled and filtered.
+    map: Arc<HeightMap>,
+    edges: Edges,
+    /// Of the map as it was before it was scaled.
+    spectra: Arc<MeanSpectra>,
+    density: Density,
+    /// What the map's heights were multiplied by.
+    scale: f64,
+    wavelengths: Wavelengths,
+    eta: RelativeIor<f64>,
+    speckle: Speckle,
+    shadowing: Option<Shadowing>,
+}
+
+/// `|q_z|` down to this share of the wave number is tabulated; below, D grows with its square.
+const LEAST: f64 = 0.08;
+
+impl WaveBoundary {
+    /// From the spectra of a map; `map` is the same with its heights times `scale`.
+    pub fn new(
+        map: Arc<HeightMap>,
+        edges: Edges,
+        (spectra, scale): (Arc<MeanSpectra>, f64),
+        eta: RelativeIor<f64>,
+        options: &WaveOptions,
+    ) -> Self {
+        let WaveOptions { wavelengths, speckle, shadowing } = options.clone();
+        let wave = |um: f64| std::f64::consts::TAU / um * scale.abs();
+        let low = LEAST * wave(wavelengths.longest_um());
+        let high = 2.0 * eta.get().max(1.0) * wave(wavelengths.shortest_um());
+        let density = spectra.density(low, high);
+        let shadowing = shadowing.then(|| Shadowing::of(&map, edges));
+        Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing }
+    }
+
+    /// A map as it is.
+    ///
+    /// # Errors
+    /// [`Incomplete`] if points are missing.
+    pub fn of_map(
+        map: &HeightMap,
+        edges: Edges,
+        eta: RelativeIor<f64>,
+        options: &WaveOptions,
+    ) -> Result<Self, Incomplete> {
+        let spectra = Arc::new(MeanSpectra::new(map, edges)?);
+        Ok(Self::new(Arc::new(map.clone()), edges, (spectra, 1.0), eta, options))
+    }
+
+    /// All directions of a surface alike: its far field may be averaged over azimuths.
+    pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
+        let spectrum = Spectrum::of(map, edges).ok();
+        !spectrum.and_then(|s| s.anisotropy()).is_some_and(|a| a.is_directional())
+    }
+
+    /// The map as it scatters.
+    pub fn map(&self) -> &HeightMap {
+        &self.map
+    }
+
+    /// How it goes on.
+    pub fn edges(&self) -> Edges {
+        self.edges
+    }
+
+    /// Index of the dielectric over that of air.
+    pub fn eta(&self) -> RelativeIor<f64> {
+        self.eta
+    }
+
+    /// The light.
+    pub fn wavelengths(&self) -> &Wavelengths {
+        &self.wavelengths
+    }
+
+    /// What its readings are of.
+    pub fn speckle(&self) -> Speckle {
+        self.speckle
+    }
+
+    /// Where the approximation holds, for light of these incidences.
+    ///
+    /// # Errors
+    /// Angles that are none of incidence.
+    pub fn validity(&self, incidences_deg: &[f64]) -> Result<Validity, ValidityError> {
+        Validity::of(&self.map, self.edges, self.eta, &self.wavelengths, incidences_deg)
+    }
+
+    /// Smith's factor for a pair, 1 without shadowing.
+    pub(crate) fn unshadowed(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+        self.shadowing.map_or(1.0, |s| s.factor(wi, wo))
+    }
+
+    /// The coherent light from `wi`; 0 along the surface.
+    pub fn coherent(&self, wi: Direction<f64>) -> CoherentFlux {
+        let mut flux = CoherentFlux::default();
+        for (wavelength_um, weight) in self.wavelengths.iter() {
+            let part = self.coherent_at(wi, wavelength_um);
+            flux.reflected += weight * part.reflected;
+            flux.transmitted += weight * part.transmitted;
+        }
+        flux
+    }
+
+    /// The same for one wavelength.
+    pub fn coherent_at(&self, wi: Direction<f64>, wavelength_um: f64) -> CoherentFlux {
+        let part = |lobe| self.specular(&Beam { wi, lobe, wavelength_um });
+        CoherentFlux { reflected: part(Lobe::Reflection), transmitted: part(Lobe::Transmission) }
+    }
+
+    /// Coherent flux of a beam.
+    fn specular(&self, beam: &Beam) -> f64 {
+        let Some(optics) = Optics::new(self.eta, beam) else { return 0.0 };
+        let Some((wo, q_z)) = optics.specular() else { return 0.0 };
+        let beyond = if beam.wi.z() > 0.0 { self.eta.get() } else { self.eta.inverse() };
+        let share = fresnel::dielectric(beam.wi.z().abs(), beyond);
+        let share = match beam.lobe {
+            Lobe::Reflection => share.reflected,
+            Lobe::Transmission => share.transmitted,
+        };
+        share * self.spectra.coherent(q_z * self.scale) * self.unshadowed(beam.wi, wo)
+    }
+
+    /// Diffuse `ars` of one wavelength.
+    fn diffuse(&self, optics: &Optics, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+        let factor = optics.factor(wo);
+        if factor <= 0.0 {
+            return 0.0;
+        }
+        let [x, y, z] = wo.xyz();
+        let [qx, qy] = optics.momentum([x, y]);
+        let q_z = optics.k * optics.height(z.abs());
+        if q_z <= 0.0 {
+            return 0.0;
+        }
+        let d = self.density.value(qx.hypot(qy), q_z * self.scale.abs());
+        let n = optics.k * optics.n_o;
+        n * n * d * factor * self.unshadowed(wi, wo)
+    }
+
+    /// Relative standard error of the diffuse light of a pair by what the mean leaves of the speckle, for a
+    /// detector that sees the tangential part of `wo` over a width of `sines`.
+    pub fn speckle_error(&self, wi: Direction<f64>, wo: Direction<f64>, sines: f64) -> f64 {
+        let wavelength_um = self.wavelengths.mean_um();
+        let beam = Beam { wi, lobe: lobe_of(wi, wo), wavelength_um };
+        let Some(optics) = Optics::new(self.eta, &beam) else { return 0.0 };
+        let [x, y, z] = wo.xyz();
+        let [qx, qy] = optics.momentum([x, y]);
+        let q_z = optics.k * optics.height(z.abs());
+        if q_z > 0.0 { let width = sines * optics.k * optics.n_o;
+            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs(), width) } else { 0.0 }
+    }
+}
+
+fn lobe_of(wi: Direction<f64>, wo: Direction<f64>) -> Lobe {
+    if (wi.z() > 0.0) == (wo.z() > 0.0) { Lobe::Reflection } else { Lobe::Transmission }
+}
+
+impl Bsdf<f64> for WaveBoundary {
+    fn eval(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+        let cosine = wo.z().abs();
+        if cosine > 0.0 { self.ars(wi, wo) / cosine } else { 0.0 }
+    }
+
+    fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+        let lobe = lobe_of(wi, wo);
+        let part = |(wavelength_um, weight): (f64, f64)| {
+            let optics = Optics::new(self.eta, &Beam { wi, lobe, wavelength_um });
+            optics.map_or(0.0, |optics| weight * self.diffuse(&optics, wi, wo))
+        };
+        self.wavelengths.iter().map(part).sum()
+    }
+
+    /// Of the diffuse light that [`Scatter::sample`] draws; what is coherent has no density.
+    fn pdf(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+        let lobe = lobe_of(wi, wo);
+        let chosen = self.share(wi, lobe);
+        let part = |(wavelength_um, weight): (f64, f64)| {
+            let beam = Beam { wi, lobe, wavelength_um };
+            let Some(optics) = Optics::new(self.eta, &beam) else { return 0.0 };
+            let aim = Aim::new(self, &optics);
+            weight * (1.0 - aim.coherent) * aim.density(self, &optics, wo)
+        };
+        chosen * self.wavelengths.iter().map(part).sum::<f64>()
+    }
+
+    /// Coherent light for the lowest `u[0]`, then by the radius of the momentum; `u[1]` is its azimuth.
+    fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>> {
+        // a wavelength by its weight, then the rest of the uniform
+        let mut rest = u[0];
+        let (mut wavelength_um, mut weight) = (self.wavelengths.mean_um(), 1.0);
+        for (um, share) in self.wavelengths.iter() {
+            (wavelength_um, weight) = (um, share);
+            if rest < share {
+                break;
+            }
+            rest -= share;
+        }
+        let beam = Beam { wi, lobe, wavelength_um };
+        let optics = Optics::new(self.eta, &beam)?;
+        let aim = Aim::new(self, &optics);
+        let place = (rest / weight).clamp(0.0, 1.0 - 1e-12);
+        if place < aim.coherent {
+            let (wo, _) = optics.specular()?;
+            return Some(Scattered { wo, weight: self.specular(&beam) / aim.coherent });
+        }
+        let along = (place - aim.coherent) / (1.0 - aim.coherent);
+        let q = self.density.draw(aim.q_z, along)?;
+        let (sin, cos) = (std::f64::consts::TAU * u[1]).sin_cos();
+        let tangent = optics.tangent([q * cos, q * sin]);
+        let cos2 = 1.0 - tangent[0] * tangent[0] - tangent[1] * tangent[1];
+        if cos2 <= 0.0 {
+            return None;
+        }
+        let wo = optics.direction(tangent, cos2.sqrt());
+        let drawn = aim.density(self, &optics, wo) * (1.0 - aim.coherent);
+        let weight = self.diffuse(&optics, wi, wo) / drawn;
+        (weight.is_finite() && weight > 0.0).then_some(Scattered { wo, weight })
+    }
+
+    fn slope(&self) -> f64 {
+        // the width of the diffuse lobe in momentum, at a middle incidence and at normal transmission
+        let k = std::f64::consts::TAU / self.wavelengths.mean_um();
+        let q_z = k * (self.eta.get() - 1.0).abs().max(0.1);
+        let width = self.density.width(q_z * self.scale.abs());
+        (width / q_z).clamp(1e-4, 2.0)
+    }
+}
+
+/// How a lobe is sampled: about its specular direction.
+struct Aim {
+    /// `|q_z|` of the scaled map, 1/um.
+    q_z: f64,
+    /// Share of the samples that are coherent.
+    coherent: f64,
+}
+
+impl Aim {
+    fn new(boundary: &WaveBoundary, optics: &Optics) -> Self {
+        // without a specular direction: the middle of what there is
+        let specular = optics.specular();
+        let middle = || optics.heights().map_or(1.0, |(a, b)| optics.k * 0.5 * (a + b));
+        let q_z = specular.map_or_else(middle, |(_, q_z)| q_z);
+        let share =
+            if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
+        let coherent = if share < 1e-6 { 0.0 } else { share.min(1.0 - 1e-6) };
+        Self { q_z: q_z * boundary.scale.abs(), coherent }
+    }
+
+    /// Density of the diffuse samples, 1/sr.
+    fn density(&self, boundary: &WaveBoundary, optics: &Optics, wo: Direction<f64>) -> f64 {
+        let [x, y, z] = wo.xyz();
+        let [qx, qy] = optics.momentum([x, y]);
+        let n = optics.k * optics.n_o;
+        boundary.density.drawn(self.q_z, qx.hypot(qy)) * n * n * z.abs()
+    }
+}
+
+impl WaveBoundary {
+    /// Share of the samples that go into a lobe.
+    fn share(&self, wi: Direction<f64>, lobe: Lobe) -> f64 {
+        let beyond = if wi.z() > 0.0 { self.eta.get() } else { self.eta.inverse() };
+        let reflected = fresnel::dielectric(wi.z().abs(), beyond).reflected.clamp(0.02, 0.98);
+        if lobe == Lobe::Reflection { reflected } else { 1.0 - reflected }
+    }
+}
+
+impl Scatter<f64> for WaveBoundary {
+    /// Chooses a lobe by Fresnel's share, then as [`Bsdf::sample_lobe`]; takes three uniforms. Weights may
+    /// exceed 1 where the lobe differs much from that about its specular direction.
+    fn sample(
+        &self,
+        wi: Direction<f64>,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Scattered<f64>> {
+        wi.side()?;
+        let choice = uniform();
+        let u = [uniform(), uniform()];
+        let reflected = self.share(wi, Lobe::Reflection);
+        let lobe = if choice < reflected { Lobe::Reflection } else { Lobe::Transmission };
+        let mut ray = self.sample_lobe(wi, lobe, u)?;
+        ray.weight /= self.share(wi, lobe);
+        Some(ray)
+    }
+}

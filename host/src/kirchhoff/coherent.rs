@@ -1,0 +1,92 @@
+//! The coherent part: the mean field `<exp(-i q_z h)>`, the characteristic function of the heights.
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
+
+/// Bins of the histogram of heights.
+const BINS: usize = 1 << 14;
+/// Values of `q_z` for each that the range of heights needs.
+const PADDING: usize = 8;
+
+/// The characteristic function of heights, at any `q_z`.
+#[derive(Clone, Debug)]
+pub(super) struct Coherent {
+    /// `|mean field|` at multiples of a step, phases relative to the middle of the heights.
+    field: Vec<Complex<f64>>,
+    /// Bin, um.
+    bin_um: f64,
+    /// Step of `q_z`, 1/um.
+    step: f64,
+}
+
+impl Coherent {
+    pub(super) fn new(heights_um: &[f64]) -> Self {
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = heights_um.iter().fold(none, |(a, b), h| (a.min(*h), b.max(*h)));
+        let bin_um = ((high - low) / (BINS - 2) as f64).max(1e-12);
+        let mut bins = vec![Complex::new(0.0, 0.0); BINS * PADDING];
+        let middle = 0.5 * (low + high);
+        let share = 1.0 / heights_um.len() as f64;
+        for h in heights_um {
+            // between two bins: the field loses sinc^2(q bin / 2), which is put back
+            let x = ((h - middle) / bin_um + 0.5 * BINS as f64).clamp(0.0, (BINS - 2) as f64);
+            let k = x as usize;
+            bins[k].re += share * (k as f64 + 1.0 - x);
+            bins[k + 1].re += share * (x - k as f64);
+        }
+        let step = std::f64::consts::TAU / (bin_um * bins.len() as f64);
+        FftPlanner::new().plan_fft_forward(bins.len()).process(&mut bins);
+        // the phase of the middle is taken out, for what is left is smooth between two values
+        for (j, value) in bins.iter_mut().enumerate() {
+            let turns = (j * BINS / 2 % (BINS * PADDING)) as f64 / (BINS * PADDING) as f64;
+            *value *= Complex::from_polar(1.0, std::f64::consts::TAU * turns);
+        }
+        bins.truncate(BINS * PADDING / 2);
+        Self { field: bins, bin_um, step }
+    }
+
+    /// `|<exp(-i q_z h)>|^2`, 1 at 0.
+    pub(super) fn intensity(&self, q_z: f64) -> f64 {
+        let x = q_z.abs() / self.step;
+        let last = self.field.len() - 3;
+        let k = (x as usize).clamp(1, last);
+        let t = x - k as f64;
+        if t > 2.0 {
+            // beyond one wave a bin: no light to speak of
+            return 0.0;
+        }
+        let [a, b, c, d] = [0, 1, 2, 3].map(|n| self.field[k - 1 + n]);
+        let (p, q, r) = (t + 1.0, t - 1.0, t - 2.0);
+        let field = a * (-t * q * r / 6.0) + b * (p * q * r / 2.0) - c * (p * t * r / 2.0)
+            + d * (p * t * q / 6.0);
+        let half = 0.5 * q_z * self.bin_um;
+        let sinc = if half.abs() < 1e-6 { 1.0 } else { half.sin() / half };
+        (field.norm_sqr() / sinc.powi(4)).min(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Coherent;
+    use rustfft::num_complex::Complex;
+
+    #[test]
+    fn it_is_the_mean_field() {
+        let heights: Vec<f64> = (0..20_000)
+            .map(|k| {
+                let x = f64::from(k) * 0.618_034;
+                7.0 + 1.3 * (x.fract() - 0.5) + 0.4 * (f64::from(k) * 0.01).sin()
+            })
+            .collect();
+        let found = Coherent::new(&heights);
+        for q_z in [0.0, 1e-9, 0.1, 1.0, 3.7, 11.4, 22.8, -22.8, 51.0] {
+            let sum: Complex<f64> =
+                heights.iter().map(|h| Complex::from_polar(1.0, -q_z * h)).sum();
+            let exact = (sum / heights.len() as f64).norm_sqr();
+            let error = (found.intensity(q_z) - exact).abs();
+            assert!(error < 2e-5, "{q_z} {exact} {error}");
+        }
+        let flat = Coherent::new(&[3.0; 9]);
+        assert!((flat.intensity(20.0) - 1.0).abs() < 1e-9 && flat.intensity(1e30) <= 1.0);
+    }
+}
