@@ -162,7 +162,7 @@ mod tests {
         let mut model = Model::new(&ggx, surface, []);
         model.validity = refusal.map(String::from).into_iter().collect();
         let refusal = refusal.map(String::from);
-        let entry = Entry { label: method.into(), fit, refusal };
+        let entry = Entry { label: method.into(), fit, refusal, warnings: Vec::new() };
         Attempt { method: method.into(), result: Ok((entry, model)) }
     }
 
