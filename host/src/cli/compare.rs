@@ -9,7 +9,7 @@ use super::light::{Light, LightFlags};
 use super::map::MapFlags;
 use super::print;
 use super::source::{ReadFlags, SetupFlags};
-use super::trial::{EffortFlags, check_method};
+use super::trial::{EffortFlags, check_method, usually_asked};
 use crate::fit::FitOptions;
 use crate::forward::Setup;
 use crate::measurement::Measurement;
@@ -102,7 +102,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             }
             None => name.clone(),
         };
-        samples.push(Sample::new(name.clone(), title, job, &methods)?);
+        samples.push(Sample::new(name.clone(), title, job, &methods, &usually_asked)?);
     }
     let work = Work {
         title: "Comparison of the methods".into(),

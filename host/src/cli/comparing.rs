@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use super::error::Failure;
 use super::fitted::Job;
 use super::interrupt;
-use super::trial::{Trial, usually_asked};
+use super::trial::Trial;
 use crate::output::{AtomicFile, write_text};
 use crate::plot::{self, Scale};
 use crate::report::{
@@ -25,7 +25,7 @@ pub(super) struct Sample<'a> {
 }
 
 impl<'a> Sample<'a> {
-    /// Finds out which methods can be used.
+    /// Finds out which methods can be used; `asked` says which of their optional parameters are fitted.
     ///
     /// # Errors
     /// If none can.
@@ -34,8 +34,9 @@ impl<'a> Sample<'a> {
         title: String,
         job: Job<'a>,
         methods: &[String],
+        asked: &dyn Fn(&str) -> bool,
     ) -> Result<Self, Failure> {
-        let with = |method: &String| (method.clone(), job.methods(method, None, &usually_asked));
+        let with = |method: &String| (method.clone(), job.methods(method, None, asked));
         let plan: Vec<_> = methods.iter().map(with).collect();
         if let (true, Some((_, Err(why)))) = (plan.iter().all(|p| p.1.is_err()), plan.first()) {
             return Err(Failure::bad(format!("{}: {why}", job.input.path)));

@@ -95,7 +95,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             objective: Objective::Rmsd,
             max_evaluations: 4000,
             rays: FitRays {
-                fit: Some((args.rays / 30).max(20_000)),
+                fit: Some((args.rays / 40).max(20_000)),
                 last: Some((args.rays / 2).max(20_000)),
                 ..FitRays::default()
             },
@@ -107,7 +107,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let methods = METHODS.map(String::from).to_vec();
     let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);
-    let sample = Sample::new("virtual".into(), title, job, &methods)?;
+    // This map is exact: no cut-off is looked for.
+    let sample = Sample::new("virtual".into(), title, job, &methods, &|_| false)?;
     let work = Work {
         title: "Asperity: demo on a virtual sample".into(),
         what,
