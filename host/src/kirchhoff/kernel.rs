@@ -56,7 +56,10 @@ impl Kernel {
     /// `1 / F` for heights of at most the kernel's reach: what the field is multiplied by.
     pub(super) fn weights(&self, heights_um: &[f64], reach_um: f64) -> Vec<f32> {
         let step = reach_um.max(1e-9) / HEIGHTS as f64;
-        let table: Vec<f64> = (0..HEIGHTS + 2).map(|k| self.weight(k as f64 * step)).collect();
+        let half = 0.5 * WIDTH as f64;
+        let rule = gauss_legendre::<48>().map(|(t, w)| (half * t, w * bump(half * t)));
+        let table: Vec<f64> =
+            (0..HEIGHTS + 2).map(|k| self.weight(&rule, k as f64 * step)).collect();
         let one = |h: &f64| {
             let x = (h.abs() / step).min(HEIGHTS as f64);
             let k = x as usize;
@@ -65,13 +68,11 @@ impl Kernel {
         heights_um.iter().map(one).collect()
     }
 
-    fn weight(&self, height_um: f64) -> f64 {
+    /// For the nodes of half the bump, and its values there with the weights of the rule.
+    fn weight(&self, rule: &[(f64, f64)], height_um: f64) -> f64 {
         let a = height_um * self.distance;
-        let half = 0.5 * WIDTH as f64;
-        let rule = gauss_legendre::<48>();
-        let integral: f64 =
-            rule.iter().map(|&(t, w)| w * bump(half * t) * (a * half * t).cos()).sum();
-        1.0 / (2.0 * half * integral)
+        let integral: f64 = rule.iter().map(|&(x, bump)| bump * (a * x).cos()).sum();
+        1.0 / (WIDTH as f64 * integral)
     }
 }
 
