@@ -9,7 +9,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use asperity::kirchhoff::Beam;
+use asperity::kirchhoff::{Beam, Order};
 use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
@@ -140,7 +140,7 @@ fn the_coherent_part_is_that_of_normal_heights() {
             Lobe::Transmission => exact.transmitted / (1.0 - reflected),
         };
         let found = all(map, Edges::Periodic, &[*beam]);
-        let order = found[0].iter().find(|o| o.is_specular()).unwrap();
+        let order = found[0].iter().find(Order::is_specular).unwrap();
         for (k, found) in [order.intensity, by_law].into_iter().enumerate() {
             if *coherent > 1e-3 {
                 let off = (found / coherent - 1.0).abs();
@@ -159,23 +159,36 @@ fn the_coherent_part_is_that_of_normal_heights() {
     );
 }
 
-/// Size and pitch in um of the maps of each surface. The two roughest in the usual runs are seen in transmission alone:
-/// reflection needs finer maps, and those of as many facets more time.
-fn cases() -> Vec<(Gaussian, usize, f64)> {
-    let surface = |sigma_um, length_um| Gaussian { sigma_um, length_um };
-    let mut all = vec![
-        (surface(0.01, 2.0), 128, 0.5),
-        (surface(0.05, 5.0), 192, 0.6),
-        (surface(0.1, 5.0), 256, 0.5),
-        (surface(0.25, 5.0), 256, 0.4),
-        (surface(0.5, 10.0), 256, 0.4),
+/// Maps of a surface: points, pitch in um, how many.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    surface: Gaussian,
+    size: usize,
+    pitch: f64,
+    maps: usize,
+}
+
+/// The maps of each surface. The two roughest are usually seen in transmission alone: reflection needs finer maps, and
+/// those of as many facets more time.
+fn cases() -> Vec<Case> {
+    let usual = [
+        (0.01, 2.0, 128, 0.5, 16),
+        (0.05, 5.0, 192, 0.6, 16),
+        (0.1, 5.0, 256, 0.5, 16),
+        (0.25, 5.0, 256, 0.4, 32),
+        (0.5, 10.0, 256, 0.4, 40),
+        (1.0, 15.0, 256, 1.2, 48),
+        (2.5, 30.0, 256, 1.2, 32),
     ];
-    if extensive() {
-        all.extend([(surface(1.0, 15.0), 512, 0.36), (surface(2.5, 30.0), 512, 0.36)]);
-    } else {
-        all.extend([(surface(1.0, 15.0), 256, 1.2), (surface(2.5, 30.0), 256, 1.2)]);
-    }
-    all
+    usual
+        .into_iter()
+        .map(|(sigma_um, length_um, size, pitch, maps)| {
+            let surface = Gaussian { sigma_um, length_um };
+            let finer = extensive() && sigma_um > 0.9;
+            let (size, pitch) = if finer { (512, 0.36) } else { (size, pitch) };
+            Case { surface, size, pitch, maps: if extensive() { 4 * maps } else { maps } }
+        })
+        .collect()
 }
 
 /// Orders in a ring.
@@ -244,10 +257,7 @@ fn judge(engine: &str, rows: &[(&Row, Ring)], sums: &[Sums], left_out: [usize; 2
 }
 
 /// The rows of a surface that its maps show, with their rings, and how many they do not.
-fn shown<'a>(
-    rows: &'a [Row],
-    (surface, size, pitch): (Gaussian, usize, f64),
-) -> (Vec<(&'a Row, Ring)>, [usize; 2]) {
+fn shown(rows: &[Row], Case { surface, size, pitch, .. }: Case) -> (Vec<(&Row, Ring)>, [usize; 2]) {
     let step = TAU / (size as f64 * pitch);
     let mut left_out = [0, 0];
     let mut seen = Vec::new();
@@ -273,16 +283,14 @@ fn shown<'a>(
 #[test]
 fn orders_have_the_density_of_the_closed_form() {
     let Some(rows) = rows() else { return };
-    let count = if extensive() { 128 } else { 16 };
     for case in cases() {
-        let (surface, size, pitch) = case;
-        let started = std::time::Instant::now();
+        let Case { surface, size, pitch, maps } = case;
         let (seen, left_out) = shown(&rows, case);
         let mut beams: Vec<Beam> = seen.iter().map(|(row, _)| row.beam).collect();
         beams.dedup();
         let mut sums = vec![Sums::default(); seen.len()];
         let per_order = (size as f64 * pitch / TAU).powi(2);
-        for map in surface.maps(size, pitch, count, 1) {
+        for map in surface.maps(size, pitch, maps, 1) {
             let slopes = Slopes::new(surface, &map);
             for found in all(&map, Edges::Periodic, &beams) {
                 let mine: Vec<usize> =
@@ -297,7 +305,6 @@ fn orders_have_the_density_of_the_closed_form() {
                 }
             }
         }
-        println!("{:?}", started.elapsed());
         judge("orders", &seen, &sums, left_out);
     }
 }
@@ -305,13 +312,11 @@ fn orders_have_the_density_of_the_closed_form() {
 #[test]
 fn the_mean_law_has_the_density_of_the_closed_form() {
     let Some(rows) = rows() else { return };
-    let count = if extensive() { 128 } else { 16 };
     for case in cases() {
-        let (surface, size, pitch) = case;
-        let started = std::time::Instant::now();
+        let Case { surface, size, pitch, maps } = case;
         let (seen, left_out) = shown(&rows, case);
         let mut sums = vec![Sums::default(); seen.len()];
-        for map in surface.maps(size, pitch, count, 2) {
+        for map in surface.maps(size, pitch, maps, 2) {
             let law = boundary(&map, Edges::Periodic);
             let slopes = Slopes::new(surface, &map);
             for ((row, ring), sum) in seen.iter().zip(&mut sums) {
@@ -327,16 +332,15 @@ fn the_mean_law_has_the_density_of_the_closed_form() {
                 }
             }
         }
-        println!("{:?}", started.elapsed());
         judge("mean law", &seen, &sums, left_out);
     }
 }
 
-/// Light from `(a, b, c)` that goes to `(a, -b, c)`: q = 2 k a while q_z stays 2 k c.
+/// Light from `(a, b, c)` that goes to `(a, -b, c)`: q = 2 k a while `q_z` stays 2 k c.
 #[test]
 fn what_is_not_coherent_is_diffuse() {
     let cos = 0.7_f64;
-    for (surface, size, pitch) in cases().into_iter().take(4).skip(1) {
+    for Case { surface, size, pitch, .. } in cases().into_iter().take(4).skip(1) {
         let map = &surface.maps(size, pitch, 1, 3)[0];
         let law = boundary(map, Edges::Periodic);
         let sine = (1.0 - cos * cos).sqrt();

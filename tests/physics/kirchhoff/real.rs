@@ -6,6 +6,7 @@
 
 use std::f64::consts::PI;
 
+use asperity::kirchhoff::Order;
 use asperity::surface::{Edges, Form, HeightMap, Preparation, Purpose, Roughness};
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
@@ -54,7 +55,7 @@ fn a_measured_surface_is_as_coherent_and_as_wide_as_found_before() {
         let transmitted = 1.0 - fresnel(1.0, ETA).unpolarised();
         let coherent = law.coherent(wi).transmitted / transmitted;
         let found = &all(&map, Edges::Mirrored, &[beam(0.0, true, Lobe::Transmission)])[0];
-        let specular = found.iter().find(|o| o.is_specular()).unwrap().intensity;
+        let specular = found.iter().find(Order::is_specular).unwrap().intensity;
         // sines of the angle in the material times the index: the angle in air behind a smooth face
         let orders: Vec<(f64, f64)> = found
             .iter()
