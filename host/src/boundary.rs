@@ -55,6 +55,18 @@ impl Boundary {
     }
 }
 
+impl Boundary {
+    /// Where the physics of the boundary does not hold, for light of these incidences in air, degrees.
+    pub fn warnings(&self, incidences_deg: &[f64]) -> Vec<String> {
+        match self {
+            Self::Wave(wave) => {
+                wave.validity(incidences_deg).map(|v| v.warnings()).unwrap_or_default()
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
 impl Scatter<f64> for Boundary {
     fn sample(
         &self,

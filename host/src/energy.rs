@@ -1,5 +1,7 @@
 //! Where the flux goes: reflected, transmitted and lost fractions, and reciprocity.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
@@ -7,6 +9,7 @@ use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::{Rays, count_flux};
+use crate::kirchhoff::{Beam, WaveBoundary, orders};
 
 /// Flux balance of one incidence, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -44,6 +47,81 @@ fn incidence(side: Side, incidence_deg: f64) -> Direction<f64> {
 /// Points of the Fibonacci lattice that integrates over the facets.
 const POINTS: u32 = 46_368;
 const STEP: u32 = 28_657;
+
+/// Flux balances for several incidences; `None` if `stop` was set before the end.
+///
+/// As [`balance`]; waves are summed over the orders of the very map, all incidences from one stack of
+/// transforms. What Kirchhoff's integral gives too much is a negative loss, not hidden. `progress(done, all)`.
+pub fn balances(
+    boundary: &Boundary,
+    incidences: &[(Side, f64)],
+    rays: Rays,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Option<Vec<Energy>> {
+    if let Boundary::Wave(wave) = boundary {
+        return of_waves(wave, incidences, stop, progress);
+    }
+    let mut found = Vec::with_capacity(incidences.len());
+    for (k, &(side, deg)) in incidences.iter().enumerate() {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        found.push(balance(boundary, side, deg, rays));
+        progress(k + 1, incidences.len());
+    }
+    Some(found)
+}
+
+fn of_waves(
+    wave: &WaveBoundary,
+    incidences: &[(Side, f64)],
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Option<Vec<Energy>> {
+    const LOBES: [Lobe; 2] = [Lobe::Reflection, Lobe::Transmission];
+    let mut beams = Vec::new();
+    let mut weights = Vec::new();
+    for &(side, deg) in incidences {
+        for lobe in LOBES {
+            for (wavelength_um, weight) in wave.wavelengths().iter() {
+                beams.push(Beam { wi: incidence(side, deg), lobe, wavelength_um });
+                weights.push(weight);
+            }
+        }
+    }
+    // the map of a boundary is complete
+    let found = orders(wave.map(), wave.edges(), wave.eta(), &beams, stop, progress).ok()??;
+    let totals: Vec<(f64, f64)> = found
+        .par_iter()
+        .zip(&weights)
+        .map(|(beam, weight)| {
+            let (mut all, mut coherent) = (0.0, 0.0);
+            for order in beam.iter() {
+                let power = weight * order.power * wave.unshadowed(beam.beam().wi, order.wo);
+                all += power;
+                coherent += if order.is_specular() { power } else { 0.0 };
+            }
+            (all, coherent)
+        })
+        .collect();
+    let count = wave.wavelengths().iter().count();
+    let lobe = |part: &[(f64, f64)]| part.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let balances = totals.chunks(2 * count).zip(incidences).map(|(both, &(side, deg))| {
+        let (reflected, coherent_reflected) = lobe(&both[..count]);
+        let (transmitted, coherent_transmitted) = lobe(&both[count..]);
+        Energy {
+            incidence_deg: deg,
+            side: side_name(side),
+            reflected,
+            transmitted,
+            lost: 1.0 - reflected - transmitted,
+            coherent_reflected,
+            coherent_transmitted,
+        }
+    });
+    Some(balances.collect())
+}
 
 /// Flux balance for one incidence.
 ///

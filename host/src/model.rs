@@ -9,6 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::boundary::Boundary;
 use crate::input::read_file;
+use crate::kirchhoff::WaveOptions;
 use crate::measurement::excerpt;
 use crate::method::{BuildError, Choice, Method, Surface};
 use crate::provenance::{InputFile, Provenance};
@@ -104,6 +105,9 @@ pub struct Model {
     /// The measured map, for methods that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapRecord>,
+    /// How waves are sent, for methods that do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wave: Option<WaveOptions>,
     /// Seed of the heights, for methods that draw them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface_seed: Option<u64>,
@@ -212,6 +216,7 @@ impl Model {
             method: method.name().into(),
             law: method.law().map(Into::into),
             map: None,
+            wave: method.wave().cloned(),
             surface_seed: method.seed(),
             body,
             ior,
@@ -328,8 +333,20 @@ impl Model {
                 return Err(("map".into(), what));
             }
         };
+        match (&self.wave, Choice::is_wave(&self.method)) {
+            (Some(_), true) | (None, false) => {}
+            (None, true) => {
+                let what = format!("method {} needs `wave`; fit it again", self.method);
+                return Err(("method".into(), what));
+            }
+            (Some(_), false) => {
+                let what = format!("method {} has no `wave`; leave it out", self.method);
+                return Err(("wave".into(), what));
+            }
+        }
         let choice = Choice {
             law: self.law.as_deref(),
+            wave: self.wave.as_ref(),
             asked: &|name| self.parameters.contains_key(name),
             map: map.as_ref().map(|m| (&m.map, m.edges)),
             seed: self.surface_seed.unwrap_or(1),

@@ -385,7 +385,7 @@ fn a_reader_that_leaves_early_is_no_failure() {
 
 /// That an SVG file is one and holds no number that is none.
 #[track_caller]
-fn is_plot(folder: &Folder, name: &str) {
+pub(crate) fn is_plot(folder: &Folder, name: &str) {
     let text = folder.text(name);
     assert!(text.contains("<svg") && text.trim_end().ends_with("</svg>"), "{name}");
     without_nan(name, &text);
@@ -398,7 +398,7 @@ fn is_plot(folder: &Folder, name: &str) {
 
 /// `NaN` and `inf` as words; `info` and the like are innocent.
 #[track_caller]
-fn without_nan(name: &str, text: &str) {
+pub(crate) fn without_nan(name: &str, text: &str) {
     let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
     let found = words.find(|w| ["nan", "inf", "infinity"].contains(&w.to_lowercase().as_str()));
     assert_eq!(found, None, "{name}");
@@ -406,7 +406,7 @@ fn without_nan(name: &str, text: &str) {
 
 /// Elements that are opened are closed, in order; enough of HTML for pages made by a program.
 #[track_caller]
-fn is_balanced(name: &str, html: &str) {
+pub(crate) fn is_balanced(name: &str, html: &str) {
     const VOID: [&str; 7] = ["meta", "link", "br", "hr", "img", "input", "col"];
     let mut open: Vec<String> = Vec::new();
     let mut rest = html;
@@ -441,37 +441,47 @@ fn is_balanced(name: &str, html: &str) {
 #[test]
 fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
     let folder = Folder::new();
-    let done = folder.run("demo -o new/results --json").with_code(0);
+    let done = folder.run("demo -o new/results --rays 3e5 --json").with_code(0);
     assert!(done.err.contains("irtual sample") && done.err.contains("No measured data"));
     let answer: Value = serde_json::from_str(&done.out).unwrap();
-    assert_eq!(answer["asperity"], 1);
+    assert_eq!((&answer["asperity"], &answer["truth"]["scale"]), (&1.into(), &1.0.into()));
+    // every method there is, in its order
     let fits = answer["fits"].as_array().unwrap();
-    assert_eq!(fits.len(), 2);
-    // GGX is the truth, normals a model of it
-    let alpha = &fits[0]["parameters"]["alpha"];
-    close(&alpha["value"], 0.2, 5.0 * alpha["std_error"].as_f64().unwrap());
-    let rmsd = |k: usize| fits[k]["rmsd_percent"].as_f64().unwrap();
-    assert!(rmsd(0) < rmsd(1) && rmsd(1) < 5.0, "{} and {}", rmsd(0), rmsd(1));
+    let found: Vec<&str> = fits.iter().map(|f| f["method"].as_str().unwrap()).collect();
+    assert_eq!(found, asperity::method::METHODS);
+    // the map is the truth, the others are models of it
+    let of = |method: &str| fits.iter().find(|f| f["method"] == method).unwrap();
+    close(&of("measured-ray")["parameters"]["scale"]["value"], 1.0, 0.02);
+    let rmsd = |method: &str| of(method)["rmsd_percent"].as_f64().unwrap();
+    for other in ["ggx", "normals", "heights"] {
+        let (ray, other) = (rmsd("measured-ray"), rmsd(other));
+        assert!(ray < other && other < 6.0, "{ray} and {other}");
+    }
 
     assert_eq!(folder.names(), ["new"]);
     let mut names: Vec<_> = std::fs::read_dir(folder.path("new/results")).unwrap().collect();
     assert!(names.iter().all(Result::is_ok));
     names.retain(|n| n.as_ref().is_ok_and(|n| n.file_name().to_string_lossy().starts_with('.')));
     assert!(names.is_empty(), "temporary files are left: {names:?}");
-    for (k, name) in ["ggx", "normals"].iter().enumerate() {
-        assert_eq!(&folder.json(&format!("new/results/{name}.json")), &fits[k]);
-        folder.run(&format!("check new/results/{name}.json --incidence 0")).ok();
+    for fit in fits {
+        let file = format!("new/results/virtual-{}.json", fit["method"].as_str().unwrap());
+        assert_eq!(&folder.json(&file), fit);
+        // also from elsewhere: a map is found beside its model
+        folder.run(&format!("check {file} --incidence 0 --rays 1e4")).ok();
     }
+    let stats = folder.run("stats new/results/map.sdf --form mean --json").json();
+    close(&stats["rq_um"], 0.45, 1e-6);
     let scan = folder.text("new/results/scan.csv");
     assert!(scan.contains("virtual plate") && scan.contains("no measured data"));
     assert_eq!(rows(&scan).len(), 5 * 1801);
-    for name in ["new/results/readings-linear.svg", "new/results/readings-log.svg"] {
-        is_plot(&folder, name);
-        is_balanced(name, &folder.text(name));
+    for name in ["all-linear", "all-log", "sigma0-linear", "sigma60-log"] {
+        let name = format!("new/results/virtual-{name}.svg");
+        is_plot(&folder, &name);
+        is_balanced(&name, &folder.text(&name));
     }
     let html = folder.text("new/results/report.html");
     assert!(html.to_lowercase().starts_with("<!doctype html>"), "{}", &html[..100]);
-    for word in ["<title>", "Virtual sample", "No measured data", "ggx", "normals", "<svg"] {
+    for word in ["<title>", "Virtual sample", "No measured data", "ggx", "measured-ray", "<svg"] {
         assert!(html.contains(word), "{word} is not in the report");
     }
     assert!(!html.contains("src=\"http") && !html.contains("href=\"http"), "nothing from outside");

@@ -6,7 +6,7 @@ use crate::program::Folder;
 fn every_verb_explains_itself_and_names_its_flags() {
     let folder = Folder::new();
     for (verb, flags, lesson) in [
-        ("demo", "--output --json", "known GGX facets"),
+        ("demo", "--output --rays --json", "the truth is known"),
         (
             "model",
             "<METHOD> --set --ior --opaque --law --map --seed --output --json",
@@ -26,6 +26,12 @@ fn every_verb_explains_itself_and_names_its_flags() {
              --rough-side --aperture --columns --quantity --where --delimiter --decimal-comma \
              --skip-missing --sigma-range --theta-range",
             "Examples:\n  asperity fit scan.csv",
+        ),
+        (
+            "compare",
+            "<SCAN>... --map --methods --output --json --objective --rays --fit-rays --seed \
+             --max-evaluations --max-misfit --ior --opaque --aperture --pixel-um --fill --edges --columns",
+            "Table 2",
         ),
         ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
         (

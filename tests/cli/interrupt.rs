@@ -27,10 +27,10 @@ impl Running {
         self.0.as_mut().expect("not ended yet")
     }
 
-    /// Waits until the run has opened its output and listens to the signal.
-    fn wait_until_busy(&mut self, folder: &Folder) {
+    /// Waits until there is a file whose name starts with the sign, and the run listens to the signal.
+    fn wait_until_busy(&mut self, folder: &Folder, sign: &str) {
         let begun = Instant::now();
-        while !(folder.names().iter().any(|n| n.starts_with(".scan.csv.")) && self.listens()) {
+        while !(folder.names().iter().any(|n| n.starts_with(sign)) && self.listens()) {
             let ended = self.child().try_wait().expect("the run can be asked");
             assert!(ended.is_none(), "ended by itself: {ended:?}");
             assert!(begun.elapsed() < LIMIT, "not busy after {LIMIT:?}: {:?}", folder.names());
@@ -67,10 +67,13 @@ impl Running {
     }
 }
 
-fn start(folder: &Folder, line: &str) -> Running {
+/// A scan that is being made.
+const OPENED: &str = ".scan.csv.";
+
+fn start(folder: &Folder, line: &str, sign: &str) -> Running {
     let child = folder.command(line.split_whitespace()).spawn().expect("the program runs");
     let mut run = Running(Some(child));
-    run.wait_until_busy(folder);
+    run.wait_until_busy(folder, sign);
     run
 }
 
@@ -79,7 +82,7 @@ fn a_scan_without_a_finished_incidence_leaves_nothing() {
     let folder = Folder::new();
     folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
     folder.write("scan.csv", "an older scan");
-    let mut run = start(&folder, "scan m.json --rays 1e9 --sigma 0,10 -o scan.csv");
+    let mut run = start(&folder, "scan m.json --rays 1e9 --sigma 0,10 -o scan.csv", OPENED);
     run.interrupt();
     let done = run.end().with_code(1);
     assert!(done.err.starts_with("no: interrupted"), "{}", done.err);
@@ -101,7 +104,7 @@ fn a_scan_keeps_its_finished_incidences() {
     // How long the first incidence takes is not known: wait twice as long each time.
     let mut wait = Duration::from_millis(300);
     let done = loop {
-        let mut run = start(&folder, &line);
+        let mut run = start(&folder, &line, OPENED);
         sleep(wait);
         run.interrupt();
         let done = run.end().with_code(1);
@@ -118,4 +121,24 @@ fn a_scan_keeps_its_finished_incidences() {
     assert!(done.out.starts_with(&format!("{rows} readings")), "{}", &done.out);
     // what was kept is a scan
     folder.run("fit scan.csv --method ggx --max-misfit 1000 --sigma-range 0:0").ok();
+}
+
+#[test]
+fn a_comparison_keeps_its_finished_fits() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    folder.run("scan m.json --sigma 0,30 --step 2 --aperture 2 -o s.csv").ok();
+    let line = "compare s.csv --methods ggx,heights,normals --fit-rays 1e9 -o .";
+    let mut run = start(&folder, line, "s-ggx.json");
+    run.interrupt();
+    let done = run.end().with_code(1);
+    assert!(done.err.contains("no: interrupted; what was finished is written"), "{}", done.err);
+    let results = &folder.json("compare.json")["samples"][0]["results"];
+    assert_eq!((&results[0]["method"], &results[0]["describes"]), (&"ggx".into(), &true.into()));
+    for k in [1, 2] {
+        assert_eq!(results[k]["describes"], false, "{results}");
+        assert!(results[k]["notes"].to_string().contains("interrupted"), "{results}");
+    }
+    assert!(folder.path("s-all-log.png").exists() && folder.path("report.html").exists());
+    assert!(!folder.names().iter().any(|n| n.starts_with('.')), "{:?}", folder.names());
 }

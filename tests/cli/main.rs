@@ -8,6 +8,7 @@
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
 //! | `map_verbs` | light on height maps |
+//! | `compare` | every method side by side |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
@@ -27,7 +28,9 @@ mod refusal;
 mod help;
 mod happy;
 mod maps;
+mod stats_waves;
 mod map_verbs;
+mod compare;
 mod malformed;
 mod map_files;
 mod malformed_maps;

@@ -4,7 +4,7 @@ use crate::program::Folder;
 use crate::refusal::{case, refused};
 
 /// A periodic map of 48 x 40 points of matrix text: waves, heights in um.
-fn waves(height: f64) -> String {
+pub(crate) fn waves(height: f64) -> String {
     let tau = std::f64::consts::TAU;
     let at = |x: i32, y: i32| {
         let (u, v) = (tau * f64::from(x) / 48.0, tau * f64::from(y) / 40.0);
@@ -14,7 +14,8 @@ fn waves(height: f64) -> String {
     (0..40).map(row).collect::<Vec<_>>().join("\n")
 }
 
-const SCAN: &str = "scan --map map.txt --pixel-um 1 --method ray --ior 1.49 --sigma 0,30 --step 1 \
+/// Makes a scan of `map.txt`.
+pub(crate) const SCAN: &str = "scan --map map.txt --pixel-um 1 --method ray --ior 1.49 --sigma 0,30 --step 1 \
                     --aperture 4 --rays 40000 --seed 5 -o scan.csv";
 
 #[test]

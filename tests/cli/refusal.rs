@@ -36,7 +36,7 @@ const OUTPUT: &str = "output";
 pub(crate) const OLDER: &str = "an older result";
 
 /// Words of which a message holds at least one, so that it says what to do.
-const REMEDIES: [&str; 39] = [
+const REMEDIES: [&str; 40] = [
     "a model is",
     "a scan has",
     "add ",
@@ -51,6 +51,7 @@ const REMEDIES: [&str; 39] = [
     "delete",
     "described with",
     "export",
+    "fill them with",
     "give",
     "is missing",
     "it has",

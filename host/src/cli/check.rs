@@ -5,11 +5,11 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::error::Failure;
-use super::print;
 use super::source::parse_rays;
 use super::subject::{Subject, SubjectFlags};
+use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
-use crate::energy::{Energy, balance, reciprocity_error, side_name};
+use crate::energy::{Energy, balances, reciprocity_error, side_name};
 use crate::forward::Rays;
 use crate::surface::Edges;
 
@@ -24,9 +24,10 @@ enum SideFlag {
 
 /// Say where the flux goes: reflected, transmitted and lost fractions, from both sides
 ///
-/// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays.
+/// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays, or with --method wave by summing
+/// the orders of the map; their coherent part is given apart.
 ///
-/// Exit 1 if the model gives more than it receives (R + T > 1 + 1e-4) or a value that is not finite.
+/// Exit 1 if the model gives more than it receives (R + T > 1.0001, of waves 1.01) or a value that is not finite.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -60,10 +61,14 @@ struct Answer {
     reciprocity_error: Vec<Option<f64>>,
     reciprocal: Option<bool>,
     conserves_energy: bool,
+    /// Where the approximation does not hold, for waves.
+    warnings: Vec<String>,
 }
 
 /// Rounding and lattice error of the balance.
 const TOLERANCE: f64 = 1e-4;
+/// What Kirchhoff's approximation may be off by where it holds.
+const OF_WAVES: f64 = 0.01;
 /// Reciprocity up to rounding, far into the tails.
 const RECIPROCAL: f64 = 1e-6;
 
@@ -83,15 +88,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         (None, _) => &[Side::Air, Side::Dielectric],
     };
     let rays = Rays { count: args.rays, seed: args.seed };
-    let mut energy = Vec::new();
-    let mut reciprocity = Vec::new();
-    for &side in sides {
-        for &deg in &args.incidence {
-            energy.push(balance(&boundary, side, deg, rays));
-            reciprocity.push(reciprocity_error(&boundary, side, deg));
-        }
-    }
-    let fine = |e: &Energy| e.lost >= -TOLERANCE && e.lost.is_finite();
+    let beams: Vec<(Side, f64)> =
+        sides.iter().flat_map(|&side| args.incidence.iter().map(move |deg| (side, *deg))).collect();
+    let bar = progress::bar(0, "checking");
+    let energy = balances(&boundary, &beams, rays, interrupt::flag(), &|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let energy = energy.ok_or_else(|| Failure::No("interrupted before the end".into()))?;
+    let reciprocity: Vec<Option<f64>> =
+        beams.iter().map(|&(side, deg)| reciprocity_error(&boundary, side, deg)).collect();
+    let warnings = boundary.warnings(&args.incidence);
+    let tolerance = if matches!(boundary, Boundary::Wave(_)) { OF_WAVES } else { TOLERANCE };
+    let fine = |e: &Energy| e.lost >= -tolerance && e.lost.is_finite();
     let known: Option<Vec<f64>> = reciprocity.iter().copied().collect();
     let finite = known.as_ref().is_none_or(|known| known.iter().all(|e| e.is_finite()));
     let conserves_energy = energy.iter().all(fine) && finite;
@@ -106,11 +116,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             reciprocity_error: reciprocity,
             reciprocal,
             conserves_energy,
+            warnings,
         };
         let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
         print(&(text + "\n"))?;
     } else {
-        print(&human(&method, sides, &energy, &reciprocity, reciprocal))?;
+        let mut text = human(&method, sides, &energy, &reciprocity, reciprocal);
+        for warning in &warnings {
+            text.push_str("warning: ");
+            text.push_str(warning);
+            text.push('\n');
+        }
+        print(&text)?;
     }
     if conserves_energy {
         Ok(())
@@ -136,17 +153,19 @@ fn human(
         let _ = writeln!(text, "light from the {name}");
         let _ = writeln!(
             text,
-            "  incidence    R         T         R + T     lost      reciprocity error"
+            "  incidence    R         T         R + T     lost      coherent R, T        reciprocity error"
         );
         for (e, r) in energy.iter().zip(reciprocity).filter(|(e, _)| e.side == name) {
             let _ = writeln!(
                 text,
-                "  {:6.2} deg   {:.5}   {:.5}   {:.5}   {:+.5}  {}",
+                "  {:6.2} deg   {:.5}   {:.5}   {:.5}   {:+.5}  {:.5}   {:.5}   {}",
                 e.incidence_deg,
                 e.reflected,
                 e.transmitted,
                 e.reflected + e.transmitted,
                 e.lost,
+                e.coherent_reflected,
+                e.coherent_transmitted,
                 r.map_or("-".to_owned(), |r| format!("{r:.1e}"))
             );
         }

@@ -1,148 +1,180 @@
 //! `demo`: the whole job on built-in data.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use asperity_core::gonio::{AngleGrid, Geometry};
 use asperity_core::plate::RoughSide;
 
+use super::comparing::{Sample, Work, make_folder, verdict};
 use super::error::Failure;
-use super::fit::{best, noise_floor};
-use super::fitted::{Job, record};
+use super::fitted::Job;
+use super::light::Light;
 use super::print;
 use super::scan::simulate;
+use super::source::parse_rays;
+use crate::boundary::Boundary;
 use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
-use crate::forward::{Rays, Sample, Setup};
-use crate::measurement::{Metadata, Quantity, write};
-use crate::method::{Choice, GgxMethod, Method, Surface};
-use crate::output::{AtomicFile, write_text};
-use crate::plot::{self, Scale};
+use crate::forward::{self, Rays, Setup};
+use crate::kirchhoff::Wavelengths;
+use crate::measurement::{Measurement, Metadata, Quantity, write};
+use crate::method::{METHODS, Surface};
+use crate::output::AtomicFile;
 use crate::provenance::InputFile;
-use crate::report::{self, Entry};
+use crate::raytrace::{Field, TracedBoundary};
+use crate::surface::io::sdf_text;
+use crate::surface::{GaussianSurface, Preparation, Prepared, Purpose};
 
-/// Do the whole job on built-in data: scan, fits, table, plots, HTML report
+/// Do the whole job on built-in data: map, scan, every method, tables, plots, HTML report
 ///
-/// The scan is made by this program: Monte Carlo through a virtual acrylic plate whose rough face has
-/// known GGX facets, so that the fits can be compared with the truth.
+/// The sample is made by this program: an acrylic plate whose rough face is a random height map with a Gaussian
+/// autocorrelation, and its scan, rays traced through that plate. So the truth is known: `measured-ray`
+/// must find a scale of 1. What is written is what `compare` writes, and the map (map.sdf) and the scan (scan.csv).
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR", default_value = "asperity-demo")]
     output: PathBuf,
+    /// Rays an incidence of the virtual scan; the fits take fewer in proportion. Fewer are faster and noisier
+    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "6e6")]
+    rays: u64,
     /// Print the results as JSON
     #[arg(long)]
     json: bool,
 }
 
-/// The virtual plate.
-const ALPHA: f64 = 0.2;
+/// The virtual surface: smooth beside the wavelength of light, with slopes of 0.12 along x and along y.
+const SURFACE: GaussianSurface = GaussianSurface {
+    size: (512, 512),
+    pitches_um: (0.5, 0.5),
+    rq_um: 0.7,
+    lengths_um: (8.0, 8.0),
+    seed: SEED,
+};
 const IOR: f64 = 1.49;
+const WAVELENGTH_NM: f64 = 550.0;
 const SIGMAS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
-const RAYS: u64 = 3_000_000;
 const SEED: u64 = 20_261_122;
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let folder = &args.output;
-    std::fs::create_dir_all(folder).map_err(|e| {
-        Failure::bad(format!("{}: cannot be made ({e}); choose another folder", folder.display()))
-    })?;
+    make_folder(folder)?;
     let surface = Surface::Dielectric { ior: IOR };
     let eta = surface.eta().map_err(Failure::bad)?;
     let setup = Setup {
-        sample: Sample::Plate { eta, rough_side: RoughSide::Source },
+        sample: forward::Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
         aperture_deg: 0.6,
         quantity: Quantity::Flux,
     };
     let what = format!(
         "Virtual sample, made by this program: an acrylic plate (n = {IOR}), its rough face towards the \
-         source with GGX facets of alpha = {ALPHA}; Monte Carlo, {RAYS} rays an incidence, seed {SEED}, \
-         all internal passes, aperture 0.6 deg, 5 x 1801 angles. No measured data."
+         source with random Gaussian heights, Rq = {} um, correlation length {} um, {} x {} points of {} um \
+         (map.sdf, seed {SEED}). The scan is Monte Carlo on that map: {} rays an incidence, all bounces and \
+         internal passes, aperture 0.6 deg, 5 x 1801 angles. No measured data. The truth is the map itself: \
+         measured-ray must find a scale of 1.",
+        SURFACE.rq_um,
+        SURFACE.lengths_um.0,
+        SURFACE.size.0,
+        SURFACE.size.1,
+        SURFACE.pitches_um.0,
+        args.rays
     );
     eprintln!("{what}");
-    let truth = GgxMethod::new(surface).boundary(&[ALPHA], surface).map_err(Failure::bad)?;
-    let rays = Some(Rays { count: RAYS, seed: SEED });
+    let map = make_map(folder)?;
+    let field = Field::new(&map.map, map.edges).map_err(Failure::bad)?;
+    let truth = Boundary::Traced(TracedBoundary { field: Arc::new(field), eta });
+    let (measurement, input) = make_scan(folder, &truth, &setup, args.rays)?;
+    let job = Job {
+        measurement: &measurement,
+        setup,
+        options: FitOptions {
+            surface,
+            fit_ior: false,
+            fit_gain: false,
+            objective: Objective::Rmsd,
+            max_evaluations: 4000,
+            rays: FitRays {
+                fit: Some((args.rays / 40).max(20_000)),
+                last: Some((args.rays / 2).max(20_000)),
+                ..FitRays::default()
+            },
+        },
+        max_misfit: MISFIT_PERCENT,
+        map: Some(&map),
+        light: Light::of(Wavelengths::single(WAVELENGTH_NM).map_err(Failure::bad)?),
+        input: &input,
+    };
+    let methods = METHODS.map(String::from).to_vec();
+    let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);
+    // This map is exact: no cut-off is looked for.
+    let sample = Sample::new("virtual".into(), title, job, &methods, &|_| false)?;
+    let work = Work {
+        title: "Asperity: demo on a virtual sample".into(),
+        what,
+        methods,
+        samples: vec![sample],
+    };
+    let comparison = work.carry_out(folder)?;
+    if args.json {
+        let attempts = comparison.samples.iter().flat_map(|s| &s.attempts);
+        let fits: Vec<_> = attempts.filter_map(|a| Some(&a.result.as_ref().ok()?.1)).collect();
+        let answer = serde_json::json!({
+            "asperity": 1,
+            "sample": comparison.what,
+            "truth": {
+                "method": "measured-ray",
+                "scale": 1.0,
+                "ior": IOR,
+                "rq_um": SURFACE.rq_um,
+                "correlation_um": SURFACE.lengths_um.0,
+            },
+            "fits": fits,
+        });
+        print(&format!("{answer:#}\n"))?;
+    } else {
+        let folder = folder.display();
+        print(&format!(
+            "{}\nAll data are virtual. Map, scan, models, tables, plots and report.html are in {folder}\n",
+            comparison.text()
+        ))?;
+    }
+    verdict(&comparison)
+}
+
+/// Makes the height map and writes it, then reads it as any other.
+fn make_map(folder: &Path) -> Result<Prepared, Failure> {
+    let path = folder.join("map.sdf");
+    let file = AtomicFile::create(&path)?;
+    let map = SURFACE.map().ok_or_else(|| Failure::bad("the virtual surface has no waves"))?;
+    file.finish(sdf_text(&map, "asperity").as_bytes())?;
+    let prepared = Preparation::default().load(&path, Purpose::Light).map_err(Failure::Bad)?;
+    // The models lie beside it.
+    let input = InputFile { path: "map.sdf".into(), ..prepared.input };
+    Ok(Prepared { input, ..prepared })
+}
+
+/// Traces the scan and writes it.
+fn make_scan(
+    folder: &Path,
+    truth: &Boundary,
+    setup: &Setup,
+    rays: u64,
+) -> Result<(Measurement, InputFile), Failure> {
     let mut meta = Metadata {
-        sample: Some(format!("virtual plate, GGX alpha {ALPHA}")),
+        sample: Some("virtual plate with random Gaussian heights (map.sdf)".into()),
         ior: Some(IOR),
         ..Metadata::default()
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
-    let scan_file = AtomicFile::create(folder.join("scan.csv"))?;
-    let done = simulate(&truth, &setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
+    let file = AtomicFile::create(folder.join("scan.csv"))?;
+    let rays = Some(Rays { count: rays, seed: SEED });
+    let done = simulate(truth, setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
     if done.interrupted {
-        return Err(Failure::No(
-            "interrupted while the scan was traced; nothing was written".into(),
-        ));
+        return Err(Failure::No("interrupted while the scan was traced; no fit was made".into()));
     }
-    let scan = done.measurement;
     let mut bytes = Vec::new();
-    write::write(&scan, &mut bytes).map_err(Failure::bad)?;
-    scan_file.finish(&bytes)?;
-    let input = InputFile::of_bytes("scan.csv", &bytes);
-
-    let options = FitOptions {
-        surface,
-        fit_ior: false,
-        fit_gain: false,
-        objective: Objective::Rmsd,
-        max_evaluations: 4000,
-        rays: FitRays::default(),
-    };
-    let job = Job { measurement: &scan, setup, options, max_misfit: MISFIT_PERCENT };
-    let noise = noise_floor(&scan);
-    let mut entries = Vec::new();
-    let mut models = Vec::new();
-    for (name, laws) in [("ggx", &[None][..]), ("normals", &[Some("gauss"), Some("cauchy")])] {
-        let methods = laws
-            .iter()
-            .map(|law| Choice { law: *law, ..Choice::new(name, surface) }.method())
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(Failure::Bad)?;
-        let (k, entry) = best(&methods, &job)?;
-        let model = record(&*methods[k], &entry, &job, noise, vec![input.clone()], None);
-        write_text(folder.join(format!("{name}.json")), &model.to_json())?;
-        models.push(model);
-        entries.push(entry);
-    }
-    write_report(folder, &what, &scan, &entries, noise)?;
-    if args.json {
-        let answer = serde_json::json!({
-            "asperity": 1,
-            "sample": what,
-            "truth": { "method": "ggx", "alpha": ALPHA, "ior": IOR },
-            "fits": models,
-        });
-        print(&format!("{answer:#}\n"))?;
-    } else {
-        let table = report::table(&entries, noise);
-        print(&format!(
-            "{table}\nRMSD is eq. (18); the truth is GGX with alpha = {ALPHA}.\n\
-             Scan, models, plots and report.html are in {}\n",
-            folder.display()
-        ))?;
-    }
-    match entries.iter().find_map(|e| e.refusal.clone()) {
-        Some(why) => Err(Failure::No(why)),
-        None => Ok(()),
-    }
-}
-
-fn write_report(
-    folder: &Path,
-    what: &str,
-    scan: &crate::measurement::Measurement,
-    entries: &[Entry],
-    noise: Option<f64>,
-) -> Result<(), Failure> {
-    let title = "Virtual plate: measured and fitted";
-    report::write_figures(folder, "readings", title, scan, entries).map_err(Failure::bad)?;
-    let mut plots = Vec::new();
-    for (caption, scale) in
-        [("Readings, linear scale.", Scale::Linear), ("The same, logarithmic.", Scale::LOG)]
-    {
-        let figure = report::figure(title, scan, entries, scale);
-        plots.push((caption.to_owned(), plot::svg(&figure).map_err(Failure::bad)?));
-    }
-    let page = report::page("Asperity: demo", what, entries, noise, &plots);
-    Ok(write_text(folder.join("report.html"), &page)?)
+    write::write(&done.measurement, &mut bytes).map_err(Failure::bad)?;
+    file.finish(&bytes)?;
+    Ok((done.measurement, InputFile::of_bytes("scan.csv", &bytes)))
 }

@@ -1,9 +1,11 @@
 //! A fit as a model file, and as text.
 
+use super::light::Light;
+use crate::boundary::Boundary;
 use crate::fit::{Fit, FitOptions, Objective, Termination};
 use crate::forward::Setup;
-use crate::measurement::Measurement;
-use crate::method::{Method, Surface};
+use crate::measurement::{Measurement, noise};
+use crate::method::{Choice, Method, Surface};
 use crate::model::{IncidenceRecord, MapRecord, Model, Value};
 use crate::provenance::{InputFile, Provenance};
 use crate::report::{self, Entry};
@@ -16,18 +18,26 @@ pub(super) struct Job<'a> {
     pub(super) options: FitOptions,
     /// Largest error of a single incidence that counts as described, %.
     pub(super) max_misfit: f64,
+    /// The measured map of the surface.
+    pub(super) map: Option<&'a Prepared>,
+    /// The light, for methods that send waves.
+    pub(super) light: Light,
+    /// The file of the measurement.
+    pub(super) input: &'a InputFile,
+}
+
+impl Job<'_> {
+    /// Noise of the measurement in terms of eq. (18), %: as its header says, else as its scatter says.
+    pub(super) fn noise_floor(&self) -> Option<f64> {
+        let estimate = || noise::estimate(self.measurement).map(|n| n.floor_percent());
+        self.measurement.meta.noise_floor_percent.or_else(estimate)
+    }
 }
 
 /// The fit as a model file.
-pub(super) fn record(
-    method: &dyn Method,
-    entry: &Entry,
-    job: &Job<'_>,
-    noise: Option<f64>,
-    inputs: Vec<InputFile>,
-    map: Option<&Prepared>,
-) -> Model {
+pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model {
     let fit = &entry.fit;
+    let map = job.map.filter(|_| Choice::needs_map(method.name()));
     let surface = match fit.ior {
         Some(ior) => Surface::Dielectric { ior },
         None => job.options.surface,
@@ -39,7 +49,7 @@ pub(super) fn record(
     let mut model = Model::new(method, surface, values);
     model.rmsd_percent = Some(fit.rmsd_percent);
     model.map = map.map(MapRecord::from);
-    model.noise_floor_percent = noise;
+    model.noise_floor_percent = job.noise_floor();
     model.simulation_noise_percent = fit.simulation_noise_percent;
     model.objective = Some(fit.objective.0.to_string());
     model.objective_value = Some(fit.objective.1);
@@ -56,9 +66,10 @@ pub(super) fn record(
         Some(100.0 * fit.neglected.reading / job.measurement.largest_reading());
     model.validity = entry.refusal.iter().cloned().collect();
     model.validity.extend(warnings(fit));
+    model.validity.extend(entry.warnings.iter().cloned());
     let seed = method.is_traced().then_some(job.options.rays.seed);
     let mut provenance = Provenance::of_this_program(seed);
-    provenance.inputs = inputs;
+    provenance.inputs = std::iter::once(job.input).chain(map.map(|m| &m.input)).cloned().collect();
     provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
     model.provenance = Some(provenance);
     model
@@ -73,7 +84,8 @@ fn warnings(fit: &Fit) -> Vec<String> {
         .collect()
 }
 
-pub(super) fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String {
+/// The fit as text.
+pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
     use std::fmt::Write;
     let fit = &entry.fit;
     let mut text = String::new();
@@ -86,12 +98,13 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String 
     if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
         let _ = writeln!(text, "ior          {ior:.4} (given)");
     }
-    let noise = noise.map_or("unknown".into(), |n| format!("{n:.3} %"));
+    let noise = job.noise_floor().map_or("unknown".into(), |n| format!("{n:.3} %"));
     let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
     if let Some(noise) = fit.simulation_noise_percent {
         let _ = writeln!(
             text,
-            "ray noise    {noise:.3} %  (of the simulated readings, in the same terms)"
+            "{:12} {noise:.3} %  (of the simulated readings, in the same terms)",
+            if matches!(fit.boundary, Boundary::Wave(_)) { "speckle" } else { "ray noise" }
         );
     }
     if fit.objective.0 != Objective::Rmsd {
@@ -119,7 +132,7 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>, noise: Option<f64>) -> String 
         fit.evaluations,
         fit.seconds
     );
-    for warning in warnings(fit) {
+    for warning in warnings(fit).iter().chain(&entry.warnings) {
         let _ = writeln!(text, "warning: {warning}");
     }
     text

@@ -11,15 +11,20 @@ mod interrupt;
 mod progress;
 mod source;
 mod map;
+mod light;
+mod validity;
 mod subject;
 mod check;
 mod completions;
-mod demo;
 mod eval;
 mod fitted;
-mod fit;
+mod trial;
 mod model;
+mod fit;
+mod comparing;
+mod compare;
 mod scan;
+mod demo;
 mod stats;
 
 use std::ffi::OsString;
@@ -45,6 +50,7 @@ const EXAMPLES: &str = "\
 Examples:
   asperity demo                                        the whole job on built-in data
   asperity fit scan.csv --method ggx --ior 1.49        a model from a measurement
+  asperity compare scan.csv --map map.x3p -o results   every method, table, plots, report
   asperity model ggx --set alpha=0.2 --ior 1.49 -o m.json
   asperity scan m.json --sigma 0,30,60 -o virtual.csv  what a goniophotometer would read
   asperity check m.json                                where the flux goes, from both sides
@@ -59,6 +65,7 @@ enum Verb {
     Model(model::Args),
     Scan(scan::Args),
     Fit(fit::Args),
+    Compare(compare::Args),
     Eval(eval::Args),
     Check(check::Args),
     Stats(stats::Args),
@@ -81,6 +88,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Model(a) => model::run(&a),
         Verb::Scan(a) => scan::run(&a),
         Verb::Fit(a) => fit::run(&a),
+        Verb::Compare(a) => compare::run(&a),
         Verb::Eval(a) => eval::run(&a),
         Verb::Check(a) => check::run(&a),
         Verb::Stats(a) => stats::run(&a),

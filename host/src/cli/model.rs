@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use super::light::LightFlags;
 use super::map::MapFlags;
 use super::print;
+use crate::kirchhoff::Speckle;
 use crate::method::{Choice, Surface};
 use crate::model::{MapRecord, Model, Value};
 use crate::output::write_text;
@@ -36,13 +38,14 @@ impl LawFlag {
 ///   ggx      alpha (width, 1e-6 to 100); with --opaque also gain and lambert (1/sr)
 ///   normals  delta (deg), n (exponent, 0.1 to 100), theta0 (deg, optional); --law gauss or cauchy
 ///   heights  delta (steps of the grid), optional n, h_max, z0 (steps); --law gauss or cauchy, --seed
-///   measured-ray  scale, cutoff_um (optional); --map FILE
+///   measured-ray   scale, cutoff_um (optional); --map FILE
+///   measured-wave  the same, and --wavelength-nm NM
 ///
 /// Example: asperity model normals --set delta=6.9 n=1.66 --law gauss --ior 1.49 -o m.json
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx, normals, heights or measured-ray
+    /// Method: ggx, normals, heights, measured-ray or measured-wave
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
@@ -56,12 +59,14 @@ pub(super) struct Args {
     /// Shape of the law of `normals` and `heights`
     #[arg(long, value_enum)]
     law: Option<LawFlag>,
-    /// Height map of `measured-ray`
+    /// Height map of `measured-ray` and `measured-wave`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Seed of the heights of `heights`
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    light: LightFlags,
     #[command(flatten)]
     map_flags: MapFlags,
     /// File to write; stdout without it
@@ -91,7 +96,21 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => Some(args.map_flags.load_for_light(path)?),
         None => None,
     };
+    if args.light.are_given() && !Choice::is_wave(&args.method) {
+        return Err(Failure::bad(format!(
+            "method {} sends no waves; leave --wavelength-nm, --speckle and --shadowing out",
+            args.method
+        )));
+    }
+    let wave = match (&map, Choice::is_wave(&args.method)) {
+        (Some(m), true) => {
+            let light = args.light.light(None)?;
+            Some(light.variant((&m.map, m.edges), Speckle::Averaged).map_err(Failure::Bad)?)
+        }
+        _ => None,
+    };
     let choice = Choice {
+        wave: wave.as_ref(),
         law: args.law.map(LawFlag::word),
         asked: &|wanted| pairs.iter().any(|(name, _)| name == wanted),
         map: map.as_ref().map(|m| (&m.map, m.edges)),

@@ -14,8 +14,9 @@ use super::subject::{Subject, SubjectFlags};
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
 use crate::forward::{
-    Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan,
+    Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan, wave,
 };
+use crate::kirchhoff::WaveBoundary;
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::output::AtomicFile;
 use crate::surface::{Edges, Form};
@@ -24,7 +25,8 @@ use crate::surface::{Edges, Form};
 ///
 /// Without --rays by quadrature, free of noise; with it by Monte Carlo, and the noise floor is written
 /// into the header. The plate has one rough and one smooth face; all internal passes are followed. A height
-/// map (--map FILE --ior N) and the models made of one are traced ray by ray, all bounces included.
+/// map (--map FILE --ior N) and the models made of one are traced ray by ray, all bounces included, or with
+/// --method wave --wavelength-nm NM scatter waves: the orders of this very map, all within the detector's cone.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -147,6 +149,16 @@ fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
     if (args.rays.is_some() || traced) && args.aperture <= 0.0 {
         return Err(Failure::bad("rays need a detector to fall into; give --aperture above 0"));
     }
+    if matches!(boundary, Boundary::Wave(_)) {
+        if args.rays.is_some() {
+            return Err(Failure::bad("waves are summed, not traced; leave --rays out"));
+        }
+        if args.aperture <= 0.0 {
+            return Err(Failure::bad(
+                "coherent light needs a detector to fall into; give --aperture above 0",
+            ));
+        }
+    }
     Ok(Setup { sample, geometry, aperture_deg: args.aperture, quantity })
 }
 
@@ -190,8 +202,21 @@ pub(super) fn simulate(
         None => {
             let plan = Plan::product(sigmas_deg, &angles);
             let (no_rays, stop) = (Rays { count: 1, seed: 0 }, interrupt::flag());
-            let done = simulate_plan(boundary, setup, &plan, Effort::Full, no_rays, stop)
-                .ok_or_else(|| Failure::No("interrupted".into()))?;
+            let done = if let Boundary::Wave(waves) = boundary {
+                let bar = progress::bar(0, "transforming");
+                let done = wave(waves, setup, &plan, Effort::Full, stop, &|done, all| {
+                    bar.set_length(all as u64);
+                    bar.set_position(done as u64);
+                });
+                bar.finish_and_clear();
+                done
+            } else {
+                simulate_plan(boundary, setup, &plan, Effort::Full, no_rays, stop)
+            };
+            let done = done.ok_or_else(|| Failure::No("interrupted".into()))?;
+            if let (Boundary::Wave(waves), Some(errors)) = (boundary, &done.std_errors) {
+                describe_waves(waves, errors, &done.values, &mut meta)?;
+            }
             neglected = Some(done.neglected.flux);
             for (k, &sigma) in sigmas_deg.iter().enumerate() {
                 let values = &done.values[k * angles.len()..(k + 1) * angles.len()];
@@ -224,6 +249,7 @@ pub(super) fn simulate(
         return Err(Failure::No("interrupted before the first incidence was done".into()));
     }
     let how = match rays {
+        None if matches!(boundary, Boundary::Wave(_)) => "Kirchhoff".to_owned(),
         None => "quadrature".to_owned(),
         Some(_) => format!("Monte Carlo, {traced} rays an incidence"),
     };
@@ -245,6 +271,30 @@ pub(super) fn simulate(
     let measurement = Measurement::new(meta, readings)
         .map_err(|e| Failure::bad(format!("the model gives no usable scan: {e}")))?;
     Ok(Virtual { measurement, outcomes, neglected, interrupted })
+}
+
+/// Says in the header what light a wave scan has, and how much of its readings is speckle.
+fn describe_waves(
+    waves: &WaveBoundary,
+    errors: &[f64],
+    values: &[f64],
+    meta: &mut Metadata,
+) -> Result<(), Failure> {
+    let mut list = waves.wavelengths().iter();
+    match (list.next(), list.next()) {
+        (Some((um, _)), None) => meta.wavelength_nm = Some(1e3 * um),
+        _ => {
+            meta.set("wavelengths_nm", &waves.wavelengths().to_string()).map_err(Failure::bad)?;
+        }
+    }
+    meta.set("speckle", waves.speckle().name()).map_err(Failure::bad)?;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    if largest > 0.0 {
+        let mean = errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64;
+        let percent = format!("{:.4}", 100.0 * mean.sqrt() / largest);
+        meta.set("speckle_percent", &percent).map_err(Failure::bad)?;
+    }
+    Ok(())
 }
 
 fn summary(done: &Virtual, json: bool) -> String {

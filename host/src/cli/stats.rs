@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::error::Failure;
 use super::map::MapFlags;
 use super::print;
+use super::validity::{KirchhoffFlags, Verdict};
 use crate::report::{MapFigureFiles, MapFigures};
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
@@ -15,10 +16,14 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 /// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Figures are those of the paper's eqs 12-17,
 /// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e. The anisotropy is 0
 /// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
-/// A periodic map is taken with its tilt there, and in the spectrum: to subtract it would tear the borders open.
+/// A periodic map is taken with its tilt there, in the spectrum and for waves: to subtract it would tear the borders open.
+///
+/// With --ior and --wavelength-nm it also says where waves on this map may be trusted: the conditions of the
+/// paper's eqs 9-11 for light from both sides, and whether the pixel is small enough; failures as warnings.
 ///
 /// Examples:
 ///   asperity stats map.x3p
+///   asperity stats map.x3p --ior 1.49 --wavelength-nm 550
 ///   asperity stats map.x3p --fill harmonic --crop 0:512,0:512 --plot surface
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -27,6 +32,8 @@ pub(super) struct Args {
     map: PathBuf,
     #[command(flatten)]
     flags: MapFlags,
+    #[command(flatten)]
+    kirchhoff: KirchhoffFlags,
     /// Write plots of heights, their histogram and spectrum: STEM-map, STEM-histogram, STEM-spectrum, each .svg and .png
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
@@ -42,9 +49,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             stem.display()
         )));
     }
+    let question = args.kirchhoff.question()?;
     let files = args.plot.as_deref().map(MapFigureFiles::create).transpose()?;
     let loaded = args.flags.load(&args.map, Purpose::Figures)?;
     let map = &loaded.map;
+    if question.is_some() {
+        let of_file = |e| Failure::bad(format!("{}: {e}", args.map.display()));
+        map.need_complete().map_err(of_file)?;
+    }
     if map.points().nth(1).is_none() {
         return Err(Failure::bad(format!(
             "{}: one point with a height has no roughness; check the file",
@@ -60,6 +72,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
+    let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
     let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
     if let Some(files) = files {
@@ -93,13 +106,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             answer.insert("anisotropy_chance".into(), anisotropy.map(|a| a.chance).into());
             answer.insert("directional".into(), anisotropy.map(|a| a.is_directional()).into());
             answer.insert("lay_deg".into(), anisotropy.map(|a| a.lay_deg).into());
+            let kirchhoff = verdict.as_ref().map(Verdict::json).transpose()?;
+            answer.insert("kirchhoff".into(), kirchhoff.into());
             answer.insert("edges".into(), loaded.edges.name().into());
             let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
             answer.insert("input".into(), input);
         }
         print(&format!("{answer:#}\n"))
     } else {
-        print(&human(&loaded, &figures, anisotropy))
+        let waves = verdict.as_ref().map(Verdict::human).unwrap_or_default();
+        print(&format!("{}{waves}", human(&loaded, &figures, anisotropy)))
     }
 }
 

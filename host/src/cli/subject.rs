@@ -6,8 +6,10 @@ use std::sync::Arc;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use super::light::LightFlags;
 use super::map::MapFlags;
 use crate::boundary::Boundary;
+use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::method::Surface;
 use crate::model::Model;
 use crate::raytrace::{Field, TracedBoundary};
@@ -18,6 +20,8 @@ use crate::surface::Preparation;
 enum EngineFlag {
     /// Rays: refraction and reflection at every facet, all bounces
     Ray,
+    /// Waves: Kirchhoff's integral; needs --wavelength-nm
+    Wave,
 }
 
 /// A model file, or a height map with its refractive index.
@@ -35,6 +39,8 @@ pub(super) struct SubjectFlags {
     /// Refractive index of the material under the map over that of air
     #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true)]
     ior: Option<f64>,
+    #[command(flatten)]
+    light: LightFlags,
     #[command(flatten)]
     map_flags: MapFlags,
 }
@@ -59,18 +65,40 @@ impl SubjectFlags {
             let (model, boundary, _) = Model::read(path)?;
             let (method, ior) = (model.method, model.ior);
             let map = model.map.map(|map| map.preparation);
+            if self.light.are_given() {
+                return Err(Failure::bad(
+                    "--wavelength-nm, --speckle and --shadowing belong to a map; a model has its own",
+                ));
+            }
             return Ok(Subject { boundary, method, ior, path: path.clone(), map });
         }
         let (Some(path), Some(ior)) = (&self.map, self.ior) else {
             return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
         };
         let eta = Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
+        if self.method == EngineFlag::Ray && self.light.are_given() {
+            return Err(Failure::bad(
+                "--wavelength-nm, --speckle and --shadowing belong to --method wave; leave them out",
+            ));
+        }
         let prepared = self.map_flags.load_for_light(path)?;
-        let field = Field::new(&prepared.map, prepared.edges)
-            .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+        let of_file = |e: &dyn std::fmt::Display| Failure::bad(format!("{}: {e}", path.display()));
+        let (boundary, method) = match self.method {
+            EngineFlag::Ray => {
+                let field = Field::new(&prepared.map, prepared.edges).map_err(|e| of_file(&e))?;
+                (Boundary::Traced(TracedBoundary { field: Arc::new(field), eta }), "ray")
+            }
+            EngineFlag::Wave => {
+                let (map, edges) = (&prepared.map, prepared.edges);
+                let light = self.light.light(None)?;
+                let options = light.variant((map, edges), Speckle::Kept).map_err(Failure::Bad)?;
+                let wave = WaveBoundary::of_map(map, edges, eta, &options);
+                (Boundary::Wave(Box::new(wave.map_err(|e| of_file(&e))?)), "wave")
+            }
+        };
         Ok(Subject {
-            boundary: Boundary::Traced(TracedBoundary { field: Arc::new(field), eta }),
-            method: "ray".into(),
+            boundary,
+            method: method.into(),
             ior: Some(ior),
             path: path.clone(),
             map: Some(prepared.preparation),

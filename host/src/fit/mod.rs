@@ -200,8 +200,14 @@ pub fn fit(
     let mut search = Search::new(stop, progress, options.max_evaluations);
 
     // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
-    let (draft_tolerance, tolerance) =
-        if problem.is_traced() { (2e-2, 5e-3) } else { (1e-3, 5e-6) };
+    let (draft_tolerance, tolerance) = if problem.is_traced() {
+        (2e-2, 5e-3)
+    } else if method.wave().is_some() {
+        // seconds an evaluation, and maps are not known better
+        (2e-2, 1e-3)
+    } else {
+        (1e-3, 5e-6)
+    };
     let draft = problem.thinned();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for (cost, start) in search.best_starts(&draft, MOST_STARTS) {
@@ -263,6 +269,20 @@ pub fn fit(
         seconds: begun.elapsed().as_secs_f64(),
         termination,
     })
+}
+
+/// The objective of a method with given values, without a fit; `None` if they make no boundary, or if stopped.
+pub fn cost_at(
+    method: &dyn Method,
+    measurement: &Measurement,
+    setup: &Setup,
+    options: &FitOptions,
+    values: &[f64],
+    stop: &AtomicBool,
+) -> Option<f64> {
+    let problem = Problem::new(method, measurement, setup, options, stop);
+    let readings = problem.simulate(values, Effort::Full).ok()??;
+    Some(problem.cost_of(&readings.values))
 }
 
 /// Noise of simulated readings in terms of eq. (18), %.

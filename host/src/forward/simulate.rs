@@ -20,7 +20,7 @@ pub fn simulate(
     stop: &AtomicBool,
 ) -> Option<Readings> {
     if let Boundary::Wave(b) = boundary {
-        return wave(b, setup, plan, effort, stop);
+        return wave(b, setup, plan, effort, stop, &|_, _| ());
     }
     with_boundary!(boundary,
     b => Some(quadrature(b, setup, plan, effort)),

@@ -18,17 +18,18 @@ use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature, solid_
 use crate::kirchhoff::{Beam, BeamOrders, Speckle, WaveBoundary, orders};
 use crate::measurement::Quantity;
 
-/// Simulates a scan; `None` if `stop` was set before the end.
+/// Simulates a scan; `None` if `stop` was set before the end. `progress(done, all)` counts transforms.
 pub fn wave(
     boundary: &WaveBoundary,
     setup: &Setup,
     plan: &Plan,
     effort: Effort,
     stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Option<Readings> {
     match boundary.speckle() {
         Speckle::Averaged => Some(averaged(boundary, setup, plan, effort)),
-        Speckle::Kept => kept(boundary, setup, plan, effort, stop),
+        Speckle::Kept => kept(boundary, setup, plan, effort, stop, progress),
     }
 }
 
@@ -54,6 +55,7 @@ fn kept(
     plan: &Plan,
     effort: Effort,
     stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Option<Readings> {
     let mut readings = match effort {
         Effort::Draft => Readings {
@@ -66,7 +68,7 @@ fn kept(
     let all: Vec<Beams<'_>> =
         plan.incidences.iter().map(|angles| Beams::new(boundary, setup, angles)).collect();
     let beams: Vec<Beam> = all.iter().flat_map(Beams::first).collect();
-    let found = orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, &|_, _| ());
+    let found = orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, progress);
     // the map of a boundary is complete
     let found = found.ok().flatten()?;
     let wavelengths: Vec<f64> = boundary.wavelengths().iter().map(|w| w.1).collect();
@@ -132,7 +134,12 @@ impl<'a> Beams<'a> {
         let (s, c) = theta_deg.to_radians().sin_cos();
         let z = if self.setup.geometry == Geometry::Transmission { -c } else { c };
         let towards = look(self.setup, Direction::from_unit(s, 0.0, z)).map(|v| v.towards);
-        towards.map_or(0.0, |wo| self.boundary.speckle_error(self.entry.w, wo))
+        let n = self.boundary.eta().get();
+        let outside = self.setup.aperture_deg.to_radians() * c;
+        towards.map_or(0.0, |wo| {
+            let sines = if wo.z() > 0.0 { outside } else { outside / n };
+            self.boundary.speckle_error(self.entry.w, wo, sines)
+        })
     }
 
     /// Adds the coherent beams, which leave in the direction of the undeviated or the mirrored beam.

@@ -10,8 +10,9 @@ use asperity_core::quantity::RelativeIor;
 use super::mean::{Density, MeanSpectra};
 use super::optics::{Beam, Optics};
 use super::shadowing::Shadowing;
+use super::validity::{Validity, ValidityError};
 use super::wavelengths::Wavelengths;
-use crate::surface::{Edges, HeightMap};
+use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
 
 /// Whether readings are those of this very map, or of a larger piece of the same surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -21,6 +22,30 @@ pub enum Speckle {
     Averaged,
     /// This very map, its speckle smoothed by the detector's cone and the wavelengths alone.
     Kept,
+}
+
+/// How waves are sent on a map.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WaveOptions {
+    /// The light, vacuum wavelengths in nm with weights.
+    #[serde(rename = "wavelengths_nm")]
+    pub wavelengths: Wavelengths,
+    /// What readings are of.
+    pub speckle: Speckle,
+    /// Smith's shadowing and masking on the stationary facet: what Kirchhoff's integral leaves out.
+    #[serde(default)]
+    pub shadowing: bool,
+}
+
+impl Speckle {
+    /// `averaged` or `kept`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Averaged => "averaged",
+            Self::Kept => "kept",
+        }
+    }
 }
 
 /// Fluxes of the light that stays coherent, as fractions of the incident flux.
@@ -51,7 +76,7 @@ pub struct WaveBoundary {
 }
 
 /// `|q_z|` down to this share of the wave number is tabulated; below, D grows with its square.
-const LEAST: f64 = 0.03;
+const LEAST: f64 = 0.08;
 
 impl WaveBoundary {
     /// From the spectra of a map; `map` is the same with its heights times `scale`.
@@ -60,20 +85,35 @@ impl WaveBoundary {
         edges: Edges,
         (spectra, scale): (Arc<MeanSpectra>, f64),
         eta: RelativeIor<f64>,
-        wavelengths: Wavelengths,
-        speckle: Speckle,
+        options: &WaveOptions,
     ) -> Self {
+        let WaveOptions { wavelengths, speckle, shadowing } = options.clone();
         let wave = |um: f64| std::f64::consts::TAU / um * scale.abs();
         let low = LEAST * wave(wavelengths.longest_um());
         let high = 2.0 * eta.get().max(1.0) * wave(wavelengths.shortest_um());
         let density = spectra.density(low, high);
-        Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing: None }
+        let shadowing = shadowing.then(|| Shadowing::of(&map, edges));
+        Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing }
     }
 
-    /// With Smith's shadowing and masking on the stationary facet, or without.
-    pub fn with_shadowing(mut self, shadowing: bool) -> Self {
-        self.shadowing = shadowing.then(|| Shadowing::of(&self.map, self.edges));
-        self
+    /// A map as it is.
+    ///
+    /// # Errors
+    /// [`Incomplete`] if points are missing.
+    pub fn of_map(
+        map: &HeightMap,
+        edges: Edges,
+        eta: RelativeIor<f64>,
+        options: &WaveOptions,
+    ) -> Result<Self, Incomplete> {
+        let spectra = Arc::new(MeanSpectra::new(map, edges)?);
+        Ok(Self::new(Arc::new(map.clone()), edges, (spectra, 1.0), eta, options))
+    }
+
+    /// All directions of a surface alike: its far field may be averaged over azimuths.
+    pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
+        let spectrum = Spectrum::of(map, edges).ok();
+        !spectrum.and_then(|s| s.anisotropy()).is_some_and(|a| a.is_directional())
     }
 
     /// The map as it scatters.
@@ -101,6 +141,14 @@ impl WaveBoundary {
         self.speckle
     }
 
+    /// Where the approximation holds, for light of these incidences.
+    ///
+    /// # Errors
+    /// Angles that are none of incidence.
+    pub fn validity(&self, incidences_deg: &[f64]) -> Result<Validity, ValidityError> {
+        Validity::of(&self.map, self.edges, self.eta, &self.wavelengths, incidences_deg)
+    }
+
     /// Smith's factor for a pair, 1 without shadowing.
     pub(crate) fn unshadowed(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         self.shadowing.map_or(1.0, |s| s.factor(wi, wo))
@@ -120,10 +168,7 @@ impl WaveBoundary {
     /// The same for one wavelength.
     pub fn coherent_at(&self, wi: Direction<f64>, wavelength_um: f64) -> CoherentFlux {
         let part = |lobe| self.specular(&Beam { wi, lobe, wavelength_um });
-        CoherentFlux {
-            reflected: part(Lobe::Reflection),
-            transmitted: part(Lobe::Transmission),
-        }
+        CoherentFlux { reflected: part(Lobe::Reflection), transmitted: part(Lobe::Transmission) }
     }
 
     /// Coherent flux of a beam.
@@ -156,8 +201,9 @@ impl WaveBoundary {
         n * n * d * factor * self.unshadowed(wi, wo)
     }
 
-    /// Relative standard error of the diffuse light of a pair by what the mean leaves of the speckle.
-    pub fn speckle_error(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+    /// Relative standard error of the diffuse light of a pair by what the mean leaves of the speckle, for a
+    /// detector that sees the tangential part of `wo` over a width of `sines`.
+    pub fn speckle_error(&self, wi: Direction<f64>, wo: Direction<f64>, sines: f64) -> f64 {
         let wavelength_um = self.wavelengths.mean_um();
         let beam = Beam { wi, lobe: lobe_of(wi, wo), wavelength_um };
         let Some(optics) = Optics::new(self.eta, &beam) else { return 0.0 };
@@ -165,7 +211,8 @@ impl WaveBoundary {
         let [qx, qy] = optics.momentum([x, y]);
         let q_z = optics.k * optics.height(z.abs());
         if q_z > 0.0 {
-            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs())
+            let width = sines * optics.k * optics.n_o;
+            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs(), width)
         } else {
             0.0
         }
@@ -261,7 +308,8 @@ impl Aim {
         let specular = optics.specular();
         let middle = || optics.heights().map_or(1.0, |(a, b)| optics.k * 0.5 * (a + b));
         let q_z = specular.map_or_else(middle, |(_, q_z)| q_z);
-        let share = if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
+        let share =
+            if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
         let coherent = if share < 1e-6 { 0.0 } else { share.min(1.0 - 1e-6) };
         Self { q_z: q_z * boundary.scale.abs(), coherent }
     }

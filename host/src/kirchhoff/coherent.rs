@@ -4,9 +4,9 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
 /// Bins of the histogram of heights.
-const BINS: usize = 1 << 14;
+const BINS: usize = 1 << 13;
 /// Values of `q_z` for each that the range of heights needs.
-const PADDING: usize = 8;
+const PADDING: usize = 32;
 
 /// The characteristic function of heights, at any `q_z`.
 #[derive(Clone, Debug)]
@@ -49,13 +49,14 @@ impl Coherent {
     pub(super) fn intensity(&self, q_z: f64) -> f64 {
         let x = q_z.abs() / self.step;
         let last = self.field.len() - 3;
-        let k = (x as usize).clamp(1, last);
+        let k = (x as usize).min(last);
         let t = x - k as f64;
         if t > 2.0 {
             // beyond one wave a bin: no light to speak of
             return 0.0;
         }
-        let [a, b, c, d] = [0, 1, 2, 3].map(|n| self.field[k - 1 + n]);
+        let before = if k == 0 { self.field[1].conj() } else { self.field[k - 1] };
+        let [a, b, c, d] = [before, self.field[k], self.field[k + 1], self.field[k + 2]];
         let (p, q, r) = (t + 1.0, t - 1.0, t - 2.0);
         let field = a * (-t * q * r / 6.0) + b * (p * q * r / 2.0) - c * (p * t * r / 2.0)
             + d * (p * t * q / 6.0);
@@ -80,7 +81,8 @@ mod tests {
             .collect();
         let found = Coherent::new(&heights);
         for q_z in [0.0, 1e-9, 0.1, 1.0, 3.7, 11.4, 22.8, -22.8, 51.0] {
-            let sum: Complex<f64> = heights.iter().map(|h| Complex::from_polar(1.0, -q_z * h)).sum();
+            let sum: Complex<f64> =
+                heights.iter().map(|h| Complex::from_polar(1.0, -q_z * h)).sum();
             let exact = (sum / heights.len() as f64).norm_sqr();
             let error = (found.intensity(q_z) - exact).abs();
             assert!(error < 2e-5, "{q_z} {exact} {error}");

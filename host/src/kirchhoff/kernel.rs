@@ -14,7 +14,7 @@ const OVERSAMPLING: f64 = 1.5;
 /// Entries of the table for a plane's distance.
 const STEPS: usize = 1024;
 /// Entries of the table of weights.
-const HEIGHTS: usize = 4096;
+const HEIGHTS: usize = 1024;
 
 /// The kernel of planes `distance` apart, for heights of `+-reach_um`.
 #[derive(Clone, Debug)]
@@ -57,22 +57,18 @@ impl Kernel {
     pub(super) fn weights(&self, heights_um: &[f64], reach_um: f64) -> Vec<f32> {
         let step = reach_um.max(1e-9) / HEIGHTS as f64;
         let half = 0.5 * WIDTH as f64;
-        let rule = gauss_legendre::<48>().map(|(t, w)| (half * t, w * bump(half * t)));
-        let table: Vec<f64> =
-            (0..HEIGHTS + 2).map(|k| self.weight(&rule, k as f64 * step)).collect();
+        let rule = gauss_legendre::<48>().map(|(t, w)| (half * t, 2.0 * half * w * bump(half * t)));
+        let weight = |k: usize| {
+            let a = k as f64 * step * self.distance;
+            1.0 / rule.iter().map(|(x, w)| w * (a * x).cos()).sum::<f64>()
+        };
+        let table: Vec<f64> = (0..HEIGHTS + 2).map(weight).collect();
         let one = |h: &f64| {
             let x = (h.abs() / step).min(HEIGHTS as f64);
             let k = x as usize;
             (table[k] + (x - k as f64) * (table[k + 1] - table[k])) as f32
         };
         heights_um.iter().map(one).collect()
-    }
-
-    /// For the nodes of half the bump, and its values there with the weights of the rule.
-    fn weight(&self, rule: &[(f64, f64)], height_um: f64) -> f64 {
-        let a = height_um * self.distance;
-        let integral: f64 = rule.iter().map(|&(x, bump)| bump * (a * x).cos()).sum();
-        1.0 / (WIDTH as f64 * integral)
     }
 }
 

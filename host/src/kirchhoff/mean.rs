@@ -3,7 +3,7 @@
 //! A map is one sample of a surface, and its far field is speckle. What a larger piece of the same surface scatters is
 //! the mean over rings of constant `|q_xy|`, of which there are 2 pi |q| / step orders. It depends on the
 //! wavelength, the incidence and the vertical scale of the heights by `q_xy` and `q_z` alone, so one table serves
-//! them all: a transform for each of a few `q_z`, a tenth apart in logarithm, and cubic
+//! them all: a transform for each of a few `q_z`, 0.15 apart in logarithm, and cubic
 //! interpolation of ln D between them. What is left of the speckle is known from the spread on each ring.
 
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use super::screen::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
 /// Steps of ln `q_z`.
-const STEP: f64 = 0.1;
+const STEP: f64 = 0.15;
 /// Growth of the rings' width with their radius.
 const GROWTH: f64 = 0.04;
 /// Orders that are summed together.
@@ -41,7 +41,9 @@ pub struct MeanSpectra {
 
 impl std::fmt::Debug for MeanSpectra {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("MeanSpectra").field("rings", &self.rings.radii.len()).finish_non_exhaustive()
+        f.debug_struct("MeanSpectra")
+            .field("rings", &self.rings.radii.len())
+            .finish_non_exhaustive()
     }
 }
 
@@ -58,8 +60,8 @@ struct Rings {
     cell: f64,
     /// Its side, 1/um.
     base: f64,
-    /// Orders that are as good as one independent one.
-    correlated: f64,
+    /// Whether the field was weighted by a window, which makes neighbouring orders alike.
+    windowed: bool,
 }
 
 /// The mean density at one `q_z`.
@@ -165,9 +167,8 @@ impl Rings {
         let cell = step[0] * step[1];
         let base = cell.sqrt();
         let signed = |k: usize, n: usize| if 2 * k < n { k as f64 } else { k as f64 - n as f64 };
-        let radius = |at: usize| {
-            (signed(at / ny, nx) * step[0]).hypot(signed(at % ny, ny) * step[1])
-        };
+        let radius =
+            |at: usize| (signed(at / ny, nx) * step[0]).hypot(signed(at % ny, ny) * step[1]);
         let of_order: Vec<u16> = (0..nx * ny)
             .into_par_iter()
             .map(|at| if at == 0 { 0 } else { place(radius(at) / base).round().max(1.0) as u16 })
@@ -180,12 +181,11 @@ impl Rings {
         }
         for k in 1..=last {
             // a ring that no order falls into takes its place between the others
-            radii[k] = if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
+            radii[k] =
+                if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
             radii[k] = radii[k].max(radii[k - 1] + 1e-9 * base);
         }
-        // the field at small q_z is real, so that q and -q are alike; the window makes neighbours alike
-        let correlated = if periodic { 2.0 } else { 4.5 };
-        Self { of_order, radii, counts, cell, base, correlated }
+        Self { of_order, radii, counts, cell, base, windowed: !periodic }
     }
 
     /// Means over rings of the squares of coefficients, scaled so that all of them hold `total`.
@@ -223,6 +223,9 @@ impl Rings {
             speckle: Vec::with_capacity(n),
             cumulated: Vec::with_capacity(n),
         };
+        // orders that are as good as one: weak phases make a real field, q and -q alike; Hann's window 1.5 squared
+        let correlated =
+            if total < 0.9 { 2.0 } else { 1.0 } * if self.windowed { 2.25 } else { 1.0 };
         let mut below = 0.0;
         for ([sum, squares], &count) in sums.iter().zip(&self.counts) {
             let count = f64::from(count.max(1));
@@ -231,7 +234,7 @@ impl Rings {
             let relative = if mean > 0.0 { variance.sqrt() / mean } else { 0.0 };
             below += sum * unit * self.cell;
             node.ln_density.push((mean * unit).max(DARK.exp()).ln());
-            node.speckle.push((relative * (self.correlated / count).sqrt().min(1.0)) as f32);
+            node.speckle.push((relative * (correlated / count).sqrt().min(1.0)) as f32);
             node.cumulated.push(below);
         }
         // the centre itself is the coherent light's: the density there is that about it
@@ -302,11 +305,13 @@ impl Density {
         (ln + spot.ln_below).exp()
     }
 
-    /// Relative standard error of `D` by what is left of the speckle.
-    pub(super) fn speckle(&self, q: f64, q_z: f64) -> f64 {
+    /// Relative standard error of `D`, averaged over `width` in `|q_xy|`, by what is left of the speckle.
+    pub(super) fn speckle(&self, q: f64, q_z: f64, width: f64) -> f64 {
         let Some(spot) = self.spot(q, q_z) else { return 0.0 };
         let node = &self.nodes[spot.node];
-        f64::from(node.speckle[spot.ring].max(node.speckle[spot.ring + 1]))
+        let one = f64::from(node.speckle[spot.ring].max(node.speckle[spot.ring + 1]));
+        let ring = self.base * (1.0 + GROWTH * q / self.base);
+        one / (width / ring).max(1.0).sqrt()
     }
 
     /// Root mean square of one component of `q_xy` about a `q_z`, 1/um.

@@ -28,7 +28,9 @@ pub enum WavelengthsError {
     )]
     Range(f64),
     /// A weight that is not positive, or vanishes beside the others.
-    #[error("the weight {weight} of {nm} nm is no positive number, or vanishes beside the others")]
+    #[error(
+        "the weight {weight} of {nm} nm is no positive number, or vanishes beside the others; give positive weights"
+    )]
     Weight {
         /// The wavelength, nm.
         nm: f64,

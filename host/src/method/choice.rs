@@ -2,12 +2,15 @@
 
 use asperity_core::ndf::law::Profile;
 
-use super::{GgxMethod, HeightsMethod, MeasuredRayMethod, Method, NormalsMethod, Surface};
+use super::{
+    GgxMethod, HeightsMethod, MeasuredRayMethod, MeasuredWaveMethod, Method, NormalsMethod, Surface,
+};
+use crate::kirchhoff::WaveOptions;
 use crate::measurement::excerpt;
 use crate::surface::{Edges, HeightMap};
 
 /// The names of the methods, for messages.
-pub const METHODS: [&str; 4] = ["ggx", "normals", "heights", "measured-ray"];
+pub const METHODS: [&str; 5] = ["ggx", "normals", "heights", "measured-ray", "measured-wave"];
 
 /// What it takes to make a method.
 #[derive(Clone, Copy)]
@@ -22,6 +25,8 @@ pub struct Choice<'a> {
     pub asked: &'a dyn Fn(&str) -> bool,
     /// The measured map and how it goes on, for methods that need one.
     pub map: Option<(&'a HeightMap, Edges)>,
+    /// How waves are sent, for methods that do.
+    pub wave: Option<&'a WaveOptions>,
     /// Seed of the heights, for methods that draw them.
     pub seed: u64,
 }
@@ -35,7 +40,12 @@ impl std::fmt::Debug for Choice<'_> {
 impl<'a> Choice<'a> {
     /// Whether a method of this name uses a height map.
     pub fn needs_map(name: &str) -> bool {
-        name == "measured-ray"
+        matches!(name, "measured-ray" | "measured-wave")
+    }
+
+    /// Whether a method of this name sends waves, and needs their length.
+    pub fn is_wave(name: &str) -> bool {
+        name == "measured-wave"
     }
 
     /// Whether a method of this name has a law.
@@ -45,7 +55,11 @@ impl<'a> Choice<'a> {
 
     /// A method for a body, nothing optional asked for.
     pub fn new(name: &'a str, surface: Surface) -> Self {
-        Self { name, law: None, surface, asked: &|_| false, map: None, seed: 1 }
+        Self { name, law: None, surface, asked: &|_| false, map: None, wave: None, seed: 1 }
+    }
+
+    fn need_map(&self) -> Result<(&'a HeightMap, Edges), String> {
+        self.map.ok_or_else(|| format!("method {} needs a height map; give --map FILE", self.name))
     }
 
     /// The method.
@@ -72,10 +86,17 @@ impl<'a> Choice<'a> {
             "normals" => Ok(Box::new(NormalsMethod { profile, centre: (self.asked)("theta0") })),
             "heights" => Ok(Box::new(HeightsMethod::new(profile, self.seed, self.asked))),
             "measured-ray" => {
-                let Some((map, edges)) = self.map else {
-                    return Err("method measured-ray needs a height map; give --map FILE".into());
-                };
+                let (map, edges) = self.need_map()?;
                 MeasuredRayMethod::new(map, edges, (self.asked)("cutoff_um"))
+                    .map(|m| Box::new(m) as Box<dyn Method>)
+                    .map_err(|e| e.to_string())
+            }
+            "measured-wave" => {
+                let (map, edges) = self.need_map()?;
+                let Some(wave) = self.wave else {
+                    return Err("method measured-wave needs --wavelength-nm; give it in nm".into());
+                };
+                MeasuredWaveMethod::new(map, edges, (self.asked)("cutoff_um"), wave.clone())
                     .map(|m| Box::new(m) as Box<dyn Method>)
                     .map_err(|e| e.to_string())
             }

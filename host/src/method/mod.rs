@@ -6,18 +6,22 @@
 //! | `normals` | [`normals`] | density of normals in `asperity_core::ndf` |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
+//! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
 
 mod parameter;
 pub mod ggx;
 pub mod normals;
 pub mod heights;
+mod measured;
 pub mod measured_ray;
+pub mod measured_wave;
 mod choice;
 
 pub use choice::{Choice, METHODS};
 pub use ggx::GgxMethod;
 pub use heights::HeightsMethod;
 pub use measured_ray::MeasuredRayMethod;
+pub use measured_wave::MeasuredWaveMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 
@@ -25,6 +29,7 @@ use asperity_core::ndf::law::Profile;
 use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};
 
 use crate::boundary::Boundary;
+use crate::kirchhoff::WaveOptions;
 
 /// Why parameters do not make a boundary. The text says what is allowed.
 #[derive(Debug, thiserror::Error)]
@@ -105,6 +110,15 @@ pub trait Method: Send + Sync {
     /// Whether its boundaries are traced: simulated by Monte Carlo, with its noise.
     fn is_traced(&self) -> bool {
         false
+    }
+    /// How it sends waves, for methods that do; their forward model costs seconds.
+    fn wave(&self) -> Option<&WaveOptions> {
+        None
+    }
+    /// Its name with what tells its variants apart: `normals (gauss)`.
+    fn label(&self) -> String {
+        let variant = self.law().or(self.wave().map(|w| w.speckle.name()));
+        variant.map_or_else(|| self.name().to_owned(), |v| format!("{} ({v})", self.name()))
     }
     /// The seed of its surface, for methods that draw one.
     fn seed(&self) -> Option<u64> {

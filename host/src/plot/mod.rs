@@ -30,7 +30,7 @@ mod map;
 pub use figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
 pub use map::{MapPicture, map_png, map_svg};
 pub use render::{png, svg};
-pub use sigma::{AtSigma, sigma_panels};
+pub use sigma::{AtSigma, shown, sigma_panels};
 
 #[cfg(test)]
 mod tests;

@@ -17,7 +17,7 @@ pub fn sigma_panels(
     fits: &[(String, Vec<AtSigma>)],
     scale: Scale,
 ) -> Figure {
-    let chosen = evenly(measured.len(), MAX_PANELS);
+    let chosen = shown(measured.len());
     let panels: Vec<Panel> = chosen.iter().map(|&i| panel(&measured[i], fits)).collect();
     let title = if chosen.len() < measured.len() {
         format!("{title} ({} of {} incidences)", chosen.len(), measured.len())
@@ -63,6 +63,11 @@ fn angle_range(measured: &[AtSigma]) -> (f64, f64) {
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), angle| (lo.min(angle), hi.max(angle)));
     let within = lo >= -90.0 && hi <= 90.0;
     if lo < hi && !(within && hi - lo >= 60.0) { (lo, hi) } else { (-90.0, 90.0) }
+}
+
+/// Which of so many incidences [`sigma_panels`] shows.
+pub fn shown(count: usize) -> Vec<usize> {
+    evenly(count, MAX_PANELS)
 }
 
 /// At most `most` of `0..count`, at even distances, both ends included.

@@ -19,10 +19,31 @@ pub enum FigureError {
     Output(#[from] OutputError),
 }
 
-/// The figure of a measurement and its fits.
-pub fn figure(title: &str, measurement: &Measurement, entries: &[Entry], scale: Scale) -> Figure {
-    let measured: Vec<_> = measurement
-        .by_incidence()
+/// The figure of a measurement and its fits, one panel an incidence.
+pub fn figure(title: &str, measurement: &Measurement, entries: &[&Entry], scale: Scale) -> Figure {
+    drawn(title, measurement, entries, scale, &|_| true)
+}
+
+/// The same of one incidence alone.
+pub fn figure_at(
+    sigma_deg: f64,
+    title: &str,
+    measurement: &Measurement,
+    entries: &[&Entry],
+    scale: Scale,
+) -> Figure {
+    drawn(title, measurement, entries, scale, &|sigma| sigma.total_cmp(&sigma_deg).is_eq())
+}
+
+fn drawn(
+    title: &str,
+    measurement: &Measurement,
+    entries: &[&Entry],
+    scale: Scale,
+    wanted: &dyn Fn(f64) -> bool,
+) -> Figure {
+    let incidences = || measurement.by_incidence().filter(|i| wanted(i.sigma_deg));
+    let measured: Vec<_> = incidences()
         .map(|i| {
             (i.sigma_deg, i.readings.iter().map(|r| (r.theta_deg, r.value)).collect::<Vec<_>>())
         })
@@ -30,8 +51,7 @@ pub fn figure(title: &str, measurement: &Measurement, entries: &[Entry], scale: 
     let fits: Vec<_> = entries
         .iter()
         .map(|entry| {
-            let curves = measurement
-                .by_incidence()
+            let curves = incidences()
                 .map(|i| {
                     let angles = i.readings.iter().map(|r| r.theta_deg);
                     let values = entry.fit.readings[i.range.clone()].iter().copied();
@@ -54,24 +74,27 @@ impl FigureFiles {
     /// # Errors
     /// Those of [`AtomicFile::create`].
     pub fn create(folder: &Path, stem: &str) -> Result<Self, OutputError> {
-        let name = |word, extension| folder.join(format!("{stem}-{word}.{extension}"));
-        let names = ["linear", "log"].map(|word| [name(word, "svg"), name(word, "png")]);
-        names.into_iter().flatten().map(AtomicFile::create).collect::<Result<_, _>>().map(Self)
+        Self::names(folder, stem)
+            .into_iter()
+            .map(AtomicFile::create)
+            .collect::<Result<_, _>>()
+            .map(Self)
+    }
+
+    /// Their paths.
+    pub fn names(folder: &Path, stem: &str) -> [PathBuf; 4] {
+        ["linear.svg", "linear.png", "log.svg", "log.png"]
+            .map(|end| folder.join(format!("{stem}-{end}")))
     }
 
     /// Draws and completes all four; returns their paths.
     ///
     /// # Errors
     /// [`FigureError`]; files completed before it stay.
-    pub fn write(
-        self,
-        title: &str,
-        measurement: &Measurement,
-        entries: &[Entry],
-    ) -> Result<Vec<PathBuf>, FigureError> {
+    pub fn write(self, figure: &dyn Fn(Scale) -> Figure) -> Result<Vec<PathBuf>, FigureError> {
         let mut contents = Vec::new();
         for scale in [Scale::Linear, Scale::LOG] {
-            let figure = figure(title, measurement, entries, scale);
+            let figure = figure(scale);
             contents.push(plot::svg(&figure)?.into_bytes());
             contents.push(plot::png(&figure)?);
         }
@@ -85,18 +108,4 @@ impl FigureFiles {
         }
         Ok(written)
     }
-}
-
-/// Writes `stem-linear` and `stem-log` as SVG and PNG; returns their paths.
-///
-/// # Errors
-/// [`FigureError`]; files written before it stay.
-pub fn write_figures(
-    folder: &Path,
-    stem: &str,
-    title: &str,
-    measurement: &Measurement,
-    entries: &[Entry],
-) -> Result<Vec<PathBuf>, FigureError> {
-    FigureFiles::create(folder, stem)?.write(title, measurement, entries)
 }

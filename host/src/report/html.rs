@@ -1,49 +1,43 @@
-//! One page with the table and the plots, complete in itself.
+//! One page with the tables and the plots, complete in itself.
 
 use maud::{DOCTYPE, PreEscaped, html};
 
-use super::{Entry, with_error};
+use super::comparison::Comparison;
 
-/// The page. `plots` are SVG texts with captions, made by this program.
-pub fn page(
-    title: &str,
-    what: &str,
-    entries: &[Entry],
-    noise_floor_percent: Option<f64>,
-    plots: &[(String, String)],
-) -> String {
+/// A plot as an SVG text made by this program, with its caption.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Line under it.
+    pub caption: String,
+    /// The drawing.
+    pub svg: String,
+}
+
+/// The page. `plots` holds the pictures of each sample, in their order.
+pub fn page(comparison: &Comparison, plots: &[Vec<Picture>]) -> String {
+    let none = Vec::new();
+    let samples = comparison.samples.iter().enumerate();
     html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
-                title { (title) }
+                title { (comparison.title) }
                 style { (PreEscaped(STYLE)) }
             }
             body {
-                h1 { (title) }
-                p { (what) }
-                table {
-                    thead { tr {
-                        th { "method" } th { "RMSD %" } th { "noise floor %" } th { "seconds" }
-                        th { "evaluations" } th { "parameters" } th { "verdict" }
-                    } }
-                    tbody { @for entry in entries { tr {
-                        td { (entry.label) }
-                        td { (format!("{:.3}", entry.fit.rmsd_percent)) }
-                        td { @match noise_floor_percent {
-                            Some(n) => (format!("{n:.3}")), None => "unknown"
-                        } }
-                        td { (format!("{:.2}", entry.fit.seconds)) }
-                        td { (entry.fit.evaluations) }
-                        td { @for p in &entry.fit.parameters {
-                            div { (p.name) " = " (with_error(p.value, p.std_error)) " " (p.unit) }
-                        } }
-                        td { @match &entry.refusal { Some(why) => (why), None => "fits" } }
-                    } } }
-                }
-                @for (caption, svg) in plots {
-                    figure { (PreEscaped(svg)) figcaption { (caption) } }
+                h1 { (comparison.title) }
+                @if !comparison.what.is_empty() { p { (comparison.what) } }
+                p { (Comparison::LEGEND) }
+                (comparison.errors().html())
+                @for (k, sample) in samples {
+                    h2 { (sample.title) }
+                    (sample.details().html())
+                    p { (sample.verdict()) }
+                    ol { @for (_, method, note) in sample.notes() { li { (method) ": " (note) } } }
+                    @for plot in plots.get(k).unwrap_or(&none) {
+                        figure { (PreEscaped(&plot.svg)) figcaption { (plot.caption) } }
+                    }
                 }
             }
         }

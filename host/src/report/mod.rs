@@ -1,14 +1,16 @@
-//! What people read: the table of results, the plots, the HTML page.
+//! What people read: the tables of results, the plots, the HTML page.
 
+mod grid;
+mod comparison;
+mod formats;
 mod figures;
 mod heights;
 mod html;
-mod table;
 
-pub use figures::{FigureError, FigureFiles, figure, write_figures};
+pub use comparison::{Attempt, Comparison, SampleResult};
+pub use figures::{FigureError, FigureFiles, figure, figure_at};
 pub use heights::{MapFigureFiles, MapFigures};
-pub use html::page;
-pub use table::table;
+pub use html::{Picture, page};
 
 use crate::fit::Fit;
 
@@ -21,6 +23,8 @@ pub struct Entry {
     pub fit: Fit,
     /// Why the answer is no, if it is.
     pub refusal: Option<String>,
+    /// What has to be said about the boundary: where its physics does not hold.
+    pub warnings: Vec<String>,
 }
 
 /// A value with as many digits as its standard error supports, and the error in the same place.

@@ -3,14 +3,15 @@
 pub mod heightmap;
 pub mod form;
 pub mod roughness;
-#[cfg(test)]
-mod synthetic;
 pub mod edges;
 mod nearest;
 mod membrane;
 pub mod fill;
 pub mod crop;
 mod transform;
+pub mod gaussian;
+#[cfg(test)]
+mod synthetic;
 pub mod modify;
 pub mod spectrum;
 pub mod io;
@@ -21,6 +22,7 @@ pub use crop::Crop;
 pub use edges::Edges;
 pub use fill::Fill;
 pub use form::Form;
+pub use gaussian::GaussianSurface;
 pub use heightmap::{HeightMap, HeightMapError, Incomplete};
 pub use modify::{LowPass, scaled};
 pub use prepare::{Preparation, Prepared, Purpose};

@@ -17,6 +17,7 @@ mod npy;
 mod png16;
 mod tiff_float;
 mod open;
+mod write;
 #[cfg(test)]
 mod tests_instruments;
 #[cfg(test)]
@@ -30,6 +31,7 @@ mod tests_mutation;
 
 pub use error::{MapError, MapFault};
 pub use open::{FORMATS, Format, OpenOptions, open, parse};
+pub use write::sdf_text;
 
 use super::HeightMap;
 

@@ -1,0 +1,206 @@
+//! `compare`: every method on every sample.
+
+use std::path::{Path, PathBuf};
+
+use super::comparing::{Sample, Work, verdict};
+use super::error::Failure;
+use super::fitted::Job;
+use super::light::{Light, LightFlags};
+use super::map::MapFlags;
+use super::print;
+use super::source::{ReadFlags, SetupFlags};
+use super::trial::{EffortFlags, check_method, usually_asked};
+use crate::fit::FitOptions;
+use crate::forward::Setup;
+use crate::measurement::Measurement;
+use crate::method::METHODS;
+use crate::provenance::InputFile;
+use crate::surface::{Prepared, Roughness};
+
+/// Fit every method to every sample, and set the results side by side
+///
+/// A sample is a scan, with its height map if it has one: give none, or as many as scans, in the same order.
+/// A method that cannot be used (no map, an opaque body) is listed with the reason, and one that fails
+/// does not stop the others. Written into the folder: compare.csv, .md and .json with one row a sample and
+/// one column a method, as in the paper's Table 2, and all details; SAMPLE-METHOD.json, each fit as a model;
+/// plots of measured and fitted readings, SAMPLE-all and SAMPLE-sigmaDEG, linear and log, svg and png; and
+/// report.html with all of it.
+///
+/// Exit 1 if no method describes one of the samples; all is written all the same.
+///
+/// Examples:
+///   asperity compare scan.csv --ior 1.49 -o results
+///   asperity compare scan5.csv scan8.csv --map map5.x3p map8.x3p -o results
+///   asperity compare scan.csv --map map.x3p --wavelength-nm 550 -o results
+///   asperity compare scan.csv --map map.npy --pixel-um 0.361 --methods ggx,measured-ray -o results
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// The measured scans
+    #[arg(required = true, value_name = "SCAN")]
+    scans: Vec<PathBuf>,
+    /// Height maps of the samples, in the order of the scans
+    #[arg(long = "map", value_name = "FILE", num_args = 1..)]
+    maps: Vec<PathBuf>,
+    /// Methods to try; all without it
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    methods: Vec<String>,
+    /// Folder for the results; made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Print the results as JSON
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    effort: EffortFlags,
+    #[command(flatten)]
+    setup: SetupFlags,
+    #[command(flatten)]
+    light: LightFlags,
+    #[command(flatten)]
+    map_flags: MapFlags,
+    #[command(flatten)]
+    read: ReadFlags,
+}
+
+/// A scan and its map, read.
+struct Loaded {
+    measurement: Measurement,
+    input: InputFile,
+    setup: Setup,
+    options: FitOptions,
+    map: Option<Prepared>,
+    light: Light,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let methods = methods(&args.methods)?;
+    args.effort.check()?;
+    if !args.maps.is_empty() && args.maps.len() != args.scans.len() {
+        return Err(Failure::bad(format!(
+            "scans: {}, height maps: {}; give one --map a scan in the same order, or none",
+            args.scans.len(),
+            args.maps.len()
+        )));
+    }
+    let loaded = (0..args.scans.len()).map(|k| args.load(k)).collect::<Result<Vec<_>, _>>()?;
+    let mut samples: Vec<Sample<'_>> = Vec::new();
+    let names = names(&args.scans);
+    for (one, name) in loaded.iter().zip(&names) {
+        let job = Job {
+            measurement: &one.measurement,
+            setup: one.setup,
+            options: one.options,
+            max_misfit: args.effort.max_misfit,
+            map: one.map.as_ref(),
+            light: one.light.clone(),
+            input: &one.input,
+        };
+        let title = match &one.map {
+            Some(prepared) => {
+                format!("{name} (Rq = {:.2} um)", Roughness::of(&prepared.map).rq_um)
+            }
+            None => name.clone(),
+        };
+        samples.push(Sample::new(name.clone(), title, job, &methods, &usually_asked)?);
+    }
+    let work = Work {
+        title: "Comparison of the methods".into(),
+        what: samples_text(&names, &loaded),
+        methods,
+        samples,
+    };
+    let comparison = work.carry_out(&args.output)?;
+    if args.json {
+        print(&format!("{:#}\n", comparison.json()))?;
+    } else {
+        let folder = args.output.display();
+        print(&format!(
+            "{}\nTables, models, plots and report.html are in {folder}\n",
+            comparison.text()
+        ))?;
+    }
+    verdict(&comparison)
+}
+
+impl Args {
+    /// Reads a scan and its map.
+    fn load(&self, number: usize) -> Result<Loaded, Failure> {
+        let path = &self.scans[number];
+        let (measurement, input) = self.read.read(path)?;
+        let (surface, setup) = self.setup.resolve(&measurement, path)?;
+        let map = match self.maps.get(number) {
+            Some(path) => Some(self.map_flags.load_for_light(path)?),
+            None => None,
+        };
+        let light = self.light.light(Some(&measurement.meta))?;
+        let options = self.effort.options(surface);
+        Ok(Loaded { measurement, input, setup, options, map, light })
+    }
+}
+
+/// What the samples are, by their files and what these say.
+fn samples_text(names: &[String], loaded: &[Loaded]) -> String {
+    let one = |(name, l): (&String, &Loaded)| {
+        let sample = l.measurement.meta.sample.as_ref();
+        let sample = sample.map(|s| format!(" ({s})")).unwrap_or_default();
+        let map = l.map.as_ref().map(|m| format!(", map {}", m.input.path));
+        format!("{name}: scan {}{sample}{}.", l.input.path, map.unwrap_or_default())
+    };
+    names.iter().zip(loaded).map(one).collect::<Vec<_>>().join(" ")
+}
+
+/// The methods asked for, each once, or all.
+fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
+    let mut methods: Vec<String> = Vec::new();
+    for name in asked.iter().map(|n| n.trim()) {
+        check_method(name)?;
+        if !methods.iter().any(|m| m == name) {
+            methods.push(name.to_owned());
+        }
+    }
+    if methods.is_empty() {
+        methods = METHODS.map(String::from).to_vec();
+    }
+    Ok(methods)
+}
+
+/// Names for the files of the samples: those of the scans, made harmless and different from each other.
+fn names(scans: &[PathBuf]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for scan in scans {
+        let stem = scan.file_stem().unwrap_or_else(|| Path::new("scan").as_os_str());
+        let harmless = |c: char| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '_' };
+        let stem: String = stem.to_string_lossy().chars().take(60).map(harmless).collect();
+        let taken = |name: &str| names.iter().any(|n| n.eq_ignore_ascii_case(name));
+        let mut name = stem.clone();
+        let mut number = 2;
+        while taken(&name) {
+            name = format!("{stem}-{number}");
+            number += 1;
+        }
+        names.push(name);
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{methods, names};
+
+    #[test]
+    fn names_are_harmless_and_differ() {
+        let scans =
+            ["a/scan.csv", "b/scan.csv", "scan-2", "c/SCAN.csv", "x y\u{1b}/o\u{1b}[ü 1.csv"];
+        let found = names(&scans.map(Into::into));
+        assert_eq!(found, ["scan", "scan-2", "scan-2-2", "SCAN-3", "o__ü_1"]);
+    }
+
+    #[test]
+    fn methods_are_taken_once_and_all_without_a_word() {
+        assert_eq!(methods(&[]).unwrap(), crate::method::METHODS);
+        let asked = ["normals", "ggx", "normals"].map(String::from);
+        assert_eq!(methods(&asked).unwrap(), ["normals", "ggx"]);
+        assert!(methods(&["phong".into()]).is_err());
+    }
+}

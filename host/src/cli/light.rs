@@ -1,0 +1,119 @@
+//! The flags of the light, for what treats it as waves.
+
+use clap::ValueEnum;
+
+use super::error::Failure;
+use crate::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use crate::measurement::Metadata;
+use crate::surface::{Edges, HeightMap};
+
+/// What wave readings are of, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum SpeckleFlag {
+    /// A large piece of the same surface: the mean over azimuths
+    Averaged,
+    /// This very map, with its speckle
+    Kept,
+}
+
+impl From<SpeckleFlag> for Speckle {
+    fn from(flag: SpeckleFlag) -> Self {
+        match flag {
+            SpeckleFlag::Averaged => Self::Averaged,
+            SpeckleFlag::Kept => Self::Kept,
+        }
+    }
+}
+
+/// The light of methods that send waves.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Light (of methods that send waves)")]
+pub(super) struct LightFlags {
+    /// Vacuum wavelengths in nm, alone or each with its weight: 550, or 450,550, or 450:0.3,550:1
+    #[arg(long, value_name = "NM,...", allow_negative_numbers = true)]
+    wavelength_nm: Option<Wavelengths>,
+    /// Speckle of waves: averaged away, as over a large piece of the surface, or kept, as of this very map
+    #[arg(long, value_enum)]
+    speckle: Option<SpeckleFlag>,
+    /// Smith's shadowing and masking for waves
+    #[arg(long)]
+    shadowing: bool,
+}
+
+/// The light as far as it is known.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Light {
+    wavelengths: Option<Wavelengths>,
+    speckle: Option<Speckle>,
+    shadowing: bool,
+}
+
+impl LightFlags {
+    /// Whether any of them is given.
+    pub(super) fn are_given(&self) -> bool {
+        self.wavelength_nm.is_some() || self.speckle.is_some() || self.shadowing
+    }
+
+    /// The light of these flags; a scan's header may know the wavelength.
+    pub(super) fn light(&self, header: Option<&Metadata>) -> Result<Light, Failure> {
+        let of_header = header.and_then(|meta| meta.wavelength_nm);
+        let of_header = of_header.map(Wavelengths::single).transpose().map_err(Failure::bad)?;
+        Ok(Light {
+            wavelengths: self.wavelength_nm.clone().or(of_header),
+            speckle: self.speckle.map(Speckle::from),
+            shadowing: self.shadowing,
+        })
+    }
+}
+
+impl Light {
+    /// Light of given wavelengths.
+    pub(super) fn of(wavelengths: Wavelengths) -> Self {
+        Self { wavelengths: Some(wavelengths), ..Self::default() }
+    }
+
+    /// The wavelengths, if they are known.
+    pub(super) fn wavelengths(&self) -> Option<&Wavelengths> {
+        self.wavelengths.as_ref()
+    }
+
+    /// What is known about the wavelength.
+    pub(super) fn options(&self, speckle: Speckle) -> Result<WaveOptions, String> {
+        let Some(wavelengths) = self.wavelengths.clone() else {
+            return Err("waves have a length; give --wavelength-nm, such as 550".into());
+        };
+        Ok(WaveOptions { wavelengths, speckle, shadowing: self.shadowing })
+    }
+
+    /// The ways to treat the speckle of a map: the one that is asked for, else all that it allows.
+    pub(super) fn variants(
+        &self,
+        map: Option<(&HeightMap, Edges)>,
+    ) -> Result<Vec<WaveOptions>, String> {
+        let may_average = map.is_none_or(|(map, edges)| WaveBoundary::may_average(map, edges));
+        let speckles: &[Speckle] = match self.speckle {
+            Some(Speckle::Averaged) if !may_average => {
+                return Err(format!(
+                    "the surface has a direction: its speckle cannot be averaged over azimuths; use \
+                     --speckle {}",
+                    Speckle::Kept.name()
+                ));
+            }
+            Some(Speckle::Averaged) => &[Speckle::Averaged],
+            None if may_average => &[Speckle::Averaged, Speckle::Kept],
+            Some(Speckle::Kept) | None => &[Speckle::Kept],
+        };
+        speckles.iter().map(|speckle| self.options(*speckle)).collect()
+    }
+
+    /// The one way to treat the speckle of a map: the one that is asked for, else this.
+    pub(super) fn variant(
+        &self,
+        map: (&HeightMap, Edges),
+        usual: Speckle,
+    ) -> Result<WaveOptions, String> {
+        let variants = self.variants(Some(map))?;
+        let wanted = variants.iter().find(|v| v.speckle == usual).or(variants.first());
+        wanted.cloned().ok_or_else(|| "no way to treat the speckle".into())
+    }
+}

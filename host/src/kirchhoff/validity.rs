@@ -1,0 +1,370 @@
+//! Where the Kirchhoff approximation may be trusted on a height map \[Sokolov eqs 9-11\], and whether the map
+//! is sampled well enough for its waves. `CONVENTIONS.md` gives the reason for every limit.
+
+use std::f64::consts::SQRT_2;
+
+use asperity_core::bsdf::Lobe;
+use asperity_core::direction::Side;
+use asperity_core::quantity::RelativeIor;
+use serde::{Serialize, Serializer};
+
+use super::facets::{Facets, Question};
+use super::light::{Light, SIDES};
+use super::wavelengths::Wavelengths;
+use crate::surface::{Edges, HeightMap, Incomplete, Roughness};
+
+/// What ">>" means in eq. (9): `2 pi R cos^3` is to be larger than this many wavelengths.
+pub const CURVATURE_WAVELENGTHS: f64 = 10.0;
+/// Share of the points that may violate eq. (9), and of the steps that may exceed half a wave.
+pub const MOST_SHARE: f64 = 0.05;
+/// What "<<" means in eq. (10): the largest `Rq / l`.
+pub const MOST_RQ_OVER_ACL: f64 = 0.2;
+/// What ">>" means in eq. (11): `cos theta` is to be larger than this many `Rq / l`.
+pub const COS_RQ_OVER_ACL: f64 = 3.0;
+/// Share of the light that facets facing away from it may take.
+pub const MOST_TURNED_AWAY: f64 = 0.005;
+/// Correlation areas of a map at least.
+pub const FEWEST_AREAS: f64 = 100.0;
+/// 99 % of the facets of a Gaussian surface are less steep than this many rms slopes: `sqrt(2 ln 100)`.
+const STEEP: f64 = 3.034_854_258_770_293;
+
+/// Validity of the Kirchhoff approximation on a map.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Validity {
+    /// The light.
+    #[serde(rename = "wavelength_nm")]
+    pub wavelengths: Wavelengths,
+    /// Relative index of the dielectric.
+    pub ior: f64,
+    /// The larger pitch, um.
+    pub pixel_um: f64,
+    /// Rms height, um.
+    pub rq_um: f64,
+    /// Eq. (10): Rq over the 1/e autocorrelation length; `None` if the autocorrelation does not fall to 1/e.
+    pub rq_over_acl: Option<f64>,
+    /// Eq. (11): the largest angle of incidence or observation from the mean normal, on either side, degrees;
+    /// 0 if there is none, `None` with [`rq_over_acl`](Self::rq_over_acl).
+    pub most_angle_deg: Option<f64>,
+    /// Rms slope of steps between neighbours, mean square of both directions.
+    pub rms_slope: f64,
+    /// Area of the map over the square of its autocorrelation length: the number of its independent parts.
+    pub correlation_areas: Option<f64>,
+    /// How far from the specular direction the pixel carries, for each wavelength, side and lobe.
+    pub far_fields: Vec<FarField>,
+    /// The conditions of every lobe, for each wavelength, side, lobe and incidence.
+    pub lobes: Vec<LobeValidity>,
+}
+
+/// The angles that a sampled map can scatter into, and those that its lobe takes; at normal incidence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FarField {
+    /// Wavelength in vacuum, nm.
+    pub wavelength_nm: f64,
+    /// Where the light comes from.
+    #[serde(serialize_with = "side_name")]
+    pub side: Side,
+    /// Where it goes.
+    #[serde(serialize_with = "lobe_name")]
+    pub lobe: Lobe,
+    /// `asin(lambda / (2 pixel))` in the medium of the scattered light: a finer structure the map has not. Degrees.
+    pub reach_deg: f64,
+    /// Where a facet sends light that is steeper than 99 % of the others, were the slopes Gaussian. Degrees.
+    pub lobe_deg: f64,
+}
+
+/// How well the conditions hold for one lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LobeValidity {
+    /// Wavelength in vacuum, nm.
+    pub wavelength_nm: f64,
+    /// Where the light comes from.
+    #[serde(serialize_with = "side_name")]
+    pub side: Side,
+    /// Where it goes.
+    #[serde(serialize_with = "lobe_name")]
+    pub lobe: Lobe,
+    /// Angle of incidence in the medium the light comes from, degrees.
+    pub incidence_deg: f64,
+    /// Where a mirror or a smooth boundary sends it, from the normal; `None` on total reflection. Degrees.
+    pub specular_deg: Option<f64>,
+    /// Eq. (9): share of the points with `2 pi R cos^3 <= 10 lambda`, facets facing away included.
+    pub curved_fraction: f64,
+    /// Share of the steps between neighbours that change the phase of the specular direction by more than pi.
+    pub undersampled_fraction: f64,
+    /// What facets that face away from the light would take of it, as a share of all: the excess of a model
+    /// without shadows.
+    pub turned_away_fraction: f64,
+    /// Whether this lobe may be trusted: no condition of the map, of the pixel or of this direction fails.
+    pub passes: bool,
+}
+
+/// Why there is no verdict.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ValidityError {
+    /// Points are missing.
+    #[error(transparent)]
+    Incomplete(#[from] Incomplete),
+    /// An angle of incidence out of range, degrees.
+    #[error("an incidence of {0} deg; give 0 to below 90 degrees")]
+    Incidence(f64),
+}
+
+impl Validity {
+    /// Incidences that are looked at if none are asked for, degrees.
+    pub const INCIDENCES_DEG: [f64; 3] = [0.0, 30.0, 60.0];
+
+    /// The conditions for light of these angles of incidence in the plane x-z, from both sides.
+    ///
+    /// # Errors
+    /// Missing points, and angles that are none of incidence.
+    pub fn of(
+        map: &HeightMap,
+        edges: Edges,
+        eta: RelativeIor<f64>,
+        wavelengths: &Wavelengths,
+        incidences_deg: &[f64],
+    ) -> Result<Self, ValidityError> {
+        if let Some(bad) = incidences_deg.iter().find(|deg| !(0.0..90.0).contains(*deg)) {
+            return Err(ValidityError::Incidence(*bad));
+        }
+        map.need_complete()?;
+        let roughness = &Roughness::of(map);
+        let lights = Light::all(wavelengths, eta.get());
+        let incidences: Vec<(Side, f64)> = SIDES
+            .iter()
+            .flat_map(|&side| incidences_deg.iter().map(move |&deg| (side, deg)))
+            .collect();
+        let cases = |light: Light| incidences.iter().filter(move |(side, _)| *side == light.side);
+        let ascending = |mut limits: Vec<f64>| {
+            limits.sort_by(f64::total_cmp);
+            limits.dedup();
+            limits
+        };
+        let steps = |l: &Light| cases(*l).map(|c| l.most_step_um(c.1)).collect::<Vec<_>>();
+        let question = Question {
+            light: incidences
+                .iter()
+                .map(|&(side, deg)| {
+                    let (sine, cosine) = deg.to_radians().sin_cos();
+                    [sine, cosine, if side == Side::Air { 1.0 } else { -1.0 }]
+                })
+                .collect(),
+            curvature_um: ascending(lights.iter().map(least_curvature_um).collect()),
+            step_um: ascending(lights.iter().flat_map(steps).collect()),
+        };
+        let facets = Facets::of(map, edges, &question)?;
+        let number = |limits: &[f64], limit: f64| limits.partition_point(|l| *l < limit);
+
+        let rms_slope = rms_slope(roughness);
+        let pixel_um = map.dx_um().max(map.dy_um());
+        let area_um2 = map.nx() as f64 * map.dx_um() * map.ny() as f64 * map.dy_um();
+        let rq_over_acl = match roughness.acl_um {
+            Some(l) => Some(roughness.rq_um / l),
+            None => (roughness.rq_um <= 0.0).then_some(0.0),
+        };
+        let mut validity = Self {
+            wavelengths: wavelengths.clone(),
+            ior: eta.get(),
+            pixel_um,
+            rq_um: roughness.rq_um,
+            rq_over_acl,
+            most_angle_deg: rq_over_acl
+                .map(|ratio| (COS_RQ_OVER_ACL * ratio).min(1.0).acos().to_degrees()),
+            rms_slope,
+            correlation_areas: roughness.acl_um.map(|l| area_um2 / (l * l)),
+            far_fields: lights.iter().map(|l| FarField::of(l, pixel_um, rms_slope)).collect(),
+            lobes: Vec::new(),
+        };
+        for (light, far_field) in lights.iter().zip(&validity.far_fields) {
+            let curved = number(&question.curvature_um, least_curvature_um(light));
+            for (k, &(_, deg)) in incidences.iter().enumerate().filter(|c| c.1.0 == light.side) {
+                let step = number(&question.step_um, light.most_step_um(deg));
+                let mut lobe = LobeValidity {
+                    wavelength_nm: light.nm(),
+                    side: light.side,
+                    lobe: light.lobe,
+                    incidence_deg: deg,
+                    specular_deg: light.specular_deg(deg),
+                    curved_fraction: facets.curved_share(k, curved),
+                    undersampled_fraction: facets.step_share(step),
+                    turned_away_fraction: facets.turned_away(k),
+                    passes: false,
+                };
+                lobe.passes = validity.is_met_once()
+                    && validity.is_unshadowed(&lobe)
+                    && far_field.is_wide_enough()
+                    && lobe.is_gently_curved()
+                    && lobe.is_sampled()
+                    && lobe.is_lit();
+                validity.lobes.push(lobe);
+            }
+        }
+        Ok(validity)
+    }
+
+    /// Eq. (10), as far as `Rq / l` is known.
+    pub(super) fn is_met_once(&self) -> bool {
+        self.rq_over_acl.is_none_or(|ratio| ratio <= MOST_RQ_OVER_ACL)
+    }
+
+    /// Eq. (11) for the light and for the middle of its lobe, as far as `Rq / l` is known.
+    pub(super) fn is_unshadowed(&self, lobe: &LobeValidity) -> bool {
+        let largest = lobe.specular_deg.unwrap_or(0.0).max(lobe.incidence_deg);
+        self.most_angle_deg.is_none_or(|most| largest <= most)
+    }
+
+    /// What concerns one way of the light alone.
+    pub fn of_lobe(mut self, side: Side, lobe: Lobe) -> Self {
+        self.lobes.retain(|l| l.side == side && l.lobe == lobe);
+        self.far_fields.retain(|f| f.side == side && f.lobe == lobe);
+        self
+    }
+
+    /// Whether a lobe may be trusted at this angle of incidence for all wavelengths.
+    ///
+    /// Between two incidences that were looked at both must pass; beyond the largest the answer is no.
+    pub fn passes(&self, side: Side, lobe: Lobe, incidence_deg: f64) -> bool {
+        const SAME: f64 = 1e-9;
+        let of_lobe = || self.lobes.iter().filter(|l| l.side == side && l.lobe == lobe);
+        let angles = || of_lobe().map(|l| l.incidence_deg);
+        let next = angles().filter(|a| *a >= incidence_deg - SAME).min_by(f64::total_cmp);
+        let last = angles().filter(|a| *a <= incidence_deg + SAME).max_by(f64::total_cmp);
+        let Some(next) = next else { return false };
+        let last = last.unwrap_or(next);
+        let judges = |l: &&LobeValidity| {
+            [last, next].iter().any(|angle| l.incidence_deg.total_cmp(angle).is_eq())
+        };
+        of_lobe().filter(judges).all(|l| l.passes)
+    }
+}
+
+impl FarField {
+    fn of(light: &Light, pixel_um: f64, rms_slope: f64) -> Self {
+        Self {
+            wavelength_nm: light.nm(),
+            side: light.side,
+            lobe: light.lobe,
+            reach_deg: light.reach_deg(pixel_um),
+            lobe_deg: light.turned_deg(STEEP * rms_slope),
+        }
+    }
+
+    /// Whether the pixel carries the whole lobe.
+    pub fn is_wide_enough(&self) -> bool {
+        self.lobe_deg <= self.reach_deg
+    }
+}
+
+impl LobeValidity {
+    /// Eq. (9) on nearly all of the map.
+    pub fn is_gently_curved(&self) -> bool {
+        self.curved_fraction <= MOST_SHARE
+    }
+
+    /// Whether the phase is known between nearly all neighbours.
+    pub fn is_sampled(&self) -> bool {
+        self.undersampled_fraction <= MOST_SHARE
+    }
+
+    /// Whether next to nothing faces away from the light.
+    pub fn is_lit(&self) -> bool {
+        self.turned_away_fraction <= MOST_TURNED_AWAY
+    }
+}
+
+/// Eq. (9): the smallest `2 pi R cos^3` that will do, um.
+fn least_curvature_um(light: &Light) -> f64 {
+    CURVATURE_WAVELENGTHS * light.scattered_um()
+}
+
+/// Rms slope, mean square of the directions that have neighbours.
+fn rms_slope(roughness: &Roughness) -> f64 {
+    match (roughness.rms_slope_x, roughness.rms_slope_y) {
+        (Some(x), Some(y)) => x.hypot(y) / SQRT_2,
+        (one, other) => one.or(other).unwrap_or(0.0),
+    }
+}
+
+/// The word for a side in files.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+fn side_name<S: Serializer>(side: &Side, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match side {
+        Side::Air => "air",
+        Side::Dielectric => "dielectric",
+    })
+}
+
+/// The word for a lobe in files.
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "the signature that serde asks for")]
+fn lobe_name<S: Serializer>(lobe: &Lobe, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(match lobe {
+        Lobe::Reflection => "reflection",
+        Lobe::Transmission => "transmission",
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_core::bsdf::Lobe;
+    use asperity_core::direction::Side;
+    use asperity_core::quantity::RelativeIor;
+
+    use super::Validity;
+    use crate::kirchhoff::Wavelengths;
+    use crate::surface::{Edges, HeightMap};
+
+    fn waves(period: f64, height: f64) -> HeightMap {
+        let (n, pitch, tau) = (256_u32, 0.25, std::f64::consts::TAU);
+        let at = |k: u32| {
+            let (x, y) = (pitch * f64::from(k % n), pitch * f64::from(k / n));
+            height * ((tau * x / period).sin() + (tau * y / period).sin())
+        };
+        let heights = (0..n * n).map(at).collect();
+        HeightMap::new((n as usize, n as usize), (pitch, pitch), heights).unwrap()
+    }
+
+    fn validity(map: &HeightMap, nm: &str) -> Validity {
+        let eta = RelativeIor::new(1.5).unwrap();
+        let light = nm.parse::<Wavelengths>().unwrap();
+        Validity::of(map, Edges::Periodic, eta, &light, &[0.0, 40.0]).unwrap()
+    }
+
+    fn near(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-3 * b.abs().max(1e-3), "{a} {b}");
+    }
+
+    #[test]
+    fn figures_follow_from_their_formulas() {
+        // heights h (sin + sin): Rq = h, autocorrelation (1 + cos) / 2 along either axis
+        let v = validity(&waves(4.0, 0.1), "500");
+        let level = 2.0 * (-1.0_f64).exp() - 1.0;
+        let l = 4.0 * level.acos() / std::f64::consts::TAU;
+        assert!((v.rq_over_acl.unwrap() / (0.1 / l) - 1.0).abs() < 0.02, "{:?}", v.rq_over_acl);
+        near(v.most_angle_deg.unwrap(), (3.0 * v.rq_over_acl.unwrap()).acos().to_degrees());
+        near(v.correlation_areas.unwrap(), (64.0 * v.rq_over_acl.unwrap() / 0.1).powi(2));
+    }
+
+    #[test]
+    fn sampling_is_judged_by_the_light_that_leaves() {
+        let v = validity(&waves(16.0, 0.2), "500");
+        let reach = |side, lobe| {
+            v.far_fields.iter().find(|f| f.side == side && f.lobe == lobe).unwrap().reach_deg
+        };
+        // 0.25 um pixel: lambda / (2 pixel) is 1 in air, 2/3 in the dielectric
+        near(reach(Side::Air, Lobe::Reflection), 90.0);
+        near(reach(Side::Dielectric, Lobe::Transmission), 90.0);
+        near(reach(Side::Air, Lobe::Transmission), (2.0_f64 / 3.0).asin().to_degrees());
+        near(reach(Side::Dielectric, Lobe::Reflection), (2.0_f64 / 3.0).asin().to_degrees());
+        let lobe = v.far_fields[0].lobe_deg.to_radians();
+        near((lobe / 2.0).tan(), 3.0349 * v.rms_slope);
+        assert!(v.passes(Side::Air, Lobe::Transmission, 12.0));
+        // both neighbours of an angle have a say
+        let mut worse = v.clone();
+        for lobe in worse.lobes.iter_mut().filter(|l| l.incidence_deg < 1.0) {
+            lobe.passes = false;
+        }
+        assert!(!worse.passes(Side::Air, Lobe::Transmission, 12.0));
+        assert!(worse.passes(Side::Air, Lobe::Transmission, 40.0));
+        assert!(!v.passes(Side::Air, Lobe::Transmission, 41.0), "not looked at");
+    }
+}

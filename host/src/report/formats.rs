@@ -1,0 +1,236 @@
+//! A comparison as text, Markdown, CSV and JSON.
+
+use serde_json::{Value, json};
+
+use super::comparison::{Attempt, Comparison, SampleResult};
+use super::parameters_text;
+
+impl Comparison {
+    /// For a terminal.
+    pub fn text(&self) -> String {
+        let of_sample = |s: &SampleResult| {
+            format!("\n{}\n{}{}\n{}", s.title, s.details().text(), s.verdict(), numbered(s))
+        };
+        let samples: String = self.samples.iter().map(of_sample).collect();
+        format!("{}\n{}{samples}", Self::LEGEND, self.errors().text())
+    }
+
+    /// As Markdown.
+    pub fn markdown(&self) -> String {
+        let of_sample = |s: &SampleResult| {
+            let (table, verdict) = (s.details().markdown(), s.verdict());
+            format!("\n## {}\n\n{table}\n{verdict}\n\n{}", s.title, numbered(s))
+        };
+        let samples: String = self.samples.iter().map(of_sample).collect();
+        let parts = [&self.what, Self::LEGEND, &self.errors().markdown()];
+        let parts: Vec<&str> = parts.into_iter().filter(|p| !p.is_empty()).collect();
+        format!("# {}\n\n{}{samples}", self.title, parts.join("\n\n"))
+    }
+
+    /// One row a sample and method.
+    pub fn csv(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let mut rows = vec![HEAD.map(String::from)];
+        for sample in &self.samples {
+            rows.extend(sample.attempts.iter().map(|a| row(sample, a)));
+        }
+        for row in &rows {
+            // Rows of one length into memory cannot fail.
+            let done = writer.write_record(row);
+            debug_assert!(done.is_ok());
+        }
+        String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+    }
+
+    /// For machines; the fits themselves are in the model files that it names.
+    pub fn json(&self) -> Value {
+        let samples = self.samples.iter().map(|sample| {
+            json!({
+                "name": sample.name,
+                "title": sample.title,
+                "noise_floor_percent": sample.noise_floor_percent,
+                "best": sample.best().map(|b| &b.method),
+                "verdict": sample.verdict(),
+                "results": sample.attempts.iter().map(|a| result(sample, a)).collect::<Vec<_>>(),
+            })
+        });
+        json!({
+            "asperity": 1,
+            "title": self.title,
+            "what": self.what,
+            "methods": self.methods,
+            "samples": samples.collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// The notes of a sample, a line each.
+fn numbered(sample: &SampleResult) -> String {
+    let line = |(number, method, note)| format!("{number}. {method}: {note}\n");
+    sample.notes().map(line).collect()
+}
+
+const HEAD: [&str; 11] = [
+    "sample",
+    "method",
+    "label",
+    "error_percent",
+    "noise_floor_percent",
+    "simulation_noise_percent",
+    "seconds",
+    "describes",
+    "best",
+    "parameters",
+    "notes",
+];
+
+fn row(sample: &SampleResult, attempt: &Attempt) -> [String; 11] {
+    let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
+    let fit = attempt.entry().map(|e| &e.fit);
+    [
+        sample.name.clone(),
+        attempt.method.clone(),
+        attempt.label().to_owned(),
+        number(fit.map(|f| f.rmsd_percent)),
+        number(sample.noise_floor_percent),
+        number(fit.and_then(|f| f.simulation_noise_percent)),
+        number(fit.map(|f| f.seconds)),
+        attempt.describes().to_string(),
+        sample.is_best(attempt).to_string(),
+        fit.map(parameters_text).unwrap_or_default(),
+        attempt.notes().join("; "),
+    ]
+}
+
+fn result(sample: &SampleResult, attempt: &Attempt) -> Value {
+    let fit = attempt.entry().map(|e| &e.fit);
+    let model = attempt.result.as_ref().ok().map(|(_, model)| model);
+    json!({
+        "method": attempt.method,
+        "label": attempt.label(),
+        "error_percent": fit.map(|f| f.rmsd_percent),
+        "simulation_noise_percent": fit.and_then(|f| f.simulation_noise_percent),
+        "seconds": fit.map(|f| f.seconds),
+        "evaluations": fit.map(|f| f.evaluations),
+        "describes": attempt.describes(),
+        "best": sample.is_best(attempt),
+        "parameters": model.map(|m| &m.parameters),
+        "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),
+        "notes": attempt.notes(),
+    })
+}
+
+impl SampleResult {
+    /// Name of the model file of a method on a sample of a name.
+    pub fn model_file(name: &str, method: &str) -> String {
+        format!("{name}-{method}.json")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::fit::{Fit, Fitted, Objective, Termination};
+    use crate::forward::Neglected;
+    use crate::method::{GgxMethod, Method, Surface};
+    use crate::model::Model;
+    use crate::report::{Attempt, Comparison, Entry, SampleResult};
+
+    fn attempt(method: &str, rmsd_percent: f64, refusal: Option<&str>) -> Attempt {
+        let surface = Surface::Dielectric { ior: 1.5 };
+        let ggx = GgxMethod::new(surface);
+        let alpha = Fitted {
+            name: "alpha",
+            unit: "",
+            value: 0.187,
+            std_error: Some(0.0009),
+            at_bound: false,
+        };
+        let fit = Fit {
+            parameters: vec![alpha],
+            boundary: ggx.boundary(&[0.187], surface).unwrap(),
+            ior: Some(1.5),
+            readings: Vec::new(),
+            rmsd_percent,
+            objective: (Objective::Rmsd, rmsd_percent),
+            incidences: Vec::new(),
+            neglected: Neglected::default(),
+            simulation_noise_percent: None,
+            evaluations: 7,
+            seconds: 0.25,
+            termination: Termination::Converged,
+        };
+        let mut model = Model::new(&ggx, surface, []);
+        model.validity = refusal.map(String::from).into_iter().collect();
+        let refusal = refusal.map(String::from);
+        let entry = Entry { label: method.into(), fit, refusal, warnings: Vec::new() };
+        Attempt { method: method.into(), result: Ok((entry, model)) }
+    }
+
+    fn comparison() -> Comparison {
+        let none = Attempt { method: "map".into(), result: Err("needs a map".into()) };
+        let sample = |name: &str, attempts| SampleResult {
+            name: name.into(),
+            title: format!("{name} (Rq = 1.47 um)"),
+            noise_floor_percent: Some(0.125),
+            attempts,
+        };
+        let first = vec![attempt("a", 1.536, None), attempt("b", 1.089, None), none.clone()];
+        let no = || Some("does not describe, \"limit\"");
+        let second = vec![attempt("a", 2.5, no()), attempt("b", 3.5, no()), none];
+        Comparison {
+            title: "Comparison".into(),
+            what: "No measured data.".into(),
+            methods: ["a", "b", "map"].map(String::from).into(),
+            samples: vec![sample("one", first), sample("two", second)],
+        }
+    }
+
+    #[test]
+    fn the_table_has_a_row_a_sample_and_a_column_a_method() {
+        let text = comparison().markdown();
+        for line in [
+            "| sample | a | b | map |",
+            "| one (Rq = 1.47 um) | 1.54 % | **1.09 %** | - |",
+            "| two (Rq = 1.47 um) | 2.50 % (no) | 3.50 % (no) | - |",
+            "| b | **1.089** | 0.125 | - | 0.25 | alpha = 0.1870 ± 0.0009 | best |  |",
+            "1. map: needs a map",
+            "2. b: does not describe, \"limit\"",
+            "No method describes this sample.",
+        ] {
+            assert!(text.lines().any(|l| l == line), "{line} is not in\n{text}");
+        }
+        assert!(text.contains("Best: b, 1.089 %; the measurement's own noise is 0.125 %."));
+        let text = comparison().text();
+        assert!(text.contains("1.09 % *") && text.contains("1. map: needs a map"), "{text}");
+        assert_eq!(
+            comparison().undescribed().map(|s| s.name.as_str()).collect::<Vec<_>>(),
+            ["two"]
+        );
+    }
+
+    #[test]
+    fn csv_and_json_hold_the_same() {
+        let comparison = comparison();
+        let json = comparison.json();
+        let csv = comparison.csv();
+        let mut rows = csv::Reader::from_reader(csv.as_bytes());
+        let rows: Vec<_> = rows.records().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 6);
+        for (k, row) in rows.iter().enumerate() {
+            let (sample, method) = (k / 3, k % 3);
+            let result = &json["samples"][sample]["results"][method];
+            assert_eq!(json["samples"][sample]["name"], row[0]);
+            assert_eq!((&result["method"], &result["label"]), (&row[1].into(), &row[2].into()));
+            let number = |text: &str| text.parse::<f64>().ok();
+            assert_eq!(result["error_percent"].as_f64(), number(&row[3]));
+            assert_eq!(result["seconds"].as_f64(), number(&row[6]));
+            assert_eq!(result["describes"].to_string(), row[7]);
+            assert_eq!(result["best"].to_string(), row[8]);
+        }
+        assert_eq!(&rows[4][10], "does not describe, \"limit\"");
+        assert_eq!(json["samples"][0]["best"], "b");
+        assert!(json["samples"][1]["best"].is_null());
+        assert_eq!(json["samples"][0]["results"][1]["file"], "one-b.json");
+        assert!(json["samples"][0]["results"][2]["file"].is_null());
+    }
+}

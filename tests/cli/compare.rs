@@ -1,0 +1,165 @@
+//! `compare`: every method on every sample, side by side.
+
+use serde_json::Value;
+
+use crate::happy::{is_balanced, is_plot, without_nan};
+use crate::map_verbs::{SCAN, waves};
+use crate::program::Folder;
+use crate::refusal::{case, refused};
+
+/// A folder with `map.txt` and its scan at 0 and 30 degrees.
+fn sampled() -> Folder {
+    let folder = Folder::new();
+    folder.write("map.txt", waves(0.6));
+    folder.run(SCAN).ok();
+    folder
+}
+
+const FEW: &str = "--fit-rays 20000 --rays 40000 --rough-side source --max-misfit 60";
+
+#[test]
+fn methods_stand_side_by_side_in_all_formats() {
+    let folder = sampled();
+    let line = format!(
+        "compare scan.csv --map map.txt --pixel-um 1 --methods ggx,normals,measured-ray {FEW} -o r"
+    );
+    let done = folder.run(&line).with_code(0);
+    let json = folder.json("r/compare.json");
+    assert_eq!(json["methods"], serde_json::json!(["ggx", "normals", "measured-ray"]));
+    let sample = &json["samples"][0];
+    assert_eq!((&sample["name"], &sample["best"]), (&"scan".into(), &"measured-ray".into()));
+    let results = sample["results"].as_array().unwrap();
+    assert_eq!(results.len(), 3);
+
+    // the table: one row a sample, one column a method, the lowest marked
+    let title = sample["title"].as_str().unwrap();
+    assert!(title.starts_with("scan (Rq = 0."), "{title}");
+    let markdown = folder.text("r/compare.md");
+    assert!(
+        markdown.contains("scan: scan scan.csv (virtual: map.txt), map map.txt."),
+        "{markdown}"
+    );
+    let error = |k: usize| results[k]["error_percent"].as_f64().unwrap();
+    let row =
+        format!("| {title} | {:.2} % | {:.2} % | **{:.2} %** |", error(0), error(1), error(2));
+    for expected in ["| sample | ggx | normals | measured-ray |", &row] {
+        assert!(markdown.lines().any(|l| l == expected), "{expected} is not in\n{markdown}");
+    }
+    let shown = format!("{:.2} % *", error(2));
+    assert!(done.out.contains(&shown) && done.out.contains("Best: measured-ray"), "{}", done.out);
+
+    // the same in CSV, and in the models
+    let csv = folder.text("r/compare.csv");
+    let mut rows = csv.lines().skip(1);
+    for result in results {
+        let row = rows.next().unwrap();
+        let method = result["method"].as_str().unwrap();
+        let begin = format!(
+            "scan,{method},{},{},",
+            result["label"].as_str().unwrap(),
+            result["error_percent"].as_f64().unwrap()
+        );
+        assert!(row.starts_with(&begin), "{row} does not start with {begin}");
+        assert_eq!(result["file"], format!("scan-{method}.json"));
+        let model = folder.json(&format!("r/scan-{method}.json"));
+        assert_eq!(model["rmsd_percent"], result["error_percent"]);
+        assert_eq!(model["parameters"], result["parameters"]);
+        assert_eq!(model.get("map").is_some(), method == "measured-ray");
+        let notes = model.get("validity").cloned().unwrap_or_else(|| serde_json::json!([]));
+        assert_eq!(notes, result["notes"]);
+        for note in notes.as_array().unwrap() {
+            assert!(markdown.contains(note.as_str().unwrap()), "{note}");
+        }
+    }
+    assert_eq!(rows.next(), None);
+    let law = results[1]["label"].as_str().unwrap();
+    assert!(["normals (gauss)", "normals (cauchy)"].contains(&law), "{law}");
+
+    for stem in ["all", "sigma0", "sigma30"] {
+        for scale in ["linear", "log"] {
+            let name = format!("r/scan-{stem}-{scale}.svg");
+            is_plot(&folder, &name);
+            let text = folder.text(&name);
+            assert!(["measured", "ggx", "normals"].iter().all(|m| text.contains(m)), "{name}");
+        }
+    }
+    let html = folder.text("r/report.html");
+    assert!(html.contains(&format!("<b>{:.2} %</b>", error(2))) && html.contains("<svg"));
+    without_nan("report.html", &html);
+    is_balanced("report.html", &html);
+    assert_eq!(folder.names(), ["map.txt", "r", "scan.csv"]);
+}
+
+#[test]
+fn what_cannot_be_used_is_listed_with_the_reason_and_the_others_run() {
+    let folder = sampled();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    folder.run("scan m.json --sigma 0,30 --step 1 -o exact.csv").ok();
+    let line = format!("compare exact.csv scan.csv --methods measured-ray,ggx {FEW} -o r --json");
+    let json = folder.run(&line).json();
+    assert_eq!(json, folder.json("r/compare.json"));
+    let samples = json["samples"].as_array().unwrap();
+    let names: Vec<&Value> = samples.iter().map(|s| &s["name"]).collect();
+    assert_eq!(names, ["exact", "scan"]);
+    for sample in samples {
+        let (without, ggx) = (&sample["results"][0], &sample["results"][1]);
+        assert!(without["error_percent"].is_null() && without["file"].is_null(), "{without}");
+        assert!(without["notes"][0].as_str().unwrap().contains("--map"), "{without}");
+        assert_eq!((&ggx["best"], &sample["best"]), (&true.into(), &"ggx".into()));
+    }
+    assert!(samples[0]["results"][1]["error_percent"].as_f64().unwrap() < 0.1);
+    assert!(!folder.path("r/scan-measured-ray.json").exists());
+    assert!(folder.path("r/scan-ggx.json").exists() && folder.path("r/exact-ggx.json").exists());
+}
+
+#[test]
+fn a_sample_that_no_method_describes_is_a_no() {
+    let folder = sampled();
+    let line = format!("compare scan.csv --methods ggx {FEW} --max-misfit 0.01 -o r");
+    let line = line.replace("--max-misfit 60", "");
+    let done = folder.run(&line).with_code(1);
+    assert!(done.err.contains("no: no method describes scan"), "{}", done.err);
+    assert!(done.out.contains("% (no)") && done.out.contains("does not describe"), "{}", done.out);
+    let json = folder.json("r/compare.json");
+    assert!(json["samples"][0]["best"].is_null());
+    // what was found is written all the same
+    assert!(json["samples"][0]["results"][0]["error_percent"].as_f64().unwrap() > 0.0);
+    folder.run("check r/scan-ggx.json --incidence 0").ok();
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused() {
+    let map = waves(0.6);
+    let with_map = |line: &str, says: &[&'static str]| case(line, says).file("map.txt", &map);
+    let input = crate::refusal::SCAN;
+    refused(vec![
+        case("compare -o r", &["SCAN"]),
+        case("compare scan.csv", &["--output"]),
+        case("compare none.csv -o r", &["none.csv"]),
+        case("compare scan.csv none.csv -o r", &["none.csv"]),
+        case("compare scan.csv --methods ggx,phong -o r", &["phong", "the methods are ggx"]),
+        case("compare scan.csv --methods= -o r", &["the methods are ggx"]),
+        case("compare scan.csv --methods measured-ray -o r", &["scan.csv", "--map"]),
+        case("compare scan.csv --map none.txt -o r", &["none.txt"]),
+        with_map("compare scan.csv --map map.txt -o r", &["map.txt", "--pixel-um"]),
+        with_map("compare scan.csv --map map.txt map.txt -o r", &["scans: 1, height maps: 2"]),
+        with_map("compare scan.csv scan.csv --map map.txt -o r", &["scans: 2, height maps: 1"]),
+        case("compare scan.csv --opaque -o r", &["scan.csv", "--geometry reflection"]),
+        case(
+            "compare scan.csv --opaque --geometry reflection --methods heights -o r",
+            &["heights", "described with ggx"],
+        ),
+        case(
+            "compare scan.csv --quantity bsdf --aperture 0 --methods heights -o r",
+            &["scan.csv", "--aperture"],
+        ),
+        case("compare scan.csv --ior 1 -o r", &["--ior"]),
+        case("compare scan.csv --rays 0 -o r", &["--rays"]),
+        case("compare scan.csv --max-misfit 0 -o r", &["--max-misfit"]),
+        case("compare scan.csv --objective least -o r", &["least", "rmsd"]),
+        case("compare scan.csv -o scan.csv", &["scan.csv", "choose another folder"]),
+        case("compare scan.csv -o scan.csv/new", &["scan.csv/new", "choose another folder"]),
+        case("compare compare.csv --methods ggx -o .", &["compare.csv", "choose another folder"])
+            .file("compare.csv", input),
+    ]);
+}
