@@ -13,8 +13,8 @@ use super::{interrupt, print, progress};
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::Rays;
 use crate::input::{read_all, read_file};
-use crate::measurement::excerpt;
 use crate::kirchhoff::{Speckle, WaveBoundary};
+use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
 use crate::raytrace::TracedBoundary;
@@ -75,9 +75,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (name, text) = pairs_text(args.input.as_ref())?;
     let pairs = parse(&name, &text)?;
     let rays = Rays { count: args.rays, seed: args.seed };
-    let of_table = |table: &BsdfTable| {
-        values(table, &pairs, |wi, wo| Some(table.std_error(wi, wo)))
-    };
+    let of_table =
+        |table: &BsdfTable| values(table, &pairs, |wi, wo| Some(table.std_error(wi, wo)));
     let rows = if let Boundary::Wave(wave) = &boundary {
         of_table(&of_waves(wave, &pairs, rays)?)
     } else {

@@ -65,8 +65,7 @@ fn lobes(
     let weights: Vec<(f64, f64)> = boundary.wavelengths().iter().collect();
     let beam = |lobe, um| Beam { wi, lobe, wavelength_um: um };
     let of_lobe = |lobe| weights.iter().map(move |(um, _)| beam(lobe, *um));
-    let beams: Vec<Beam> =
-        of_lobe(Lobe::Reflection).chain(of_lobe(Lobe::Transmission)).collect();
+    let beams: Vec<Beam> = of_lobe(Lobe::Reflection).chain(of_lobe(Lobe::Transmission)).collect();
     // the map of a boundary is complete
     let found =
         orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, progress).ok()??;
@@ -150,7 +149,8 @@ mod tests {
         let wi = from(Side::Air, 30.0, 20.0);
         let beam = |lobe| Beam { wi, lobe, wavelength_um: 0.55 };
         let beams = [beam(Lobe::Reflection), beam(Lobe::Transmission)];
-        let exact = orders(&map, Edges::Periodic, eta, &beams, &never, &|_, _| ()).unwrap().unwrap();
+        let exact =
+            orders(&map, Edges::Periodic, eta, &beams, &never, &|_, _| ()).unwrap().unwrap();
         let totals = table.totals(wi);
         assert!((totals.reflected.value - exact[0].totals().0).abs() < 1e-9);
         assert!((totals.transmitted.value - exact[1].totals().0).abs() < 1e-9);

@@ -11,9 +11,9 @@ use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
 use asperity_tests::{data, extensive, tolerance};
 
-use super::oracle::obliquity;
 use super::surfaces::{ETA, Gaussian, K, Ring, Slopes, boundary, index, momentum};
 use crate::common::{dir, incidence};
+use asperity_tests::kirchhoff::obliquity;
 
 const SLOPE: f64 = 0.1;
 

@@ -16,9 +16,9 @@ use asperity_core::direction::Direction;
 use asperity_tests::oracle::fresnel;
 use asperity_tests::{data, extensive, tolerance};
 
-use super::oracle::obliquity;
 use super::surfaces::{ETA, Gaussian, K, Ring, Slopes, all, beam, boundary, index, momentum};
 use crate::common::Random;
+use asperity_tests::kirchhoff::obliquity;
 
 /// A row of the reference file.
 #[derive(Clone, Debug)]

@@ -6,9 +6,9 @@ use asperity_core::direction::Direction;
 use asperity_tests::oracle::{fluxes, fresnel};
 use asperity_tests::{data, tolerance};
 
-use super::oracle::obliquity;
 use super::surfaces::{ETA, Gaussian, K, LOBES, Ring, all, beam, boundary, index, momentum};
 use crate::common::{dir, incidence, wide};
+use asperity_tests::kirchhoff::obliquity;
 
 const SURFACE: Gaussian = Gaussian { sigma_um: 0.01, length_um: 2.0 };
 const PITCH_UM: f64 = 0.5;

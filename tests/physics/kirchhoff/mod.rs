@@ -1,6 +1,5 @@
 //! Waves on a height map: against direct sums, closed forms and published tables.
 
-mod oracle;
 mod surfaces;
 mod orders;
 mod gaussian;
