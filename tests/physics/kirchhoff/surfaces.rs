@@ -1,11 +1,10 @@
 //! Gaussian surfaces of correlation `exp(-r^2 / L^2)`: seeded periodic maps, and the closed form of what they scatter.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use asperity::kirchhoff::{
-    Beam, BeamOrders, Fourier, MeanSpectra, Speckle, WaveBoundary, Wavelengths, orders,
+    Beam, BeamOrders, Fourier, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
 };
 use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::Lobe;
@@ -30,12 +29,15 @@ pub(super) fn all(map: &HeightMap, edges: Edges, beams: &[Beam]) -> Vec<BeamOrde
     orders(map, edges, ior(ETA), beams, &never, &|_, _| ()).unwrap().unwrap()
 }
 
+/// Light of 0.55 um, averaged.
+pub(super) fn options(shadowing: bool) -> WaveOptions {
+    let wavelengths = Wavelengths::single(1000.0 * WAVELENGTH_UM).unwrap();
+    WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing }
+}
+
 /// The mean law of a map at 0.55 um.
 pub(super) fn boundary(map: &HeightMap, edges: Edges) -> WaveBoundary {
-    let spectra = Arc::new(MeanSpectra::new(map, edges).unwrap());
-    let light = Wavelengths::single(1000.0 * WAVELENGTH_UM).unwrap();
-    let map = Arc::new(map.clone());
-    WaveBoundary::new(map, edges, (spectra, 1.0), ior(ETA), light, Speckle::Averaged)
+    WaveBoundary::of_map(map, edges, ior(ETA), &options(false)).unwrap()
 }
 
 /// Refractive index where a direction lies.
