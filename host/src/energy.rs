@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::{Rays, count_flux};
-use crate::kirchhoff::{Beam, WaveBoundary, orders};
+use crate::kirchhoff::{Beam, Speckle, WaveBoundary, orders};
 
 /// Flux balance of one incidence, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -51,7 +51,7 @@ const STEP: u32 = 28_657;
 /// Flux balances for several incidences; `None` if `stop` was set before the end.
 ///
 /// As [`balance`]; waves are summed over the orders of the very map, all incidences from one stack of
-/// transforms. What Kirchhoff's integral gives too much is a negative loss, not hidden. `progress(done, all)`.
+/// transforms; their coherent part is the specular order, or that of the mean law if speckle is averaged. What Kirchhoff's integral gives too much is a negative loss, not hidden. `progress(done, all)`.
 pub fn balances(
     boundary: &Boundary,
     incidences: &[(Side, f64)],
@@ -108,8 +108,12 @@ fn of_waves(
     let count = wave.wavelengths().iter().count();
     let lobe = |part: &[(f64, f64)]| part.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     let balances = totals.chunks(2 * count).zip(incidences).map(|(both, &(side, deg))| {
-        let (reflected, coherent_reflected) = lobe(&both[..count]);
-        let (transmitted, coherent_transmitted) = lobe(&both[count..]);
+        let (reflected, mut coherent_reflected) = lobe(&both[..count]);
+        let (transmitted, mut coherent_transmitted) = lobe(&both[count..]);
+        if wave.speckle() == Speckle::Averaged {
+            let mean = wave.coherent(incidence(side, deg));
+            (coherent_reflected, coherent_transmitted) = (mean.reflected, mean.transmitted);
+        }
         Energy {
             incidence_deg: deg,
             side: side_name(side),

@@ -16,7 +16,7 @@ use crate::boundary::Boundary;
 use crate::forward::{
     Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan, wave,
 };
-use crate::kirchhoff::WaveBoundary;
+use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::output::AtomicFile;
 use crate::surface::{Edges, Form};
@@ -81,7 +81,7 @@ pub(super) struct Virtual {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let Subject { boundary, ior, path, map, .. } = args.subject.read()?;
+    let Subject { boundary, ior, path, map, .. } = args.subject.read(Speckle::Kept)?;
     let setup = setup(args, &boundary)?;
     let grid = grid(args)?;
     if let Some(bad) = args.sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {

@@ -60,7 +60,9 @@ pub(super) struct Subject {
 
 impl SubjectFlags {
     /// Reads the model, or the map.
-    pub(super) fn read(&self) -> Result<Subject, Failure> {
+    ///
+    /// `usual` is what becomes of the speckle of a map unless a flag says otherwise.
+    pub(super) fn read(&self, usual: Speckle) -> Result<Subject, Failure> {
         if let Some(path) = &self.model {
             let (model, boundary, _) = Model::read(path)?;
             let (method, ior) = (model.method, model.ior);
@@ -91,7 +93,7 @@ impl SubjectFlags {
             EngineFlag::Wave => {
                 let (map, edges) = (&prepared.map, prepared.edges);
                 let light = self.light.light(None)?;
-                let options = light.variant((map, edges), Speckle::Kept).map_err(Failure::Bad)?;
+                let options = light.variant((map, edges), usual).map_err(Failure::Bad)?;
                 let wave = WaveBoundary::of_map(map, edges, eta, &options);
                 (Boundary::Wave(Box::new(wave.map_err(|e| of_file(&e))?)), "wave")
             }

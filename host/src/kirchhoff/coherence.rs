@@ -25,7 +25,7 @@ pub fn warning_for_rays(
     lobe: Lobe,
     incidences_deg: &[f64],
 ) -> Result<Option<String>, Incomplete> {
-    let coherent = Coherent::new(map.need_complete()?);
+    let coherent = Coherent::new(map.need_complete()?, |_| 1.0);
     let share = |deg: f64| {
         let (s, c) = deg.to_radians().sin_cos();
         let wi = Direction::from_unit(-s, 0.0, c);

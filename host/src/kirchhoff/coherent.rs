@@ -20,14 +20,16 @@ pub(super) struct Coherent {
 }
 
 impl Coherent {
-    pub(super) fn new(heights_um: &[f64]) -> Self {
+    /// Of heights with weights, by their place.
+    pub(super) fn new(heights_um: &[f64], weight: impl Fn(usize) -> f64) -> Self {
         let none = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = heights_um.iter().fold(none, |(a, b), h| (a.min(*h), b.max(*h)));
         let bin_um = ((high - low) / (BINS - 2) as f64).max(1e-12);
         let mut bins = vec![Complex::new(0.0, 0.0); BINS * PADDING];
         let middle = 0.5 * (low + high);
-        let share = 1.0 / heights_um.len() as f64;
-        for h in heights_um {
+        let all: f64 = (0..heights_um.len()).map(&weight).sum();
+        for (place, h) in heights_um.iter().enumerate() {
+            let share = weight(place) / all;
             // between two bins: the field loses sinc^2(q bin / 2), which is put back
             let x = ((h - middle) / bin_um + 0.5 * BINS as f64).clamp(0.0, (BINS - 2) as f64);
             let k = x as usize;
@@ -79,7 +81,7 @@ mod tests {
                 7.0 + 1.3 * (x.fract() - 0.5) + 0.4 * (f64::from(k) * 0.01).sin()
             })
             .collect();
-        let found = Coherent::new(&heights);
+        let found = Coherent::new(&heights, |_| 2.0);
         for q_z in [0.0, 1e-9, 0.1, 1.0, 3.7, 11.4, 22.8, -22.8, 51.0] {
             let sum: Complex<f64> =
                 heights.iter().map(|h| Complex::from_polar(1.0, -q_z * h)).sum();
@@ -87,7 +89,7 @@ mod tests {
             let error = (found.intensity(q_z) - exact).abs();
             assert!(error < 2e-5, "{q_z} {exact} {error}");
         }
-        let flat = Coherent::new(&[3.0; 9]);
+        let flat = Coherent::new(&[3.0; 9], |_| 1.0);
         assert!((flat.intensity(20.0) - 1.0).abs() < 1e-9 && flat.intensity(1e30) <= 1.0);
     }
 }

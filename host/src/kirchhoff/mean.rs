@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use asperity_core::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
@@ -94,19 +95,25 @@ impl MeanSpectra {
         let step = [(nx, map.dx_um()), (ny, map.dy_um())]
             .map(|(n, pitch)| std::f64::consts::TAU / (n as f64 * pitch));
         let rings = Rings::new((nx, ny), step, edges == Edges::Periodic);
+        let windows = [hann(nx), hann(ny)];
+        let weight = |k: usize| {
+            let of = |n: usize, at: usize| windows[n].get(at).map_or(1.0, |w| f64::from(*w));
+            of(0, k % nx) * of(1, k / nx)
+        };
+        let coherent = Coherent::new(heights, weight);
         Ok(Self {
             fourier: Fourier::new((nx, ny), Edges::Periodic),
             nx,
             heights_um: heights.iter().map(|h| h - middle).collect(),
-            windows: [hann(nx), hann(ny)],
+            windows,
             radii: Arc::new(rings.radii.clone()),
             rings,
-            coherent: Coherent::new(heights),
+            coherent,
             nodes: Mutex::new(BTreeMap::new()),
         })
     }
 
-    /// `|mean field|^2` at a `q_z`.
+    /// `|mean field|^2` at a `q_z`, under the window if there is one.
     pub(super) fn coherent(&self, q_z: f64) -> f64 {
         self.coherent.intensity(q_z)
     }
@@ -131,18 +138,25 @@ impl MeanSpectra {
         let nx = self.nx;
         let turns = q_z / std::f64::consts::TAU;
         let ones = vec![1.0; nx];
+        let along = if self.windows[0].is_empty() { &ones } else { &self.windows[0] };
         let rows: Vec<Complex<f64>> = self
             .heights_um
             .par_chunks(nx)
+            .enumerate()
             .map_init(
                 || vec![Complex::default(); nx],
-                |line, heights| {
-                    phase(heights, &ones, turns, line);
-                    line.iter().map(|u| Complex::new(f64::from(u.re), f64::from(u.im))).sum()
+                |line, (j, heights)| {
+                    phase(heights, along, turns, line);
+                    let across = self.windows[1].get(j).map_or(1.0, |w| f64::from(*w));
+                    let sum = |u: &Complex<f32>| Complex::new(f64::from(u.re), f64::from(u.im));
+                    line.iter().map(sum).sum::<Complex<f64>>() * across
                 },
             )
             .collect();
-        let mean = rows.iter().sum::<Complex<f64>>() / self.heights_um.len() as f64;
+        let across =
+            if self.windows[1].is_empty() { &vec![1.0; rows.len()] } else { &self.windows[1] };
+        let weight = |of: &[f32]| of.iter().map(|w| f64::from(*w)).sum::<f64>();
+        let mean = rows.iter().sum::<Complex<f64>>() / (weight(along) * weight(across));
         let coherent = Complex::new(mean.re as f32, mean.im as f32);
         self.fourier.transform(
             |j, line| {
@@ -237,6 +251,13 @@ impl Rings {
             node.speckle.push((relative * (correlated / count).sqrt().min(1.0)) as f32);
             node.cumulated.push(below);
         }
+        self.fill_centre(&mut node);
+        self.keep_flux(&mut node);
+        node
+    }
+
+    fn fill_centre(&self, node: &mut Node) {
+        let n = self.radii.len();
         // the centre itself is the coherent light's: the density there is that about it
         for k in (0..n.saturating_sub(1)).rev() {
             if self.counts[k] == 0 || k == 0 {
@@ -244,7 +265,32 @@ impl Rings {
                 node.speckle[k] = node.speckle[k + 1];
             }
         }
-        node
+    }
+
+    /// Scales the densities so that what is interpolated between the means holds the flux of the rings, as far as
+    /// these are whole.
+    fn keep_flux(&self, node: &mut Node) {
+        let whole = (1..self.radii.len()).take_while(|&k| {
+            let (a, b) = ring_edges(k);
+            f64::from(self.counts[k]) > 0.8 * std::f64::consts::PI * (b * b - a * a)
+        });
+        let Some(last) = whole.last().filter(|k| k + 1 < self.radii.len()) else { return };
+        let end = ring_edges(last).1 * self.base;
+        let mut held = 0.0;
+        for (k, pair) in self.radii.windows(2).enumerate().take(last + 1) {
+            let (from, to) = (pair[0], if k == last { end.max(pair[0]) } else { pair[1] });
+            let (a, b) = (node.ln_density[k], node.ln_density[k + 1]);
+            for (t, w) in gauss_legendre::<4>() {
+                let r = from + t * (to - from);
+                let ln = a + (b - a) * (r - pair[0]) / (pair[1] - pair[0]);
+                held += w * (to - from) * std::f64::consts::TAU * r * ln.exp();
+            }
+        }
+        let factor = node.cumulated[last] / held;
+        // a few rings say little about the shape between them
+        if factor > 0.8 && factor < 1.25 {
+            node.ln_density.iter_mut().for_each(|ln| *ln += factor.ln());
+        }
     }
 }
 
