@@ -61,6 +61,8 @@ struct Rings {
     cell: f64,
     /// Its side, 1/um.
     base: f64,
+    /// Radius within which rings are whole, 1/um.
+    whole: f64,
     /// Whether the field was weighted by a window, which makes neighbouring orders alike.
     windowed: bool,
 }
@@ -199,7 +201,8 @@ impl Rings {
                 if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
             radii[k] = radii[k].max(radii[k - 1] + 1e-9 * base);
         }
-        Self { of_order, radii, counts, cell, base, windowed: !periodic }
+        let whole = 0.5 * (nx as f64 * step[0]).min(ny as f64 * step[1]);
+        Self { of_order, radii, counts, cell, base, whole, windowed: !periodic }
     }
 
     /// Means over rings of the squares of coefficients, scaled so that all of them hold `total`.
@@ -270,11 +273,12 @@ impl Rings {
     /// Scales the densities so that what is interpolated between the means holds the flux of the rings, as far as
     /// these are whole.
     fn keep_flux(&self, node: &mut Node) {
-        let whole = (1..self.radii.len()).take_while(|&k| {
-            let (a, b) = ring_edges(k);
-            f64::from(self.counts[k]) > 0.8 * std::f64::consts::PI * (b * b - a * a)
-        });
-        let Some(last) = whole.last().filter(|k| k + 1 < self.radii.len()) else { return };
+        let whole =
+            (1..self.radii.len()).take_while(|&k| ring_edges(k).1 * self.base <= self.whole);
+        // a few rings say little about the shape between them
+        let Some(last) = whole.last().filter(|k| (8..self.radii.len() - 1).contains(k)) else {
+            return;
+        };
         let end = ring_edges(last).1 * self.base;
         let mut held = 0.0;
         for (k, pair) in self.radii.windows(2).enumerate().take(last + 1) {
@@ -286,8 +290,8 @@ impl Rings {
                 held += w * (to - from) * std::f64::consts::TAU * r * ln.exp();
             }
         }
-        let factor = node.cumulated[last] / held;
-        // a few rings say little about the shape between them
+        // the rings have no order at the centre
+        let factor = (node.cumulated[last] + node.ln_density[0].exp() * self.cell) / held;
         if factor > 0.8 && factor < 1.25 {
             node.ln_density.iter_mut().for_each(|ln| *ln += factor.ln());
         }

@@ -84,15 +84,14 @@ fn a_measured_surface_is_as_coherent_and_as_wide_as_found_before() {
         );
         let [plain, windowed] = [false, true].map(|hann| mean_field(&map, hann));
         println!("direct sums: {plain:.4}, under Hann's window {windowed:.4}");
-        for found in [coherent, specular] {
-            assert!((found - plain).abs() < 1e-4, "{found} {plain}");
+        // the mean law of a map that is not periodic is under the window, orders are not
+        for (found, exact) in [(coherent, windowed), (specular, plain)] {
+            assert!((found - exact).abs() < 1e-4, "{found} {exact}");
         }
         if form == Form::Plane {
             continue;
         }
-        // the figures found before are under a window; another weight is as good as another piece of the surface
-        assert!((windowed - 0.117).abs() < tolerance::REAL_COHERENT.allowed, "{windowed}");
-        assert!((coherent - 0.117).abs() < tolerance::REAL_PIECE.allowed, "{coherent}");
+        assert!((coherent - 0.117).abs() < tolerance::REAL_COHERENT.allowed, "{coherent}");
         for (found, expected) in [(c, 1.46), (d, 3.91)] {
             let off = found / expected - 1.0;
             assert!(off.abs() < tolerance::REAL_WIDTH.allowed, "{found} {expected}");
