@@ -51,7 +51,7 @@ const STEP: u32 = 28_657;
 /// Flux balances for several incidences; `None` if `stop` was set before the end.
 ///
 /// As [`balance`]; waves are summed over the orders of the very map, all incidences from one stack of
-/// transforms; their coherent part is the specular order, or that of the mean law if speckle is averaged. What Kirchhoff's integral gives too much is a negative loss, not hidden. `progress(done, all)`.
+/// transforms; their coherent part is the specular order, or that of the mean law unless speckle is kept. What Kirchhoff's integral gives too much is a negative loss, not hidden. `progress(done, all)`.
 pub fn balances(
     boundary: &Boundary,
     incidences: &[(Side, f64)],
@@ -91,7 +91,7 @@ fn of_waves(
         }
     }
     // the map of a boundary is complete
-    let found = orders(wave.map(), wave.edges(), wave.eta(), &beams, stop, progress).ok()??;
+    let found = orders(wave.map(), wave.tiling(), wave.eta(), &beams, stop, progress).ok()??;
     let totals: Vec<(f64, f64)> = found
         .par_iter()
         .zip(&weights)
@@ -110,7 +110,7 @@ fn of_waves(
     let balances = totals.chunks(2 * count).zip(incidences).map(|(both, &(side, deg))| {
         let (reflected, mut coherent_reflected) = lobe(&both[..count]);
         let (transmitted, mut coherent_transmitted) = lobe(&both[count..]);
-        if wave.speckle() == Speckle::Averaged {
+        if wave.speckle() != Speckle::Kept {
             let mean = wave.coherent(incidence(side, deg));
             (coherent_reflected, coherent_transmitted) = (mean.reflected, mean.transmitted);
         }

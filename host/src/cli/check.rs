@@ -79,7 +79,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--incidence {bad} is not usable; give 0 to below 90 degrees"
         )));
     }
-    let Subject { boundary, method, ior, map, .. } = args.subject.read(Speckle::Averaged)?;
+    let Subject { boundary, method, ior, map, .. } = args.subject.read(&[Speckle::Averaged])?;
     let sides: &[Side] = match (args.side, &boundary) {
         (Some(SideFlag::Dielectric), Boundary::Opaque(_)) => {
             return Err(Failure::bad("an opaque body has no inside; use --side air"));

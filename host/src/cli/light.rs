@@ -12,8 +12,10 @@ use crate::surface::{Edges, HeightMap};
 pub(super) enum SpeckleFlag {
     /// A large piece of the same surface: the mean over azimuths
     Averaged,
-    /// This very map, with its speckle
+    /// This very map, with its speckle, going on as its edges say
     Kept,
+    /// This very map, with its speckle, alone in the light: a beam as large as the map
+    Patch,
 }
 
 impl From<SpeckleFlag> for Speckle {
@@ -21,6 +23,7 @@ impl From<SpeckleFlag> for Speckle {
         match flag {
             SpeckleFlag::Averaged => Self::Averaged,
             SpeckleFlag::Kept => Self::Kept,
+            SpeckleFlag::Patch => Self::Patch,
         }
     }
 }
@@ -32,7 +35,8 @@ pub(super) struct LightFlags {
     /// Vacuum wavelengths in nm, alone or each with its weight: 550, or 450,550, or 450:0.3,550:1
     #[arg(long, value_name = "NM,...", allow_negative_numbers = true)]
     wavelength_nm: Option<Wavelengths>,
-    /// Speckle of waves: averaged away, as over a large piece of the surface, or kept, as of this very map
+    /// Speckle of waves: averaged away, as over a large piece of the surface, or kept, as of this very map, which goes on
+    /// or is alone in the light
     #[arg(long, value_enum)]
     speckle: Option<SpeckleFlag>,
     /// Smith's shadowing and masking for waves
@@ -100,20 +104,31 @@ impl Light {
                 ));
             }
             Some(Speckle::Averaged) => &[Speckle::Averaged],
-            None if may_average => &[Speckle::Averaged, Speckle::Kept],
-            Some(Speckle::Kept) | None => &[Speckle::Kept],
+            Some(Speckle::Kept) => &[Speckle::Kept],
+            Some(Speckle::Patch) => &[Speckle::Patch],
+            None => match (may_average, map.is_some_and(|m| m.1 == Edges::Mirrored)) {
+                (true, false) => &[Speckle::Averaged, Speckle::Kept],
+                (false, false) => &[Speckle::Kept],
+                (true, true) => &[Speckle::Averaged, Speckle::Kept, Speckle::Patch],
+                (false, true) => &[Speckle::Kept, Speckle::Patch],
+            },
         };
         speckles.iter().map(|speckle| self.options(*speckle)).collect()
     }
 
-    /// The one way to treat the speckle of a map: the one that is asked for, else this.
+    /// The one way to treat the speckle of a map: the one that is asked for, else the first of these that it allows.
     pub(super) fn variant(
         &self,
         map: (&HeightMap, Edges),
-        usual: Speckle,
+        usual: &[Speckle],
     ) -> Result<WaveOptions, String> {
         let variants = self.variants(Some(map))?;
-        let wanted = variants.iter().find(|v| v.speckle == usual).or(variants.first());
-        wanted.cloned().ok_or_else(|| "no way to treat the speckle".into())
+        let of = |speckle: &Speckle| variants.iter().find(|v| v.speckle == *speckle);
+        usual
+            .iter()
+            .find_map(of)
+            .or(variants.first())
+            .cloned()
+            .ok_or_else(|| "no way to treat the speckle".into())
     }
 }

@@ -81,7 +81,8 @@ pub(super) struct Virtual {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let Subject { boundary, ior, path, map, .. } = args.subject.read(Speckle::Kept)?;
+    let Subject { boundary, ior, path, map, .. } =
+        args.subject.read(&[Speckle::Patch, Speckle::Kept])?;
     let setup = setup(args, &boundary)?;
     let grid = grid(args)?;
     if let Some(bad) = args.sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {

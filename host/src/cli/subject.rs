@@ -62,7 +62,7 @@ impl SubjectFlags {
     /// Reads the model, or the map.
     ///
     /// `usual` is what becomes of the speckle of a map unless a flag says otherwise.
-    pub(super) fn read(&self, usual: Speckle) -> Result<Subject, Failure> {
+    pub(super) fn read(&self, usual: &[Speckle]) -> Result<Subject, Failure> {
         if let Some(path) = &self.model {
             let (model, boundary, _) = Model::read(path)?;
             let (method, ior) = (model.method, model.ior);

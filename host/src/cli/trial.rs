@@ -177,7 +177,7 @@ impl Job<'_> {
                 && method.wave().is_some()
                 && !self.is_better_there(&**method, best)
             {
-                // Another way to treat the speckle, worse by far at the same values: seconds an evaluation saved.
+                // Another way to treat the speckle, not better at values that matter: seconds an evaluation saved.
                 continue;
             }
             let bar = progress::counter(&format!("{prefix}fitting {label}"));
@@ -216,12 +216,20 @@ impl Job<'_> {
         Ok((entry, model))
     }
 
-    /// Whether a method describes the measurement better than a fit does with the fit's values.
+    /// Whether a method describes the measurement better than a fit does, with the fit's values or with the map as it
+    /// is.
     fn is_better_there(&self, method: &dyn Method, than: &Entry) -> bool {
-        let values: Vec<f64> = than.fit.parameters.iter().map(|p| p.value).collect();
         let stop = interrupt::flag();
-        let there = cost_at(method, self.measurement, &self.setup, &self.options, &values, stop);
-        there.is_some_and(|cost| cost < than.fit.objective.1)
+        let better = |values: &[f64]| {
+            let cost = cost_at(method, self.measurement, &self.setup, &self.options, values, stop);
+            cost.is_some_and(|cost| cost < than.fit.objective.1)
+        };
+        let found: Vec<f64> = than.fit.parameters.iter().map(|p| p.value).collect();
+        let of_map =
+            method.parameters().iter().map(|p| if p.low_is_none { p.bounds.0 } else { 1.0 });
+        let mut as_it_is = found.clone();
+        as_it_is.iter_mut().zip(of_map).for_each(|(value, of_map)| *value = of_map);
+        better(&found) || better(&as_it_is)
     }
 
     /// What has to be said about the boundary of a fit at the angles of the measurement.

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::optics::{Entry, enter, look};
 use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature, solid_angle};
-use crate::kirchhoff::{Beam, BeamOrders, Speckle, WaveBoundary, orders};
+use crate::kirchhoff::{Beam, BeamOrders, Speckle, Tiling, WaveBoundary, orders};
 use crate::measurement::Quantity;
 
 /// Simulates a scan; `None` if `stop` was set before the end. `progress(done, all)` counts transforms.
@@ -29,7 +29,7 @@ pub fn wave(
 ) -> Option<Readings> {
     match boundary.speckle() {
         Speckle::Averaged => Some(averaged(boundary, setup, plan, effort)),
-        Speckle::Kept => kept(boundary, setup, plan, effort, stop, progress),
+        Speckle::Kept | Speckle::Patch => kept(boundary, setup, plan, effort, stop, progress),
     }
 }
 
@@ -68,7 +68,7 @@ fn kept(
     let all: Vec<Beams<'_>> =
         plan.incidences.iter().map(|angles| Beams::new(boundary, setup, angles)).collect();
     let beams: Vec<Beam> = all.iter().flat_map(Beams::first).collect();
-    let found = orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, progress);
+    let found = orders(boundary.map(), boundary.tiling(), boundary.eta(), &beams, stop, progress);
     // the map of a boundary is complete
     let found = found.ok().flatten()?;
     let wavelengths: Vec<f64> = boundary.wavelengths().iter().map(|w| w.1).collect();
@@ -227,6 +227,9 @@ impl<'a> Beams<'a> {
         let theta = &self.angles.theta_deg[..];
         let Setup { aperture_deg, geometry, .. } = *self.setup;
         let cone = Goniophotometer { aperture_deg, geometry }.cone();
+        // four orders of a patch are as good as one, and its coherent light is in several
+        let (alike, spread) =
+            if self.boundary.tiling() == Tiling::Patch { (4.0, 2) } else { (1.0, 0) };
         // where a sum begins to hold an order, and where it ceases to
         let mut changes = vec![[0.0; 2]; theta.len() + 1];
         for (beam, weight) in orders.iter().zip(weights) {
@@ -238,7 +241,8 @@ impl<'a> Beams<'a> {
                 if first < end {
                     let shadow = self.boundary.unshadowed(self.entry.w, order.wo);
                     let flux = self.entry.flux * weight * order.power * share * shadow;
-                    let square = if order.is_specular() { 0.0 } else { flux * flux };
+                    let coherent = order.number.iter().all(|n| n.abs() <= spread);
+                    let square = if coherent { 0.0 } else { alike * flux * flux };
                     for (k, sign) in [(first, 1.0), (end, -1.0)] {
                         changes[k][0] += sign * flux;
                         changes[k][1] += sign * square;

@@ -9,6 +9,7 @@ use asperity_core::quantity::RelativeIor;
 
 use super::mean::{Density, MeanSpectra};
 use super::optics::{Beam, Optics};
+use super::orders::Tiling;
 use super::shadowing::Shadowing;
 use super::validity::{Validity, ValidityError};
 use super::wavelengths::Wavelengths;
@@ -20,8 +21,11 @@ use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
 pub enum Speckle {
     /// The mean over the azimuths of the momentum: all directions of the surface must be alike.
     Averaged,
-    /// This very map, its speckle smoothed by the detector's cone and the wavelengths alone.
+    /// This very map, which goes on as its edges say, its speckle smoothed by the detector's cone and the wavelengths
+    /// alone.
     Kept,
+    /// The same, but the map is all that is lit: a beam as large as the map.
+    Patch,
 }
 
 /// How waves are sent on a map.
@@ -39,11 +43,12 @@ pub struct WaveOptions {
 }
 
 impl Speckle {
-    /// `averaged` or `kept`.
+    /// `averaged`, `kept` or `patch`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Averaged => "averaged",
             Self::Kept => "kept",
+            Self::Patch => "patch",
         }
     }
 }
@@ -124,6 +129,11 @@ impl WaveBoundary {
     /// How it goes on.
     pub fn edges(&self) -> Edges {
         self.edges
+    }
+
+    /// What lies around it, where its own orders are meant.
+    pub fn tiling(&self) -> Tiling {
+        if self.speckle == Speckle::Patch { Tiling::Patch } else { self.edges.into() }
     }
 
     /// Index of the dielectric over that of air.

@@ -22,6 +22,6 @@ pub use coherence::warning_for_rays;
 pub use fft::{Coefficients, Fourier};
 pub use mean::MeanSpectra;
 pub use optics::Beam;
-pub use orders::{BeamOrders, Order, orders};
+pub use orders::{BeamOrders, Order, Tiling, orders};
 pub use validity::{Validity, ValidityError};
 pub use wavelengths::{Wavelengths, WavelengthsError};

@@ -23,6 +23,27 @@ use crate::surface::{Edges, HeightMap, Incomplete};
 /// Amplitudes that are in memory at once; more beams are worked on in turns.
 const MOST_AMPLITUDES: usize = 96 << 20;
 
+/// What lies around a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tiling {
+    /// The map again.
+    Periodic,
+    /// Its mirror images.
+    Mirrored,
+    /// Nothing that is lit: the map is a patch, its orders half as far apart as those of a period, and its coherent
+    /// light as wide as diffraction at the patch makes it.
+    Patch,
+}
+
+impl From<Edges> for Tiling {
+    fn from(edges: Edges) -> Self {
+        match edges {
+            Edges::Periodic => Self::Periodic,
+            Edges::Mirrored => Self::Mirrored,
+        }
+    }
+}
+
 /// One order of a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Order {
@@ -37,7 +58,7 @@ pub struct Order {
 }
 
 impl Order {
-    /// Whether it is the one that a flat surface has: the coherent light.
+    /// Whether it is the one that a flat surface has: the coherent light. Of a patch, its middle.
     pub fn is_specular(&self) -> bool {
         self.number == [0, 0]
     }
@@ -51,6 +72,8 @@ pub struct BeamOrders {
     columns: Vec<Column>,
     /// Distance of orders, 1/um.
     step: [f64; 2],
+    /// From `|A|^2` of the whole field to that of the lit part, by order.
+    unit: f64,
     /// Only orders of `y >= 0` are kept; those below are their mirror images.
     halved: bool,
 }
@@ -71,13 +94,13 @@ struct Column {
 /// [`Incomplete`] if points of the map are missing.
 pub fn orders(
     map: &HeightMap,
-    edges: Edges,
+    tiling: impl Into<Tiling>,
     eta: RelativeIor<f64>,
     beams: &[Beam],
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Option<Vec<BeamOrders>>, Incomplete> {
-    let stack = Stack::new(map, edges)?;
+    let stack = Stack::new(map, tiling.into())?;
     let mut found: Vec<BeamOrders> = Vec::with_capacity(beams.len());
     let mut group: Vec<BeamOrders> = Vec::new();
     let (mut done, mut kept) = (0, 0);
@@ -109,33 +132,40 @@ struct Stack {
     edges: Edges,
     size: [usize; 2],
     step: [f64; 2],
+    /// From `|A|^2` of the whole field to that of the lit part, by order.
+    unit: f64,
     heights_um: Vec<f64>,
     weights: Vec<f32>,
     kernel: Kernel,
 }
 
 impl Stack {
-    fn new(map: &HeightMap, edges: Edges) -> Result<Self, Incomplete> {
+    fn new(map: &HeightMap, tiling: Tiling) -> Result<Self, Incomplete> {
         let heights = map.need_complete()?;
         let range = heights
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
         let (middle, reach) = (0.5 * (range.0 + range.1), 0.5 * (range.1 - range.0));
-        let heights_um: Vec<f64> = heights.iter().map(|h| h - middle).collect();
+        let mut heights_um: Vec<f64> = heights.iter().map(|h| h - middle).collect();
         let kernel = Kernel::new(reach);
-        let (nx, ny) = (map.nx(), map.ny());
-        let periods = if edges == Edges::Periodic { 1.0 } else { 2.0 };
+        let mut weights = kernel.weights(&heights_um, reach);
+        let (mut nx, mut ny) = (map.nx(), map.ny());
+        let periods = if tiling == Tiling::Periodic { 1.0 } else { 2.0 };
         let step = [(nx, map.dx_um()), (ny, map.dy_um())]
             .map(|(n, pitch)| std::f64::consts::TAU / (periods * n as f64 * pitch));
-        Ok(Self {
-            fourier: Fourier::new((nx, ny), edges),
-            edges,
-            size: [nx, ny],
-            step,
-            weights: kernel.weights(&heights_um, reach),
-            heights_um,
-            kernel,
-        })
+        let (mut edges, mut unit) = (Edges::Periodic, 1.0);
+        match tiling {
+            Tiling::Periodic => {}
+            Tiling::Mirrored => edges = Edges::Mirrored,
+            Tiling::Patch => {
+                (heights_um, weights) = (doubled(&heights_um, nx), doubled(&weights, nx));
+                (nx, ny) = (2 * nx, 2 * ny);
+                // a quarter of the area is lit: A is a quarter, and an order stands for a quarter of a cell
+                unit = 4.0;
+            }
+        }
+        let fourier = Fourier::new((nx, ny), edges);
+        Ok(Self { fourier, edges, size: [nx, ny], step, unit, heights_um, weights, kernel })
     }
 
     /// Lowest and highest order of a direction that the pitch can show.
@@ -195,7 +225,8 @@ impl BeamOrders {
     fn new(stack: &Stack, eta: RelativeIor<f64>, beam: Beam) -> Self {
         let optics = Optics::new(eta, &beam);
         let halved = stack.edges == Edges::Mirrored && beam.wi.y().abs() <= 0.0;
-        let mut this = Self { beam, optics, columns: Vec::new(), step: stack.step, halved };
+        let (columns, step, unit) = (Vec::new(), stack.step, stack.unit);
+        let mut this = Self { beam, optics, columns, step, unit, halved };
         let Some(optics) = optics.filter(|o| o.heights().is_some()) else { return this };
         let least_cos = optics.cosine(0.0);
         // facets lead only to where q_z has its sign: within a circle, or beyond one
@@ -256,7 +287,8 @@ impl BeamOrders {
         self.optics.into_iter().flat_map(move |optics| {
             self.columns.iter().flat_map(move |column| {
                 (column.first_y..).zip(&column.amplitudes).flat_map(move |(y, a)| {
-                    let order = self.order(&optics, [column.order_x, y], a.norm_sqr().into());
+                    let intensity = self.unit * f64::from(a.norm_sqr());
+                    let order = self.order(&optics, [column.order_x, y], intensity);
                     let mirrored = if self.halved && y > 0 { order } else { None };
                     [order, mirrored.map(Order::mirrored)].into_iter().flatten()
                 })
@@ -306,6 +338,15 @@ impl Order {
         self.wo = Direction::from_unit(x, -y, z);
         self
     }
+}
+
+/// A grid in the first quarter of one of twice its sides, nothing around it.
+fn doubled<T: Copy + Default>(grid: &[T], nx: usize) -> Vec<T> {
+    let mut wide = vec![T::default(); 4 * grid.len()];
+    for (to, from) in wide.chunks_exact_mut(2 * nx).zip(grid.chunks_exact(nx)) {
+        to[..nx].copy_from_slice(from);
+    }
+    wide
 }
 
 /// `1 / cos` averaged over sines within `half` of `sine`.

@@ -67,8 +67,8 @@ fn lobes(
     let of_lobe = |lobe| weights.iter().map(move |(um, _)| beam(lobe, *um));
     let beams: Vec<Beam> = of_lobe(Lobe::Reflection).chain(of_lobe(Lobe::Transmission)).collect();
     // the map of a boundary is complete
-    let found =
-        orders(boundary.map(), boundary.edges(), boundary.eta(), &beams, stop, progress).ok()??;
+    let found = orders(boundary.map(), boundary.tiling(), boundary.eta(), &beams, stop, progress)
+        .ok()??;
     let shares: Vec<f64> = weights.iter().map(|w| w.1).collect();
     let (reflected, transmitted) = found.split_at(shares.len());
     let both: Vec<BinnedLobe> =
