@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use asperity_core::bsdf::Bsdf;
+use asperity_core::bsdf::{Bsdf, Scatter};
 use asperity_core::direction::Direction;
+use asperity_core::quantity::RelativeIor;
 use serde::Serialize;
 
 use super::error::Failure;
@@ -16,8 +17,7 @@ use crate::input::{read_all, read_file};
 use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
-use crate::raytrace::TracedBoundary;
-use crate::surface::Spectrum;
+use crate::surface::spectrum::Anisotropy;
 use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate};
 
 /// Evaluate the BSDF for pairs of directions
@@ -72,7 +72,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (name, text) = pairs_text(args.input.as_ref())?;
     let pairs = parse(&name, &text)?;
     let rows = with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
-        let table = tabulated(t, &pairs, Rays { count: args.rays, seed: args.seed })?;
+        let rays = Rays { count: args.rays, seed: args.seed };
+        let table = tabulated(t, t.eta(), t.anisotropy(), &pairs, rays)?;
         values(&table, &pairs, |wi, wo| Some(table.std_error(wi, wo)))
     });
     let text = if args.json {
@@ -108,12 +109,16 @@ fn values<B: Bsdf<f64>>(
 }
 
 /// A traced boundary as a table, of the incidences that are asked for if they are few.
-fn tabulated(boundary: &TracedBoundary, pairs: &[Pair], rays: Rays) -> Result<BsdfTable, Failure> {
-    let map = boundary.field.map().map_err(Failure::bad)?;
-    let spectrum = Spectrum::of(&map, boundary.field.edges()).map_err(Failure::bad)?;
+fn tabulated<S: Scatter<f64> + Sync>(
+    boundary: &S,
+    eta: RelativeIor<f64>,
+    anisotropy: Option<Anisotropy>,
+    pairs: &[Pair],
+    rays: Rays,
+) -> Result<BsdfTable, Failure> {
     let wi: Vec<Direction<f64>> = pairs.iter().map(|pair| pair.1).collect();
-    let plan = TablePlan::new(boundary.eta, rays)
-        .with_azimuth(Azimuth::of(spectrum.anisotropy()))
+    let plan = TablePlan::new(eta, rays)
+        .with_azimuth(Azimuth::of(anisotropy))
         .map_err(Failure::bad)?
         .for_directions(&wi);
     let bar = progress::bar(plan.rays_in_all(), "tracing");

@@ -121,7 +121,7 @@ impl Job<'_> {
         };
         let map = self.map.map(|m| (&m.map, m.edges));
         let waves = if Choice::is_wave(name) && map.is_some() {
-            self.light.variants(map)?.into_iter().map(Some).collect()
+            self.light.variants(name, map)?.into_iter().map(Some).collect()
         } else {
             vec![None]
         };
