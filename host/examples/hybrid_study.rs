@@ -46,7 +46,9 @@ struct Row {
 fn surface(rq_um: f64, length_um: f64, pitch_um: f64, points: usize, seed: u64) -> HeightMap {
     let lengths_um = (length_um, length_um);
     let size = (points, points);
-    GaussianSurface { size, pitches_um: (pitch_um, pitch_um), rq_um, lengths_um, seed }.map().unwrap()
+    GaussianSurface { size, pitches_um: (pitch_um, pitch_um), rq_um, lengths_um, seed }
+        .map()
+        .unwrap()
 }
 
 /// Eq. (18) in %, of the larger of the two.
@@ -125,7 +127,8 @@ impl Row {
 
     fn markdown(&self) -> String {
         let (wave, ray) = self.references();
-        let shown = |known: bool, value: f64| if known { format!("{value:.2}") } else { "-".into() };
+        let shown =
+            |known: bool, value: f64| if known { format!("{value:.2}") } else { "-".into() };
         let texture = if self.textured { " + texture" } else { "" };
         let sigmas: Vec<String> = SIGMAS_DEG[self.set].iter().map(|s| format!("{s:.0}")).collect();
         format!(
@@ -193,7 +196,9 @@ fn main() {
     for (rq_um, textured) in RQ_UM.iter().map(|rq| (*rq, false)).chain([(1.0, true), (3.0, true)]) {
         study(rq_um, textured, points, rays, &mut rows);
     }
-    let mut csv = "rq_um,textured,sigmas,g,ray_to_wave,hybrid_to_wave,wave_to_ray,hybrid_to_ray,noise\n".to_owned();
+    let mut csv =
+        "rq_um,textured,sigmas,g,ray_to_wave,hybrid_to_wave,wave_to_ray,hybrid_to_ray,noise\n"
+            .to_owned();
     for r in &rows {
         let ([a, b], [c, d], sigmas) = (r.to_wave, r.to_ray, SIGMAS_DEG[r.set]);
         let (rq, textured, g, noise) = (r.rq_um, r.textured, r.g, r.noise);

@@ -106,7 +106,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let wave = match (&map, Choice::is_wave(&args.method)) {
         (Some(m), true) => {
             let light = args.light.light(None)?;
-            Some(light.variant(&args.method, (&m.map, m.edges), Speckle::Averaged).map_err(Failure::Bad)?)
+            Some(
+                light
+                    .variant(&args.method, (&m.map, m.edges), Speckle::Averaged)
+                    .map_err(Failure::Bad)?,
+            )
         }
         _ => None,
     };

@@ -9,8 +9,8 @@ use asperity_core::quantity::RelativeIor;
 use super::scales::{Scales, cutoff_um};
 use crate::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use crate::raytrace::{Facet, Field, FieldError, TracedBoundary, Turned};
-use crate::surface::split::split;
 use crate::surface::spectrum::Anisotropy;
+use crate::surface::split::split;
 use crate::surface::{Edges, HeightMap, Roughness, Spectrum};
 
 /// The boundary. Its speckle is always averaged: the short waves are known to it by their statistics.
@@ -70,7 +70,8 @@ impl HybridBoundary {
         let waves = |map: &HeightMap| {
             WaveBoundary::of_map(map, edges, eta, &options).map(Box::new).map_err(incomplete)
         };
-        let most = 2.0 * eta.get().max(1.0) * std::f64::consts::TAU / options.wavelengths.shortest_um();
+        let most =
+            2.0 * eta.get().max(1.0) * std::f64::consts::TAU / options.wavelengths.shortest_um();
         let matters = |rq_um: f64| (most * rq_um).powi(2) > NOTHING;
         let rq = |map: &HeightMap| Roughness::of(map).rq_um;
         let (parts, scales) = match cutoff_um {
@@ -178,4 +179,3 @@ impl Scatter<f64> for HybridBoundary {
         }
     }
 }
-

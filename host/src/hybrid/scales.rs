@@ -15,11 +15,12 @@ use crate::kirchhoff::Wavelengths;
 use crate::surface::structure::StructureFunction;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
-/// `q_z^2 D / 2` where coherence counts as lost: `exp(-6)` of the light, 0.25 %.
-pub(super) const LOST: f64 = 6.0;
-/// The split in distances over which coherence is lost: a wave of four of them is straight to 1 part in 15 over
-/// the part of it where most of the coherence is lost.
-pub(super) const DISTANCES: f64 = 4.0;
+/// `q_z^2 D / 2` where coherence counts as lost: `exp(-10)`. A detector's cone takes some 0.3 % of a lobe, in which all
+/// coherent light falls into one reading: `exp(-6)` of it would still be seen.
+pub(super) const LOST: f64 = 10.0;
+/// The split in distances over which coherence is lost. Most is lost over a third of one, a ninth of such a wave,
+/// which is straight there to 4 %.
+pub(super) const DISTANCES: f64 = 3.0;
 
 /// A map's two scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,9 @@ impl Scales {
         match cutoff_um {
             None => format!("the whole map diffracts (rms {short_um:.3} um); nothing is traced"),
             Some(_) if *short_um <= 0.0 => {
-                format!("the whole map is traced (rms {long_um:.3} um); nothing is short enough to diffract")
+                format!(
+                    "the whole map is traced (rms {long_um:.3} um); nothing is short enough to diffract"
+                )
             }
             Some(cutoff) => format!(
                 "waves of the map longer than {cutoff:.2} um are traced (rms {long_um:.3} um), shorter ones diffract \

@@ -30,9 +30,8 @@ impl StructureFunction {
             let sums: Vec<f64> = (0..rows).into_par_iter().map(row).collect();
             sums.iter().sum::<f64>() / count.max(1) as f64
         };
-        let difference = |a: &[f64], b: &[f64]| -> f64 {
-            a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
-        };
+        let difference =
+            |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum() };
         let line = |j: usize| &heights[j * nx..(j + 1) * nx];
         let periodic = edges == Edges::Periodic;
         let x = one(nx, map.dx_um(), &|k| {
@@ -53,7 +52,8 @@ impl StructureFunction {
     /// `D(r)` in um^2: a power law between two lags, quadratic below the first, constant beyond the last.
     pub fn at(&self, r_um: f64) -> f64 {
         let known = self.along.iter().filter(|lags| !lags.is_empty());
-        let (sum, count) = known.fold((0.0, 0.0), |(s, n), lags| (s + interpolated(lags, r_um), n + 1.0));
+        let (sum, count) =
+            known.fold((0.0, 0.0), |(s, n), lags| (s + interpolated(lags, r_um), n + 1.0));
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
