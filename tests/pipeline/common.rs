@@ -78,6 +78,7 @@ impl Virtual {
             Boundary::Ggx(b) => b.slope(),
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
+            Boundary::Wave(b) => b.slope(),
             Boundary::Traced(_) | Boundary::Hybrid(_) => {
                 panic!("a traced boundary has no closed form")
             }

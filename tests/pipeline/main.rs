@@ -14,6 +14,7 @@ mod common;
 mod student;
 mod real_scans;
 mod traced_samples;
+mod wave_samples;
 mod kirchhoff_validity;
 mod metals;
 mod recovery;

@@ -25,7 +25,7 @@ const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
 const T_5: [f64; 5] = [0.9255, 0.9249, 0.9214, 0.9020, 0.7630];
 const T_8: [f64; 5] = [0.9266, 0.9262, 0.9208, 0.8581, 0.5473];
 
-fn sample(number: u32, pixel_um: f64) -> Option<(Measurement, Prepared)> {
+pub(crate) fn sample(number: u32, pixel_um: f64) -> Option<(Measurement, Prepared)> {
     let scan = data::find(&format!("samples/scan{number}.csv"))?;
     let map = data::find(&format!("samples/sample{number}.npy"))?;
     let preparation = Preparation { pixel_um: Some(pixel_um), ..Preparation::default() };

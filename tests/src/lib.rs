@@ -2,6 +2,7 @@
 
 pub mod chi2;
 pub mod data;
+pub mod kirchhoff;
 pub mod oracle;
 pub mod tolerance;
 

@@ -121,8 +121,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
         print(&(text + "\n"))?;
     } else {
-        let warnings: String = warnings.iter().map(|w| format!("warning: {w}\n")).collect();
-        print(&(human(&method, sides, &energy, &reciprocity, reciprocal) + &warnings))?;
+        let mut text = human(&method, sides, &energy, &reciprocity, reciprocal);
+        for warning in &warnings {
+            text.push_str("warning: ");
+            text.push_str(warning);
+            text.push('\n');
+        }
+        print(&text)?;
     }
     if conserves_energy {
         Ok(())

@@ -43,12 +43,12 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// The virtual surface: smooth beside the wavelength of light, with slopes of 0.14 along x and along y.
+/// The virtual surface: smooth beside the wavelength of light, with slopes of 0.12 along x and along y.
 const SURFACE: GaussianSurface = GaussianSurface {
-    size: (256, 256),
-    pitches_um: (0.35, 0.35),
-    rq_um: 0.45,
-    lengths_um: (4.5, 4.5),
+    size: (512, 512),
+    pitches_um: (0.5, 0.5),
+    rq_um: 0.7,
+    lengths_um: (8.0, 8.0),
     seed: SEED,
 };
 const IOR: f64 = 1.49;

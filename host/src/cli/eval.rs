@@ -11,14 +11,15 @@ use serde::Serialize;
 use super::error::Failure;
 use super::source::parse_rays;
 use super::{interrupt, print, progress};
-use crate::boundary::with_boundary;
+use crate::boundary::{Boundary, with_boundary};
 use crate::forward::Rays;
 use crate::input::{read_all, read_file};
+use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
 use crate::surface::spectrum::Anisotropy;
-use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate};
+use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate, tabulate_orders};
 
 /// Evaluate the BSDF for pairs of directions
 ///
@@ -26,7 +27,9 @@ use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate};
 /// surface, +z into the air. Writes the same rows with f (1/sr, without cosine), ars = f |cos theta_o|
 /// and pdf (1/sr) added. Flux transport: transmission carries no eta^2 of radiance. A height map is traced into
 /// a table first: at just the angles of incidence asked for if they are at most 40 a side, else at 5
-/// degrees. With --json its values come with their statistical error, f_std_error.
+/// degrees. Waves are tabulated likewise: the mean law of averaged speckle drawn as rays, kept speckle order by
+/// order; coherent light lies in the smallest bin about its direction. With --json values come with
+/// their statistical error, f_std_error.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Model made by `asperity model` or `asperity fit`
@@ -71,11 +74,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let (name, text) = pairs_text(args.input.as_ref())?;
     let pairs = parse(&name, &text)?;
-    let rows = with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
-        let rays = Rays { count: args.rays, seed: args.seed };
-        let table = tabulated(t, t.eta(), t.anisotropy(), &pairs, rays)?;
-        values(&table, &pairs, |wi, wo| Some(table.std_error(wi, wo)))
-    });
+    let rays = Rays { count: args.rays, seed: args.seed };
+    let of_table =
+        |table: &BsdfTable| values(table, &pairs, |wi, wo| Some(table.std_error(wi, wo)));
+    let rows = if let Boundary::Wave(wave) = &boundary {
+        of_table(&of_waves(wave, &pairs, rays)?)
+    } else {
+        with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
+            of_table(&tabulated(t, t.eta(), t.anisotropy(), &pairs, rays)?)
+        })
+    };
     let text = if args.json {
         serde_json::to_string_pretty(&rows).map_err(Failure::bad)? + "\n"
     } else {
@@ -125,6 +133,28 @@ fn tabulated<S: Scatter<f64> + Sync>(
     let table = tabulate(boundary, &plan, interrupt::flag(), &|n| bar.inc(n));
     bar.finish_and_clear();
     table.ok_or_else(|| Failure::No("interrupted before all rays were traced".into()))
+}
+
+/// The table of waves: of the mean law, drawn as rays, or of the orders of this very map.
+fn of_waves(wave: &WaveBoundary, pairs: &[Pair], rays: Rays) -> Result<BsdfTable, Failure> {
+    let wi: Vec<Direction<f64>> = pairs.iter().map(|pair| pair.1).collect();
+    let plan = TablePlan::new(wave.eta(), rays);
+    let interrupted = || Failure::No("interrupted before the table was made".into());
+    if wave.speckle() == Speckle::Averaged {
+        let plan = plan.for_directions(&wi);
+        let bar = progress::bar(plan.rays_in_all(), "sampling");
+        let table = tabulate(wave, &plan, interrupt::flag(), &|n| bar.inc(n));
+        bar.finish_and_clear();
+        return table.ok_or_else(interrupted);
+    }
+    let plan = plan.with_azimuth(Azimuth::directional()).map_err(Failure::bad)?.for_directions(&wi);
+    let bar = progress::bar(0, "transforming");
+    let table = tabulate_orders(wave, &plan, interrupt::flag(), &|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    table.ok_or_else(interrupted)
 }
 
 fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {

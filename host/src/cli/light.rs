@@ -73,6 +73,11 @@ impl Light {
         Self { wavelengths: Some(wavelengths), ..Self::default() }
     }
 
+    /// The wavelengths, if they are known.
+    pub(super) fn wavelengths(&self) -> Option<&Wavelengths> {
+        self.wavelengths.as_ref()
+    }
+
     /// What is known about the wavelength.
     pub(super) fn options(&self, speckle: Speckle) -> Result<WaveOptions, String> {
         let Some(wavelengths) = self.wavelengths.clone() else {
@@ -105,9 +110,8 @@ impl Light {
                 ));
             }
             Some(Speckle::Averaged) => &[Speckle::Averaged],
-            Some(Speckle::Kept) => &[Speckle::Kept],
             None if may_average => &[Speckle::Averaged, Speckle::Kept],
-            None => &[Speckle::Kept],
+            Some(Speckle::Kept) | None => &[Speckle::Kept],
         };
         speckles.iter().map(|speckle| self.options(*speckle)).collect()
     }

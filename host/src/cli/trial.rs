@@ -1,13 +1,19 @@
 //! One method on one sample, as `fit`, `compare` and `demo` do it: which laws are tried, and which is kept.
 
+use asperity_core::bsdf::Lobe;
+use asperity_core::direction::Side;
+use asperity_core::gonio::Geometry;
+use asperity_core::plate::RoughSide;
 use clap::ValueEnum;
 
 use super::error::Failure;
 use super::fitted::{Job, record};
 use super::source::parse_rays;
 use super::{interrupt, progress};
+use crate::boundary::Boundary;
 use crate::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, cost_at, fit};
-use crate::kirchhoff::WaveOptions;
+use crate::forward::Sample;
+use crate::kirchhoff::{WaveOptions, warning_for_rays};
 use crate::method::{Choice, METHODS, Method, Surface};
 use crate::model::Model;
 use crate::report::Entry;
@@ -194,7 +200,7 @@ impl Job<'_> {
             let better = found.as_ref().is_none_or(|(_, b)| done.objective.1 < b.fit.objective.1);
             if better {
                 let refusal = done.refusal(self.max_misfit);
-                let warnings = self.warnings(&done);
+                let warnings = self.warnings(&**method, &done);
                 found = Some((k, Entry { label, fit: done, refusal, warnings }));
             }
         }
@@ -219,8 +225,33 @@ impl Job<'_> {
     }
 
     /// What has to be said about the boundary of a fit at the angles of the measurement.
-    fn warnings(&self, fit: &Fit) -> Vec<String> {
+    fn warnings(&self, method: &dyn Method, fit: &Fit) -> Vec<String> {
         let angles: Vec<f64> = self.measurement.by_incidence().map(|i| i.sigma_deg).collect();
-        fit.boundary.warnings(&angles)
+        let lobe = match self.setup.geometry {
+            Geometry::Transmission => Lobe::Transmission,
+            Geometry::Reflection => Lobe::Reflection,
+        };
+        match &fit.boundary {
+            Boundary::Wave(wave) => {
+                let (side, inside) = match self.setup.sample {
+                    Sample::Plate { eta, rough_side: RoughSide::Detector } => {
+                        (Side::Dielectric, eta.inverse())
+                    }
+                    _ => (Side::Air, 1.0),
+                };
+                let refracted = |deg: &f64| (inside * deg.to_radians().sin()).asin().to_degrees();
+                let angles: Vec<f64> = angles.iter().map(refracted).collect();
+                let validity = wave.validity(&angles).map(|v| v.of_lobe(side, lobe));
+                validity.map(|v| v.warnings()).unwrap_or_default()
+            }
+            Boundary::Traced(traced) if Choice::needs_map(method.name()) => {
+                let missed = self.light.wavelengths().zip(traced.field.map().ok());
+                let missed = missed.and_then(|(light, map)| {
+                    warning_for_rays(&map, traced.eta, light, lobe, &angles).ok().flatten()
+                });
+                missed.into_iter().collect()
+            }
+            other => other.warnings(&angles),
+        }
     }
 }

@@ -210,8 +210,12 @@ impl WaveBoundary {
         let [x, y, z] = wo.xyz();
         let [qx, qy] = optics.momentum([x, y]);
         let q_z = optics.k * optics.height(z.abs());
-        if q_z > 0.0 { let width = sines * optics.k * optics.n_o;
-            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs(), width) } else { 0.0 }
+        if q_z > 0.0 {
+            let width = sines * optics.k * optics.n_o;
+            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs(), width)
+        } else {
+            0.0
+        }
     }
 }
 

@@ -224,7 +224,8 @@ impl Rings {
             cumulated: Vec::with_capacity(n),
         };
         // orders that are as good as one: weak phases make a real field, q and -q alike; Hann's window 1.5 squared
-        let correlated = if total < 0.9 { 2.0 } else { 1.0 } * if self.windowed { 2.25 } else { 1.0 };
+        let correlated =
+            if total < 0.9 { 2.0 } else { 1.0 } * if self.windowed { 2.25 } else { 1.0 };
         let mut below = 0.0;
         for ([sum, squares], &count) in sums.iter().zip(&self.counts) {
             let count = f64::from(count.max(1));

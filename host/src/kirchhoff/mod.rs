@@ -12,11 +12,13 @@ mod kernel;
 mod optics;
 mod orders;
 mod coherent;
+mod coherence;
 mod mean;
 mod shadowing;
 mod boundary;
 
 pub use boundary::{CoherentFlux, Speckle, WaveBoundary, WaveOptions};
+pub use coherence::warning_for_rays;
 pub use fft::{Coefficients, Fourier};
 pub use mean::MeanSpectra;
 pub use optics::Beam;

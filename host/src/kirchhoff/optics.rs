@@ -16,6 +16,9 @@ use asperity_core::direction::{Direction, Side};
 use asperity_core::fresnel;
 use asperity_core::quantity::RelativeIor;
 
+/// Cosine below which light runs along the surface, and no quotient of cosines means anything.
+const GRAZING: f64 = 1e-12;
+
 /// Light of one wavelength from one direction, and one of the two lobes it scatters into.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
@@ -141,7 +144,8 @@ impl Optics {
             Lobe::Transmission => front * i_h > 0.0 && front * o_h < 0.0,
         };
         let below = h[2] * h[2] * iz.abs();
-        if !(seen && below > 0.0 && length2 > 0.0) {
+        let grazing = iz.abs().min(oz.abs()) < GRAZING;
+        if grazing || !(seen && below > 0.0 && length2 > 0.0) {
             return 0.0;
         }
         let cos = (i_h.abs() / length2.sqrt()).min(1.0);

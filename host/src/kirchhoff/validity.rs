@@ -213,6 +213,13 @@ impl Validity {
         self.most_angle_deg.is_none_or(|most| largest <= most)
     }
 
+    /// What concerns one way of the light alone.
+    pub fn of_lobe(mut self, side: Side, lobe: Lobe) -> Self {
+        self.lobes.retain(|l| l.side == side && l.lobe == lobe);
+        self.far_fields.retain(|f| f.side == side && f.lobe == lobe);
+        self
+    }
+
     /// Whether a lobe may be trusted at this angle of incidence for all wavelengths.
     ///
     /// Between two incidences that were looked at both must pass; beyond the largest the answer is no.

@@ -95,9 +95,8 @@ mod tests {
             speckle: Speckle::Averaged,
             shadowing: false,
         };
-        let method = |map: HeightMap| {
-            MeasuredWaveMethod::new(&map, Edges::Mirrored, true, options.clone())
-        };
+        let method =
+            |map: HeightMap| MeasuredWaveMethod::new(&map, Edges::Mirrored, true, options.clone());
         check_domain(&method(map()).unwrap());
         assert!(method(holed()).is_err());
     }

@@ -1,18 +1,21 @@
 //! The BSDF of a boundary that can only be sampled, as a table that can be evaluated.
 //!
-//! Rays are traced from both sides and gathered in bins that follow the lobes ([`tabulate()`]); between the tabulated
+//! Rays are traced from both sides and gathered in bins that follow the lobes ([`tabulate()`]), and so are the orders
+//! of a map that scatters waves ([`tabulate_orders()`]); between the tabulated
 //! incidences lobes move in direction cosines rather than fade into each other ([`BsdfTable`]).
 
 mod disc;
 mod bins;
 mod plan;
 mod tabulate;
+mod waves;
 mod lookup;
 
 pub use bins::{Bin, Estimate};
 pub use disc::{to_disc, to_square};
 pub use plan::{Azimuth, PlanError, TablePlan, default_incidences_deg};
 pub use tabulate::tabulate;
+pub use waves::tabulate_orders;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;

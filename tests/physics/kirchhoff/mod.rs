@@ -1,5 +1,11 @@
 //! Waves on a height map: against direct sums, closed forms and published tables.
 
-mod hybrid;
-mod oracle;
+mod surfaces;
 mod orders;
+mod gaussian;
+mod gratings;
+mod limits;
+mod facets;
+mod real;
+mod energy;
+mod hybrid;

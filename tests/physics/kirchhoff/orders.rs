@@ -8,8 +8,8 @@ use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 
-use super::oracle::{intensity, obliquity};
 use crate::common::{Random, ior};
+use asperity_tests::kirchhoff::{intensity, obliquity};
 
 const ETA: f64 = 1.49;
 const WAVELENGTH_UM: f64 = 0.55;

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use crate::oracle::fresnel;
 use asperity::surface::{Edges, HeightMap};
 use asperity_core::direction::Direction;
-use asperity_tests::oracle::fresnel;
 
 /// Refractive index of the medium a direction lies in.
 fn index(eta: f64, w: Direction<f64>) -> f64 {
@@ -18,7 +18,7 @@ fn half(eta: f64, wi: Direction<f64>, wo: Direction<f64>) -> [f64; 3] {
 }
 
 /// `|A|^2` of the periodic surface that the map, or the map and its mirror images, make.
-pub(super) fn intensity(
+pub fn intensity(
     map: &HeightMap,
     edges: Edges,
     eta: f64,
@@ -48,7 +48,7 @@ pub(super) fn intensity(
 
 /// `ars / ((k n_o)^2 D)`: a single facet of \[Walter2007, eqs 20, 21\] with G = 1, its density of normals
 /// `p / cos^4` that of slopes `p = D q_z^2`.
-pub(super) fn obliquity(eta: f64, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+pub fn obliquity(eta: f64, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
     let (n_i, n_o) = (index(eta, wi), index(eta, wo));
     let h = half(eta, wi, wo);
     let length = (h[0] * h[0] + h[1] * h[1] + h[2] * h[2]).sqrt();
