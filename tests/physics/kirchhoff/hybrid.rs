@@ -115,8 +115,9 @@ fn without_long_waves_it_scatters_as_waves_do() {
             let found = scan(&hybrid, geometry, &sigmas, 1_000_000);
             let expected = scan(&exact, geometry, &sigmas, 1);
             let (far, noise) = (distance(&found, &expected), noise(&found));
-            // the peak itself, with its coherent light, is within 1 %
-            assert!(far < 0.05 + 1.5 * noise, "{geometry:?} {far} {noise}");
+            // waves of 2 nm would take 0.5 % of the coherent light mirrored inside, rays do not know; the peak itself
+            // is within 1 %
+            assert!(far < 0.15 + 1.5 * noise, "{geometry:?} {far} {noise}");
             let peak = found.values[180] / expected.values[180];
             assert!((peak - 1.0).abs() < 0.01, "{geometry:?} {peak}");
         }
