@@ -38,6 +38,10 @@ enum Parts {
 /// `(q_z sigma)^2` of what does nothing to light: a part in a thousand of it.
 const NOTHING: f64 = 1e-3;
 
+/// Largest weight of a ray at a facet. Kirchhoff's law gives grazing light more flux than it had, in proportion to one over
+/// its cosine; rays drawn in all directions alike weigh up to some 20. What is cut off would be noise and no light.
+const MOST_WEIGHT: f64 = 50.0;
+
 impl HybridBoundary {
     /// Splits a map where its own heights and the light say.
     ///
@@ -160,13 +164,13 @@ impl Facet for Rough<'_> {
         let [p, q, r] = wo.xyz();
         let out = |k: usize, m: f64| p * s[k] + q * t[k] + r * m;
         let to = Direction::new(out(0, x) as f32, out(1, y) as f32, out(2, z) as f32)?;
-        Some(Turned { to, above: r > 0.0, weight })
+        Some(Turned { to, above: r > 0.0, weight: weight.min(MOST_WEIGHT) })
     }
 }
 
 impl Scatter<f64> for HybridBoundary {
     /// Takes two uniforms for the place on the map and three for each bounce, or what rays or waves alone take. Weights
-    /// of the bounces are multiplied and may exceed 1.
+    /// of the bounces, at most 50 each, are multiplied and may exceed 1.
     fn sample(
         &self,
         wi: Direction<f64>,
@@ -174,7 +178,10 @@ impl Scatter<f64> for HybridBoundary {
     ) -> Option<Scattered<f64>> {
         match &self.parts {
             Parts::Rays(rays) => rays.sample(wi, uniform),
-            Parts::Waves(waves) => waves.sample(wi, uniform),
+            Parts::Waves(waves) => {
+                let Scattered { wo, weight } = waves.sample(wi, uniform)?;
+                Some(Scattered { wo, weight: weight.min(MOST_WEIGHT) })
+            }
             Parts::Both(field, short) => field.scatter(wi, &Rough(short), uniform),
         }
     }
