@@ -116,10 +116,11 @@ fn without_long_waves_it_scatters_as_waves_do() {
             let expected = scan(&exact, geometry, &sigmas, 1);
             let (far, noise) = (distance(&found, &expected), noise(&found));
             // waves of 2 nm would take 0.5 % of the coherent light mirrored inside, rays do not know; the peak itself
-            // is within 1 %
+            // is that of waves
             assert!(far < 0.15 + 1.5 * noise, "{geometry:?} {far} {noise}");
             let peak = found.values[180] / expected.values[180];
-            assert!((peak - 1.0).abs() < 0.01, "{geometry:?} {peak}");
+            let error = found.std_errors.as_ref().unwrap()[180] / expected.values[180];
+            assert!((peak - 1.0).abs() < 0.005 + 4.0 * error, "{geometry:?} {peak} {error}");
         }
     }
 }
