@@ -177,8 +177,8 @@ fn figure(rows: &[Row]) -> Figure {
         scale: Scale::Log { decades: 4 },
         shared_y: true,
         panels: vec![
-            panel("to waves (Kirchhoff): right up to some 3 um here", "rays", |r| r.to_wave),
-            panel("to rays: right from 1 um on", "waves", |r| r.to_ray),
+            panel("to waves (Kirchhoff)", "rays", |r| r.to_wave),
+            panel("to rays (all bounces)", "waves", |r| r.to_ray),
         ],
     }
 }

@@ -260,7 +260,8 @@ mod tests {
         let text = "wix,wiy,wiz,wox,woy,woz\n-0.6,0,0.8,0.4,0,-0.9165151\n0,-0.6,0.8,0,0.6,0.8\n";
         let pairs = parse("pairs", text).unwrap();
         let rays = Rays { count: 20_000, seed: 1 };
-        let table = tabulated(&traced(false), &pairs, rays).unwrap();
+        let one = traced(false);
+        let table = tabulated(&one, one.eta(), one.anisotropy(), &pairs, rays).unwrap();
         assert_eq!(table.azimuth(), &Azimuth::Isotropic);
         let incidences = table.incidences_deg(Side::Air);
         assert!(incidences.len() == 1 && table.incidences_deg(Side::Dielectric).is_empty());
@@ -268,7 +269,8 @@ mod tests {
             let error = row.f_std_error.unwrap();
             assert!(error > 0.0 && error < row.f, "{} {error}", row.f);
         }
-        let table = tabulated(&traced(true), &pairs, rays).unwrap();
+        let one = traced(true);
+        let table = tabulated(&one, one.eta(), one.anisotropy(), &pairs, rays).unwrap();
         let Azimuth::Fixed(azimuths) = table.azimuth() else { panic!("{:?}", table.azimuth()) };
         assert!(azimuths.len() == 2 && (azimuths[1] - 90.0).abs() < 1e-9, "{azimuths:?}");
     }

@@ -68,6 +68,16 @@ fn noise(a: &Readings) -> f64 {
     100.0 * (sum / errors.len() as f64).sqrt() / largest
 }
 
+/// Where a ray goes with these random numbers, and its weight.
+fn drawn<S: Scatter<f64>>(
+    boundary: &S,
+    wi: Direction<f64>,
+    numbers: &[f64],
+) -> Option<([f64; 3], f64)> {
+    let mut next = numbers.iter().copied();
+    boundary.sample(wi, &mut || next.next().unwrap()).map(|ray| (ray.wo.xyz(), ray.weight))
+}
+
 #[test]
 fn without_short_waves_it_is_the_ray_tracer_bit_for_bit() {
     let map = surface(128, 0.5, 2.0, 8.0);
@@ -78,12 +88,7 @@ fn without_short_waves_it_is_the_ray_tracer_bit_for_bit() {
         let (s, c) = f64::from(k % 89).to_radians().sin_cos();
         let wi = Direction::from_unit(-s, 0.0, if k % 2 == 0 { c } else { -c });
         let numbers: Vec<f64> = (0..2000).map(|_| random.next()).collect();
-        let draw = |b: &dyn Fn(&mut dyn FnMut() -> f64) -> Option<([f64; 3], f64)>| {
-            let mut next = numbers.iter().copied();
-            b(&mut || next.next().unwrap())
-        };
-        let one = draw(&|u| hybrid.sample(wi, &mut || u()).map(|r| (r.wo.xyz(), r.weight)));
-        let other = draw(&|u| ray.sample(wi, &mut || u()).map(|r| (r.wo.xyz(), r.weight)));
+        let (one, other) = (drawn(&hybrid, wi, &numbers), drawn(&ray, wi, &numbers));
         assert_eq!(one, other);
     }
 }
