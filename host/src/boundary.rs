@@ -3,7 +3,8 @@
 use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 
-use crate::kirchhoff::WaveBoundary;
+use crate::hybrid::HybridBoundary;
+use crate::kirchhoff::{WaveBoundary, Wavelengths};
 use crate::raytrace::TracedBoundary;
 
 /// A boundary, seen from both sides (an opaque one from the air only).
@@ -19,6 +20,8 @@ pub enum Boundary {
     Traced(TracedBoundary),
     /// A height map on a dielectric that scatters waves.
     Wave(Box<WaveBoundary>),
+    /// A height map whose long waves are traced and whose short ones diffract; it can be sampled, not evaluated.
+    Hybrid(Box<HybridBoundary>),
 }
 
 /// Runs an expression with the concrete boundary, so that hot loops do not branch on its kind: one for
@@ -37,6 +40,10 @@ macro_rules! with_boundary {
                 $body
             }
             $crate::boundary::Boundary::Traced($traced) => $other,
+            $crate::boundary::Boundary::Hybrid(boxed) => {
+                let $traced = &**boxed;
+                $other
+            }
         }
     };
 }
@@ -50,18 +57,32 @@ impl Boundary {
             Self::Normals(b) => Some(b.eta.get()),
             Self::Traced(t) => Some(t.eta.get()),
             Self::Wave(w) => Some(w.eta().get()),
+            Self::Hybrid(h) => Some(h.eta().get()),
             Self::Opaque(_) => None,
         }
     }
-}
 
-impl Boundary {
-    /// Where the physics of the boundary does not hold, for light of these incidences in air, degrees.
+    /// Whether it can only be sampled: its readings are a Monte Carlo simulation.
+    pub fn is_traced(&self) -> bool {
+        matches!(self, Self::Traced(_) | Self::Hybrid(_))
+    }
+
+    /// The light, for boundaries that know its length.
+    pub fn wavelengths(&self) -> Option<&Wavelengths> {
+        match self {
+            Self::Wave(w) => Some(w.wavelengths()),
+            Self::Hybrid(h) => Some(h.wavelengths()),
+            _ => None,
+        }
+    }
+
+    /// Where the physics of the boundary does not hold and how its map is split, for light of these incidences in air, degrees.
     pub fn warnings(&self, incidences_deg: &[f64]) -> Vec<String> {
         match self {
             Self::Wave(wave) => {
                 wave.validity(incidences_deg).map(|v| v.warnings()).unwrap_or_default()
             }
+            Self::Hybrid(hybrid) => hybrid.warnings(incidences_deg),
             _ => Vec::new(),
         }
     }

@@ -10,6 +10,7 @@ pub mod measurement;
 pub mod surface;
 pub mod raytrace;
 pub mod kirchhoff;
+pub mod hybrid;
 pub mod boundary;
 pub mod batch;
 pub mod forward;

@@ -8,6 +8,7 @@
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
 //! | `map_verbs` | light on height maps |
+//! | `hybrid` | rays and waves on one map |
 //! | `compare` | every method side by side |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
@@ -30,6 +31,7 @@ mod happy;
 mod maps;
 mod stats_waves;
 mod map_verbs;
+mod hybrid;
 mod compare;
 mod malformed;
 mod map_files;

@@ -79,7 +79,9 @@ impl Virtual {
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
             Boundary::Wave(b) => b.slope(),
-            Boundary::Traced(_) => panic!("a traced boundary has no closed form"),
+            Boundary::Traced(_) | Boundary::Hybrid(_) => {
+                panic!("a traced boundary has no closed form")
+            }
         }
     }
 

@@ -101,7 +101,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let reciprocity: Vec<Option<f64>> =
         beams.iter().map(|&(side, deg)| reciprocity_error(&boundary, side, deg)).collect();
     let warnings = boundary.warnings(&args.incidence);
-    let tolerance = if matches!(boundary, Boundary::Wave(_)) { OF_WAVES } else { TOLERANCE };
+    let tolerance = if boundary.wavelengths().is_some() { OF_WAVES } else { TOLERANCE };
     let fine = |e: &Energy| e.lost >= -tolerance && e.lost.is_finite();
     let known: Option<Vec<f64>> = reciprocity.iter().copied().collect();
     let finite = known.as_ref().is_none_or(|known| known.iter().all(|e| e.is_finite()));

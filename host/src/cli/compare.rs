@@ -13,7 +13,7 @@ use super::trial::{EffortFlags, check_method, usually_asked};
 use crate::fit::FitOptions;
 use crate::forward::Setup;
 use crate::measurement::Measurement;
-use crate::method::METHODS;
+use crate::method::PAPER;
 use crate::provenance::InputFile;
 use crate::surface::{Prepared, Roughness};
 
@@ -42,7 +42,7 @@ pub(super) struct Args {
     /// Height maps of the samples, in the order of the scans
     #[arg(long = "map", value_name = "FILE", num_args = 1..)]
     maps: Vec<PathBuf>,
-    /// Methods to try; all without it
+    /// Methods to try; the five of the paper without it
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     methods: Vec<String>,
     /// Folder for the results; made if it does not exist
@@ -160,7 +160,7 @@ fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
         }
     }
     if methods.is_empty() {
-        methods = METHODS.map(String::from).to_vec();
+        methods = PAPER.map(String::from).to_vec();
     }
     Ok(methods)
 }
@@ -186,7 +186,7 @@ fn names(scans: &[PathBuf]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{methods, names};
+    use super::{PAPER, methods, names};
 
     #[test]
     fn names_are_harmless_and_differ() {
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn methods_are_taken_once_and_all_without_a_word() {
-        assert_eq!(methods(&[]).unwrap(), crate::method::METHODS);
+        assert_eq!(methods(&[]).unwrap(), PAPER);
         let asked = ["normals", "ggx", "normals"].map(String::from);
         assert_eq!(methods(&asked).unwrap(), ["normals", "ggx"]);
         assert!(methods(&["phong".into()]).is_err());

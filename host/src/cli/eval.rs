@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use asperity_core::bsdf::Bsdf;
+use asperity_core::bsdf::{Bsdf, Scatter};
 use asperity_core::direction::Direction;
+use asperity_core::quantity::RelativeIor;
 use serde::Serialize;
 
 use super::error::Failure;
@@ -17,8 +18,7 @@ use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::measurement::excerpt;
 use crate::model::Model;
 use crate::output::AtomicFile;
-use crate::raytrace::TracedBoundary;
-use crate::surface::Spectrum;
+use crate::surface::spectrum::Anisotropy;
 use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate, tabulate_orders};
 
 /// Evaluate the BSDF for pairs of directions
@@ -81,7 +81,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         of_table(&of_waves(wave, &pairs, rays)?)
     } else {
         with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
-            of_table(&tabulated(t, &pairs, rays)?)
+            of_table(&tabulated(t, t.eta(), t.anisotropy(), &pairs, rays)?)
         })
     };
     let text = if args.json {
@@ -117,12 +117,16 @@ fn values<B: Bsdf<f64>>(
 }
 
 /// A traced boundary as a table, of the incidences that are asked for if they are few.
-fn tabulated(boundary: &TracedBoundary, pairs: &[Pair], rays: Rays) -> Result<BsdfTable, Failure> {
-    let map = boundary.field.map().map_err(Failure::bad)?;
-    let spectrum = Spectrum::of(&map, boundary.field.edges()).map_err(Failure::bad)?;
+fn tabulated<S: Scatter<f64> + Sync>(
+    boundary: &S,
+    eta: RelativeIor<f64>,
+    anisotropy: Option<Anisotropy>,
+    pairs: &[Pair],
+    rays: Rays,
+) -> Result<BsdfTable, Failure> {
     let wi: Vec<Direction<f64>> = pairs.iter().map(|pair| pair.1).collect();
-    let plan = TablePlan::new(boundary.eta, rays)
-        .with_azimuth(Azimuth::of(spectrum.anisotropy()))
+    let plan = TablePlan::new(eta, rays)
+        .with_azimuth(Azimuth::of(anisotropy))
         .map_err(Failure::bad)?
         .for_directions(&wi);
     let bar = progress::bar(plan.rays_in_all(), "tracing");
@@ -256,7 +260,8 @@ mod tests {
         let text = "wix,wiy,wiz,wox,woy,woz\n-0.6,0,0.8,0.4,0,-0.9165151\n0,-0.6,0.8,0,0.6,0.8\n";
         let pairs = parse("pairs", text).unwrap();
         let rays = Rays { count: 20_000, seed: 1 };
-        let table = tabulated(&traced(false), &pairs, rays).unwrap();
+        let one = traced(false);
+        let table = tabulated(&one, one.eta(), one.anisotropy(), &pairs, rays).unwrap();
         assert_eq!(table.azimuth(), &Azimuth::Isotropic);
         let incidences = table.incidences_deg(Side::Air);
         assert!(incidences.len() == 1 && table.incidences_deg(Side::Dielectric).is_empty());
@@ -264,7 +269,8 @@ mod tests {
             let error = row.f_std_error.unwrap();
             assert!(error > 0.0 && error < row.f, "{} {error}", row.f);
         }
-        let table = tabulated(&traced(true), &pairs, rays).unwrap();
+        let one = traced(true);
+        let table = tabulated(&one, one.eta(), one.anisotropy(), &pairs, rays).unwrap();
         let Azimuth::Fixed(azimuths) = table.azimuth() else { panic!("{:?}", table.azimuth()) };
         assert!(azimuths.len() == 2 && (azimuths[1] - 90.0).abs() < 1e-9, "{azimuths:?}");
     }

@@ -20,7 +20,8 @@ use crate::report::{self, FigureFiles};
 ///
 /// The scan is CSV with the columns sigma_deg,theta_deg,reading and `# key: value` lines above; a
 /// foreign CSV is read with --columns. Methods: ggx (alpha), normals (delta, n), heights (delta),
-/// measured-ray and measured-wave (scale, cutoff_um; need --map, the latter also --wavelength-nm). The error
+/// measured-ray, measured-wave and measured-hybrid (scale, cutoff_um; need --map, the latter two also
+/// --wavelength-nm). The error
 /// printed is eq. (18): rms deviation over all angles, in % of the largest reading. heights and measured-ray
 /// trace rays: their figures are found with rays that the fit has not seen, and the noise of these is
 /// printed beside. measured-wave says where its approximation does not hold, and what is left of the speckle.
@@ -40,7 +41,7 @@ use crate::report::{self, FigureFiles};
 pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray or measured-wave
+    /// Method: ggx, normals, heights, measured-ray, measured-wave or measured-hybrid
     #[arg(short, long)]
     method: String,
     /// Law of `normals` and `heights`; both are tried without it
@@ -58,7 +59,7 @@ pub(super) struct Args {
     /// Fit the most frequent height z0 of `heights` too (0 without it)
     #[arg(long)]
     fit_z0: bool,
-    /// Height map of `measured-ray` and `measured-wave`
+    /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Do not filter the map: fit its vertical scale only
@@ -174,9 +175,9 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
     } else if heights && method != "heights" {
         "--fit-n, --fit-h-max and --fit-z0 belong to --method heights; leave them out"
     } else if args.map.is_some() && !Choice::needs_map(method) {
-        "--map belongs to the methods measured-ray and measured-wave; leave it out"
+        "--map belongs to the methods measured-ray, measured-wave and measured-hybrid; leave it out"
     } else if args.light.are_given() && !Choice::is_wave(method) {
-        "--wavelength-nm, --speckle and --shadowing belong to --method measured-wave; leave them out"
+        "--wavelength-nm, --speckle and --shadowing belong to --method measured-wave or measured-hybrid; leave them out"
     } else if args.map.is_none() && Choice::needs_map(method) {
         "this method needs a height map; give --map FILE"
     } else {

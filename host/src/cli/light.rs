@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use super::error::Failure;
 use crate::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use crate::measurement::Metadata;
+use crate::method::Choice;
 use crate::surface::{Edges, HeightMap};
 
 /// What wave readings are of, as a flag.
@@ -89,13 +90,23 @@ impl Light {
         Ok(WaveOptions { wavelengths, speckle, shadowing: self.shadowing })
     }
 
-    /// The ways to treat the speckle of a map: the one that is asked for, else all that it allows.
+    /// The ways of a method to treat the speckle of a map: the one that is asked for, else all that it allows.
     pub(super) fn variants(
         &self,
+        method: &str,
         map: Option<(&HeightMap, Edges)>,
     ) -> Result<Vec<WaveOptions>, String> {
         let may_average = map.is_none_or(|(map, edges)| WaveBoundary::may_average(map, edges));
+        let other = self.speckle.filter(|s| *s != Speckle::Averaged);
+        if Choice::is_averaged(method) && (other.is_some() || !may_average) {
+            return Err(format!(
+                "method {method} averages the speckle over azimuths: the surface must have no direction, and \
+                 --speckle {} is not for it",
+                other.unwrap_or(Speckle::Kept).name()
+            ));
+        }
         let speckles: &[Speckle] = match self.speckle {
+            _ if Choice::is_averaged(method) => &[Speckle::Averaged],
             Some(Speckle::Averaged) if !may_average => {
                 return Err(format!(
                     "the surface has a direction: its speckle cannot be averaged over azimuths; use \
@@ -119,10 +130,11 @@ impl Light {
     /// The one way to treat the speckle of a map: the one that is asked for, else the first of these that it allows.
     pub(super) fn variant(
         &self,
+        method: &str,
         map: (&HeightMap, Edges),
         usual: &[Speckle],
     ) -> Result<WaveOptions, String> {
-        let variants = self.variants(Some(map))?;
+        let variants = self.variants(method, Some(map))?;
         let of = |speckle: &Speckle| variants.iter().find(|v| v.speckle == *speckle);
         usual
             .iter()

@@ -40,12 +40,13 @@ impl LawFlag {
 ///   heights  delta (steps of the grid), optional n, h_max, z0 (steps); --law gauss or cauchy, --seed
 ///   measured-ray   scale, cutoff_um (optional); --map FILE
 ///   measured-wave  the same, and --wavelength-nm NM
+///   measured-hybrid  the same as measured-wave
 ///
 /// Example: asperity model normals --set delta=6.9 n=1.66 --law gauss --ior 1.49 -o m.json
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx, normals, heights, measured-ray or measured-wave
+    /// Method: ggx, normals, heights, measured-ray, measured-wave or measured-hybrid
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
@@ -59,7 +60,7 @@ pub(super) struct Args {
     /// Shape of the law of `normals` and `heights`
     #[arg(long, value_enum)]
     law: Option<LawFlag>,
-    /// Height map of `measured-ray` and `measured-wave`
+    /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Seed of the heights of `heights`
@@ -105,7 +106,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let wave = match (&map, Choice::is_wave(&args.method)) {
         (Some(m), true) => {
             let light = args.light.light(None)?;
-            Some(light.variant((&m.map, m.edges), &[Speckle::Averaged]).map_err(Failure::Bad)?)
+            let light = light.variant(&args.method, (&m.map, m.edges), &[Speckle::Averaged]);
+            Some(light.map_err(Failure::Bad)?)
         }
         _ => None,
     };

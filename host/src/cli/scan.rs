@@ -16,7 +16,7 @@ use crate::boundary::Boundary;
 use crate::forward::{
     Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan, wave,
 };
-use crate::kirchhoff::{Speckle, WaveBoundary};
+use crate::kirchhoff::{Speckle, WaveBoundary, Wavelengths};
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::output::AtomicFile;
 use crate::surface::{Edges, Form};
@@ -111,7 +111,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             }
         }
     }
-    let traced = matches!(boundary, Boundary::Traced(_));
+    let traced = boundary.is_traced();
     let count = args.rays.or(traced.then_some(TRACED_RAYS));
     let rays = count.map(|count| Rays { count, seed: args.seed });
     let done = simulate(&boundary, &setup, &args.sigma, &grid, rays, meta)?;
@@ -146,7 +146,7 @@ fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
         return Err(Failure::bad("an opaque body transmits nothing; use --geometry reflection"));
     }
     check_aperture(args.aperture, quantity)?;
-    let traced = matches!(boundary, Boundary::Traced(_));
+    let traced = boundary.is_traced();
     if (args.rays.is_some() || traced) && args.aperture <= 0.0 {
         return Err(Failure::bad("rays need a detector to fall into; give --aperture above 0"));
     }
@@ -216,7 +216,7 @@ pub(super) fn simulate(
             };
             let done = done.ok_or_else(|| Failure::No("interrupted".into()))?;
             if let (Boundary::Wave(waves), Some(errors)) = (boundary, &done.std_errors) {
-                describe_waves(waves, errors, &done.values, &mut meta)?;
+                describe_speckle(waves, errors, &done.values, &mut meta)?;
             }
             neglected = Some(done.neglected.flux);
             for (k, &sigma) in sigmas_deg.iter().enumerate() {
@@ -254,6 +254,9 @@ pub(super) fn simulate(
         None => "quadrature".to_owned(),
         Some(_) => format!("Monte Carlo, {traced} rays an incidence"),
     };
+    if let Some(light) = boundary.wavelengths() {
+        describe_light(light, &mut meta)?;
+    }
     meta.instrument = Some(format!("asperity scan, {how}"));
     meta.geometry = Some(setup.geometry);
     meta.aperture_deg = (setup.aperture_deg > 0.0).then_some(setup.aperture_deg);
@@ -274,20 +277,23 @@ pub(super) fn simulate(
     Ok(Virtual { measurement, outcomes, neglected, interrupted })
 }
 
-/// Says in the header what light a wave scan has, and how much of its readings is speckle.
-fn describe_waves(
+/// Says in the header what light a scan has.
+fn describe_light(light: &Wavelengths, meta: &mut Metadata) -> Result<(), Failure> {
+    let mut list = light.iter();
+    match (list.next(), list.next()) {
+        (Some((um, _)), None) => meta.wavelength_nm = Some(1e3 * um),
+        _ => meta.set("wavelengths_nm", &light.to_string()).map_err(Failure::bad)?,
+    }
+    Ok(())
+}
+
+/// Says in the header what is done about speckle, and how much of the readings it is.
+fn describe_speckle(
     waves: &WaveBoundary,
     errors: &[f64],
     values: &[f64],
     meta: &mut Metadata,
 ) -> Result<(), Failure> {
-    let mut list = waves.wavelengths().iter();
-    match (list.next(), list.next()) {
-        (Some((um, _)), None) => meta.wavelength_nm = Some(1e3 * um),
-        _ => {
-            meta.set("wavelengths_nm", &waves.wavelengths().to_string()).map_err(Failure::bad)?;
-        }
-    }
     meta.set("speckle", waves.speckle().name()).map_err(Failure::bad)?;
     let largest = values.iter().copied().fold(0.0, f64::max);
     if largest > 0.0 {

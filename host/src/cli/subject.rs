@@ -9,6 +9,7 @@ use super::error::Failure;
 use super::light::LightFlags;
 use super::map::MapFlags;
 use crate::boundary::Boundary;
+use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::method::Surface;
 use crate::model::Model;
@@ -22,6 +23,8 @@ enum EngineFlag {
     Ray,
     /// Waves: Kirchhoff's integral; needs --wavelength-nm
     Wave,
+    /// Both: long waves of the map traced, short ones diffracting; needs --wavelength-nm
+    Hybrid,
 }
 
 /// A model file, or a height map with its refractive index.
@@ -80,7 +83,7 @@ impl SubjectFlags {
         let eta = Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
         if self.method == EngineFlag::Ray && self.light.are_given() {
             return Err(Failure::bad(
-                "--wavelength-nm, --speckle and --shadowing belong to --method wave; leave them out",
+                "--wavelength-nm, --speckle and --shadowing belong to --method wave or hybrid; leave them out",
             ));
         }
         let prepared = self.map_flags.load_for_light(path)?;
@@ -93,9 +96,18 @@ impl SubjectFlags {
             EngineFlag::Wave => {
                 let (map, edges) = (&prepared.map, prepared.edges);
                 let light = self.light.light(None)?;
-                let options = light.variant((map, edges), usual).map_err(Failure::Bad)?;
+                let options = light.variant("wave", (map, edges), usual);
+                let options = options.map_err(Failure::Bad)?;
                 let wave = WaveBoundary::of_map(map, edges, eta, &options);
                 (Boundary::Wave(Box::new(wave.map_err(|e| of_file(&e))?)), "wave")
+            }
+            EngineFlag::Hybrid => {
+                let (map, edges) = (&prepared.map, prepared.edges);
+                let light = self.light.light(None)?;
+                let options = light.variant("measured-hybrid", (map, edges), &[Speckle::Averaged]);
+                let options = options.map_err(Failure::Bad)?;
+                let hybrid = HybridBoundary::of_map(map, edges, eta, &options);
+                (Boundary::Hybrid(Box::new(hybrid.map_err(|e| of_file(&e))?)), "hybrid")
             }
         };
         Ok(Subject {

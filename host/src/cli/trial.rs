@@ -127,7 +127,7 @@ impl Job<'_> {
         };
         let map = self.map.map(|m| (&m.map, m.edges));
         let waves = if Choice::is_wave(name) && map.is_some() {
-            self.light.variants(map)?.into_iter().map(Some).collect()
+            self.light.variants(name, map)?.into_iter().map(Some).collect()
         } else {
             vec![None]
         };
@@ -259,7 +259,7 @@ impl Job<'_> {
                 });
                 missed.into_iter().collect()
             }
-            _ => Vec::new(),
+            other => other.warnings(&angles),
         }
     }
 }

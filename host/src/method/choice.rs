@@ -3,14 +3,19 @@
 use asperity_core::ndf::law::Profile;
 
 use super::{
-    GgxMethod, HeightsMethod, MeasuredRayMethod, MeasuredWaveMethod, Method, NormalsMethod, Surface,
+    GgxMethod, HeightsMethod, MeasuredHybridMethod, MeasuredRayMethod, MeasuredWaveMethod, Method,
+    NormalsMethod, Surface,
 };
 use crate::kirchhoff::WaveOptions;
 use crate::measurement::excerpt;
 use crate::surface::{Edges, HeightMap};
 
 /// The names of the methods, for messages.
-pub const METHODS: [&str; 5] = ["ggx", "normals", "heights", "measured-ray", "measured-wave"];
+pub const METHODS: [&str; 6] =
+    ["ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid"];
+
+/// The five methods of the paper: what `compare` tries unless told otherwise.
+pub const PAPER: [&str; 5] = ["ggx", "normals", "heights", "measured-ray", "measured-wave"];
 
 /// What it takes to make a method.
 #[derive(Clone, Copy)]
@@ -40,12 +45,17 @@ impl std::fmt::Debug for Choice<'_> {
 impl<'a> Choice<'a> {
     /// Whether a method of this name uses a height map.
     pub fn needs_map(name: &str) -> bool {
-        matches!(name, "measured-ray" | "measured-wave")
+        matches!(name, "measured-ray" | "measured-wave" | "measured-hybrid")
     }
 
     /// Whether a method of this name sends waves, and needs their length.
     pub fn is_wave(name: &str) -> bool {
-        name == "measured-wave"
+        matches!(name, "measured-wave" | "measured-hybrid")
+    }
+
+    /// Whether a method of this name knows speckle as an average only.
+    pub fn is_averaged(name: &str) -> bool {
+        name == "measured-hybrid"
     }
 
     /// Whether a method of this name has a law.
@@ -60,6 +70,11 @@ impl<'a> Choice<'a> {
 
     fn need_map(&self) -> Result<(&'a HeightMap, Edges), String> {
         self.map.ok_or_else(|| format!("method {} needs a height map; give --map FILE", self.name))
+    }
+
+    fn need_wave(&self) -> Result<WaveOptions, String> {
+        let missing = || format!("method {} needs --wavelength-nm; give it in nm", self.name);
+        self.wave.cloned().ok_or_else(missing)
     }
 
     /// The method.
@@ -93,10 +108,13 @@ impl<'a> Choice<'a> {
             }
             "measured-wave" => {
                 let (map, edges) = self.need_map()?;
-                let Some(wave) = self.wave else {
-                    return Err("method measured-wave needs --wavelength-nm; give it in nm".into());
-                };
-                MeasuredWaveMethod::new(map, edges, (self.asked)("cutoff_um"), wave.clone())
+                MeasuredWaveMethod::new(map, edges, (self.asked)("cutoff_um"), self.need_wave()?)
+                    .map(|m| Box::new(m) as Box<dyn Method>)
+                    .map_err(|e| e.to_string())
+            }
+            "measured-hybrid" => {
+                let (map, edges) = self.need_map()?;
+                MeasuredHybridMethod::new(map, edges, (self.asked)("cutoff_um"), self.need_wave()?)
                     .map(|m| Box::new(m) as Box<dyn Method>)
                     .map_err(|e| e.to_string())
             }

@@ -7,6 +7,7 @@
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 //! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
+//! | `measured-hybrid` | [`measured_hybrid`] | the same map, long waves traced, short ones diffracting, by `hybrid` |
 
 mod parameter;
 pub mod ggx;
@@ -15,11 +16,13 @@ pub mod heights;
 mod measured;
 pub mod measured_ray;
 pub mod measured_wave;
+pub mod measured_hybrid;
 mod choice;
 
-pub use choice::{Choice, METHODS};
+pub use choice::{Choice, METHODS, PAPER};
 pub use ggx::GgxMethod;
 pub use heights::HeightsMethod;
+pub use measured_hybrid::MeasuredHybridMethod;
 pub use measured_ray::MeasuredRayMethod;
 pub use measured_wave::MeasuredWaveMethod;
 pub use normals::NormalsMethod;

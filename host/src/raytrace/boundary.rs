@@ -1,4 +1,7 @@
-//! A rough boundary whose scatter is traced: refraction and reflection at every facet, all bounces.
+//! A rough boundary whose scatter is traced: every facet turns a ray, all bounces.
+//!
+//! What a facet does is a [`Facet`]: the smooth one of [`TracedBoundary`] refracts and reflects by Fresnel's and
+//! Snell's laws; others may scatter.
 
 use std::sync::Arc;
 
@@ -8,7 +11,8 @@ use asperity_core::fresnel;
 use asperity_core::quantity::RelativeIor;
 
 use super::{Fate, Field, Mirrored, Ray};
-use crate::surface::Edges;
+use crate::surface::spectrum::Anisotropy;
+use crate::surface::{Edges, Spectrum};
 
 /// A height field between air (above) and a dielectric (below).
 #[derive(Clone, Debug)]
@@ -17,6 +21,54 @@ pub struct TracedBoundary {
     pub field: Arc<Field>,
     /// Index of the dielectric over that of air.
     pub eta: RelativeIor<f64>,
+}
+
+/// What the facets of a surface do to light.
+pub trait Facet {
+    /// Where the light goes that comes from `from` to a facet of unit normal `m`, upward; `above` if it comes from
+    /// the air. `None` if it is lost.
+    fn turn(
+        &self,
+        from: Direction<f32>,
+        m: Direction<f32>,
+        above: bool,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Turned>;
+}
+
+/// Light that leaves a facet.
+#[derive(Clone, Copy, Debug)]
+pub struct Turned {
+    /// Where it goes.
+    pub to: Direction<f32>,
+    /// Whether it is in the air then.
+    pub above: bool,
+    /// Flux for unit flux; may exceed 1 where directions are drawn from a law that is not exactly that of the flux.
+    pub weight: f64,
+}
+
+/// Plane facets between two media.
+struct Smooth {
+    /// Index of the far medium over that of the near one, from below and from above.
+    n: [f32; 2],
+}
+
+impl Facet for Smooth {
+    #[inline(always)]
+    fn turn(
+        &self,
+        from: Direction<f32>,
+        m: Direction<f32>,
+        above: bool,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Turned> {
+        let (reflected, through) = fresnel::facet(from, m, self.n[usize::from(above)]);
+        let refracted = through.filter(|_| uniform() >= f64::from(reflected));
+        Some(match refracted {
+            Some(through) => Turned { to: through, above: !above, weight: 1.0 },
+            None => Turned { to: from.reflect(m), above, weight: 1.0 },
+        })
+    }
 }
 
 /// Bounces after which a ray is given up.
@@ -29,7 +81,7 @@ fn mirror(d: Direction<f32>, [x, y]: Mirrored) -> Direction<f32> {
     Direction::from_unit(if x { -dx } else { dx }, if y { -dy } else { dy }, dz)
 }
 
-impl TracedBoundary {
+impl Field {
     /// A ray on its way to the surface, and whether it begins in a mirror image of the map.
     ///
     /// A beam is uniform over every plane. On a periodic map the ray starts anywhere on the plane through the
@@ -37,7 +89,7 @@ impl TracedBoundary {
     /// so far from the edge that the heights do not reach over it, as far as there is room.
     #[inline(always)]
     fn start(&self, travel: Direction<f32>, above: bool, u: [f64; 2]) -> (Ray, Mirrored) {
-        let field = &*self.field;
+        let field = self;
         let height = if above { field.highest } else { field.lowest };
         let [dx, dy, dz] = travel.xyz();
         let mut mirrored = [false; 2];
@@ -64,32 +116,32 @@ impl TracedBoundary {
         let direction = mirror(travel, mirrored).xyz();
         (Ray { origin: [place[0], place[1], height], direction, above, from: None }, mirrored)
     }
-}
 
-impl Scatter<f64> for TracedBoundary {
-    /// Takes two uniforms for the place on the map and one for each bounce.
-    fn sample(
+    /// Follows light from `wi` over the surface until it leaves; takes two uniforms for the place, and those that
+    /// the facets take.
+    #[inline(always)]
+    pub fn scatter(
         &self,
         wi: Direction<f64>,
+        facet: &impl Facet,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
         let mut above = wi.side()? == Side::Air;
         let [x, y, z] = wi.xyz().map(|c| -c as f32);
         let mut travel = Direction::<f32>::from_unit(x, y, z);
         travel.side()?;
-        let n = self.eta.get() as f32;
-        let n = [1.0 / n, n];
         let u = [uniform(), uniform()];
         let (mut ray, mut mirrored) = self.start(travel, above, u);
         travel = mirror(travel, mirrored);
+        let mut weight = 1.0;
         for _ in 0..MOST_BOUNCES {
-            match self.field.follow(&ray) {
+            match self.follow(&ray) {
                 Fate::Escapes => {
                     let [x, y, z] = mirror(travel, mirrored).xyz().map(f64::from);
                     // of unit length to single precision: one step of Newton makes it so to double
                     let scale = 1.5 - 0.5 * (x * x + y * y + z * z);
                     let wo = Direction::from_unit(x * scale, y * scale, z * scale);
-                    return Some(Scattered { wo, weight: 1.0 });
+                    return Some(Scattered { wo, weight });
                 }
                 Fate::Lost => return None,
                 Fate::Hits(hit) => {
@@ -97,15 +149,9 @@ impl Scatter<f64> for TracedBoundary {
                     let m = Direction::from_unit(mx, my, mz);
                     mirrored = [mirrored[0] ^ hit.mirrored[0], mirrored[1] ^ hit.mirrored[1]];
                     let from = mirror(travel, hit.mirrored).opposite();
-                    let (reflected, through) = fresnel::facet(from, m, n[usize::from(above)]);
-                    let refracted = through.filter(|_| uniform() >= f64::from(reflected));
-                    match refracted {
-                        Some(through) => {
-                            travel = through;
-                            above = !above;
-                        }
-                        None => travel = from.reflect(m),
-                    }
+                    let turned = facet.turn(from, m, above, uniform)?;
+                    (travel, above) = (turned.to, turned.above);
+                    weight *= turned.weight;
                     ray = Ray {
                         origin: hit.point,
                         direction: travel.xyz(),
@@ -116,5 +162,29 @@ impl Scatter<f64> for TracedBoundary {
             }
         }
         None
+    }
+}
+
+impl TracedBoundary {
+    /// Index of the dielectric over that of air.
+    pub fn eta(&self) -> RelativeIor<f64> {
+        self.eta
+    }
+
+    /// How the slopes of its surface differ by direction; `None` if it has none.
+    pub fn anisotropy(&self) -> Option<Anisotropy> {
+        Spectrum::of(&self.field.map().ok()?, self.field.edges()).ok()?.anisotropy()
+    }
+}
+
+impl Scatter<f64> for TracedBoundary {
+    /// Takes two uniforms for the place on the map and one for each bounce.
+    fn sample(
+        &self,
+        wi: Direction<f64>,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Scattered<f64>> {
+        let n = self.eta.get() as f32;
+        self.field.scatter(wi, &Smooth { n: [1.0 / n, n] }, uniform)
     }
 }

@@ -8,6 +8,6 @@ mod field;
 mod walk;
 mod boundary;
 
-pub use boundary::TracedBoundary;
+pub use boundary::{Facet, TracedBoundary, Turned};
 pub use field::{Field, FieldError};
 pub use ray::{Fate, Hit, Mirrored, Ray, Triangle};

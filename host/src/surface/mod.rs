@@ -14,6 +14,8 @@ pub mod gaussian;
 mod synthetic;
 pub mod modify;
 pub mod spectrum;
+pub mod split;
+pub mod structure;
 pub mod io;
 pub mod prepare;
 pub mod random;

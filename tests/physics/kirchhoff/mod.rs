@@ -8,3 +8,4 @@ mod limits;
 mod facets;
 mod real;
 mod energy;
+mod hybrid;

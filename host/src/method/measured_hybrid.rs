@@ -1,0 +1,86 @@
+//! Method `measured-hybrid`: the measured map, its long waves traced, its short ones diffracting. Beyond the paper.
+
+use super::measured::MeasuredMap;
+use super::{BuildError, Method, Parameter, Surface};
+use crate::boundary::Boundary;
+use crate::hybrid::HybridBoundary;
+use crate::kirchhoff::WaveOptions;
+use crate::surface::{Edges, HeightMap, Incomplete};
+
+/// The method with its map. The scale acts on both parts; where the map is split moves steadily with it.
+#[derive(Clone, Debug)]
+pub struct MeasuredHybridMethod {
+    measured: MeasuredMap,
+    options: WaveOptions,
+}
+
+impl MeasuredHybridMethod {
+    /// For a complete map; without a cut-off the heights are scaled only.
+    ///
+    /// # Errors
+    /// [`Incomplete`] if points are missing.
+    pub fn new(
+        map: &HeightMap,
+        edges: Edges,
+        with_cutoff: bool,
+        options: WaveOptions,
+    ) -> Result<Self, Incomplete> {
+        Ok(Self { measured: MeasuredMap::new(map, edges, with_cutoff)?, options })
+    }
+}
+
+impl Method for MeasuredHybridMethod {
+    fn name(&self) -> &'static str {
+        "measured-hybrid"
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["Sokolov sections 2.3 and 4", "Beckmann and Spizzichino 1963", "ISO 16610-61"]
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.measured.parameters
+    }
+
+    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
+        let eta = surface.eta()?;
+        let map = self.measured.modified(self.measured.knobs(values)?)?;
+        let boundary = HybridBoundary::of_map(&map, self.measured.edges, eta, &self.options);
+        let boundary = boundary.map_err(|e| BuildError::Map(e.to_string()))?;
+        Ok(Boundary::Hybrid(Box::new(boundary)))
+    }
+
+    fn is_traced(&self) -> bool {
+        true
+    }
+
+    fn wave(&self) -> Option<&WaveOptions> {
+        Some(&self.options)
+    }
+
+    fn label(&self) -> String {
+        self.name().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::MeasuredHybridMethod;
+    use crate::kirchhoff::{Speckle, WaveOptions, Wavelengths};
+    use crate::method::measured::tests::{check_domain, holed, map};
+    use crate::surface::{Edges, HeightMap};
+
+    #[test]
+    fn values_outside_the_domain_are_refused_by_name() {
+        let options = WaveOptions {
+            wavelengths: Wavelengths::single(550.0).unwrap(),
+            speckle: Speckle::Averaged,
+            shadowing: false,
+        };
+        let method = |map: HeightMap| {
+            MeasuredHybridMethod::new(&map, Edges::Mirrored, true, options.clone())
+        };
+        check_domain(&method(map()).unwrap());
+        assert!(method(holed()).is_err());
+    }
+}
