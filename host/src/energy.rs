@@ -28,6 +28,12 @@ pub struct Energy {
     pub coherent_reflected: f64,
     /// Part of `transmitted` that goes straight on by Snell's law; 0 for ray methods.
     pub coherent_transmitted: f64,
+    /// Share of what is diffracted in reflection that has no direction to go; of waves only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evanescent_reflected: Option<f64>,
+    /// The same in transmission.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evanescent_transmitted: Option<f64>,
 }
 
 /// Name of a side in files.
@@ -122,6 +128,8 @@ fn of_waves(
             lost: 1.0 - reflected - transmitted,
             coherent_reflected,
             coherent_transmitted,
+            evanescent_reflected: wave.evanescent(incidence(side, deg), Lobe::Reflection),
+            evanescent_transmitted: wave.evanescent(incidence(side, deg), Lobe::Transmission),
         }
     });
     Some(balances.collect())
@@ -151,6 +159,8 @@ pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) 
         lost,
         coherent_reflected: 0.0,
         coherent_transmitted: 0.0,
+        evanescent_reflected: None,
+        evanescent_transmitted: None,
     }
 }
 

@@ -31,6 +31,7 @@ mod happy;
 mod maps;
 mod stats_waves;
 mod map_verbs;
+mod wave;
 mod hybrid;
 mod compare;
 mod malformed;

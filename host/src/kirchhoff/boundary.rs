@@ -151,6 +151,24 @@ impl WaveBoundary {
         self.speckle
     }
 
+    /// Share of what a lobe diffracts, about the `q_z` of its specular direction, that has no direction to go:
+    /// evanescent light; `None` without a specular direction. Obliquity and Fresnel's share are left out.
+    pub fn evanescent(&self, wi: Direction<f64>, lobe: Lobe) -> Option<f64> {
+        let one = |(wavelength_um, weight): (f64, f64)| {
+            let optics = Optics::new(self.eta, &Beam { wi, lobe, wavelength_um })?;
+            let (specular, q_z) = optics.specular()?;
+            let at = specular.x().hypot(specular.y());
+            let outside = |q: f64| {
+                let moved = q / (optics.k * optics.n_o);
+                // of the azimuths by which the direction is moved, those beyond the horizon
+                let edge = (1.0 - at * at - moved * moved) / (2.0 * at * moved).max(1e-12);
+                edge.clamp(-1.0, 1.0).acos() / std::f64::consts::PI
+            };
+            Some(weight * self.density.mean_over(q_z * self.scale.abs(), outside))
+        };
+        self.wavelengths.iter().map(one).sum()
+    }
+
     /// Where the approximation holds, for light of these incidences.
     ///
     /// # Errors

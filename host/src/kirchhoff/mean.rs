@@ -364,16 +364,18 @@ impl Density {
         one / (width / ring).max(1.0).sqrt()
     }
 
+    /// Mean of a function of `|q_xy|` over the diffuse light about a `q_z`, times its share of all light.
+    pub(super) fn mean_over(&self, q_z: f64, value: impl Fn(f64) -> f64) -> f64 {
+        let Some(node) = self.nearest(q_z) else { return 0.0 };
+        let before = std::iter::once(&0.0).chain(&node.cumulated);
+        let rings = node.cumulated.iter().zip(before).zip(self.radii.iter());
+        rings.map(|((to, from), radius)| (to - from) * value(*radius)).sum()
+    }
+
     /// Root mean square of one component of `q_xy` about a `q_z`, 1/um.
     pub(super) fn width(&self, q_z: f64) -> f64 {
-        let Some(node) = self.nearest(q_z) else { return 0.0 };
-        let (mut sum, mut all, mut before) = (0.0, 0.0, 0.0);
-        for (radius, cumulated) in self.radii.iter().zip(&node.cumulated) {
-            sum += 0.5 * radius * radius * (cumulated - before);
-            all += cumulated - before;
-            before = *cumulated;
-        }
-        if all > 0.0 { (sum / all).sqrt() } else { 0.0 }
+        let all = self.mean_over(q_z, |_| 1.0);
+        if all > 0.0 { (self.mean_over(q_z, |q| 0.5 * q * q) / all).sqrt() } else { 0.0 }
     }
 
     fn nearest(&self, q_z: f64) -> Option<&Node> {
