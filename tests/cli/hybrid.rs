@@ -27,7 +27,8 @@ fn a_map_of_rays_and_waves_is_scanned_fitted_and_evaluated() {
     folder.run(&format!("{scan} {MAP}")).json();
     assert!(folder.text("scan.csv").contains("# wavelength_nm: 550"));
     let check = format!("check --method hybrid --ior 1.49 --incidence 20 --side air --json {MAP}");
-    let check = folder.run(&check).json();
+    // the pixel is too coarse for what is reflected, so the answer may be no
+    let check: serde_json::Value = serde_json::from_str(&folder.run(&check).out).unwrap();
     let warnings = check["warnings"].as_array().unwrap();
     assert!(warnings[0].as_str().unwrap().contains("are traced (rms"), "{check:#}");
     let fit = "fit scan.csv --method measured-hybrid --rough-side source --fit-rays 20000 --rays 40000 \

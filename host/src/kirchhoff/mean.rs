@@ -140,25 +140,19 @@ impl MeanSpectra {
         let nx = self.nx;
         let turns = q_z / std::f64::consts::TAU;
         let ones = vec![1.0; nx];
-        let along = if self.windows[0].is_empty() { &ones } else { &self.windows[0] };
         let rows: Vec<Complex<f64>> = self
             .heights_um
             .par_chunks(nx)
-            .enumerate()
             .map_init(
                 || vec![Complex::default(); nx],
-                |line, (j, heights)| {
-                    phase(heights, along, turns, line);
-                    let across = self.windows[1].get(j).map_or(1.0, |w| f64::from(*w));
-                    let sum = |u: &Complex<f32>| Complex::new(f64::from(u.re), f64::from(u.im));
-                    line.iter().map(sum).sum::<Complex<f64>>() * across
+                |line, heights| {
+                    phase(heights, &ones, turns, line);
+                    line.iter().map(|u| Complex::new(f64::from(u.re), f64::from(u.im))).sum()
                 },
             )
             .collect();
-        let across =
-            if self.windows[1].is_empty() { &vec![1.0; rows.len()] } else { &self.windows[1] };
-        let weight = |of: &[f32]| of.iter().map(|w| f64::from(*w)).sum::<f64>();
-        let mean = rows.iter().sum::<Complex<f64>>() / (weight(along) * weight(across));
+        // the mean over all points is the best estimate of the coherent field
+        let mean = rows.iter().sum::<Complex<f64>>() / self.heights_um.len() as f64;
         let coherent = Complex::new(mean.re as f32, mean.im as f32);
         self.fourier.transform(
             |j, line| {
@@ -174,7 +168,7 @@ impl MeanSpectra {
             },
             room,
         );
-        self.rings.averaged(room, (1.0 - mean.norm_sqr()).max(0.0))
+        self.rings.averaged(room, (1.0 - self.coherent(q_z)).max(0.0))
     }
 }
 
@@ -290,8 +284,7 @@ impl Rings {
                 held += w * (to - from) * std::f64::consts::TAU * r * ln.exp();
             }
         }
-        // the rings have no order at the centre
-        let factor = (node.cumulated[last] + node.ln_density[0].exp() * self.cell) / held;
+        let factor = node.cumulated[last] / held;
         if factor > 0.8 && factor < 1.25 {
             node.ln_density.iter_mut().for_each(|ln| *ln += factor.ln());
         }
