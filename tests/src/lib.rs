@@ -2,8 +2,8 @@
 
 pub mod chi2;
 pub mod data;
-pub mod kirchhoff;
 pub mod oracle;
+pub mod kirchhoff;
 pub mod tolerance;
 
 /// Whether the longer versions of the tests are asked for (`ASPERITY_EXTENSIVE=1`).
