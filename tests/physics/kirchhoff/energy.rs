@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity::kirchhoff::{Beam, MeanSpectra, WaveBoundary};
+use asperity::kirchhoff::{Beam, MeanSpectra, Validity, WaveBoundary, Wavelengths};
 use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::{Bsdf, Scatter};
 use asperity_core::direction::{Direction, Side};
