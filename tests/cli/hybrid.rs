@@ -41,7 +41,8 @@ fn a_map_of_rays_and_waves_is_scanned_fitted_and_evaluated() {
         (&"measured-hybrid".into(), &"averaged".into())
     );
     // the model is read again
-    folder.run("check fit.json --incidence 0 --rays 1e4 --json").json();
+    let check = folder.run("check fit.json --incidence 0 --side air --rays 1e4 --json");
+    assert!(check.out.contains("\"energy\""), "{}", check.err);
     folder.write("pairs.csv", "wix,wiy,wiz,wox,woy,woz\n0,0,1,0,0,-1\n0,0,-1,0,0,1\n");
     let values = folder.run("eval fit.json --input pairs.csv --rays 2e4").ok();
     let f = |line: &str| line.split(',').nth(6).unwrap().parse::<f64>().unwrap();

@@ -247,7 +247,11 @@ impl Job<'_> {
                     }
                     _ => (Side::Air, 1.0),
                 };
-                let refracted = |deg: &f64| (inside * deg.to_radians().sin()).asin().to_degrees();
+                let refracted = |deg: &f64| {
+                    let inside = (inside * deg.to_radians().sin()).asin().to_degrees();
+                    // as people write angles
+                    (1e3 * inside).round() / 1e3
+                };
                 let angles: Vec<f64> = angles.iter().map(refracted).collect();
                 let validity = wave.validity(&angles).map(|v| v.of_lobe(side, lobe));
                 validity.map(|v| v.warnings()).unwrap_or_default()

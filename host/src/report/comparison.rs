@@ -101,7 +101,7 @@ impl SampleResult {
 
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
-        let head = ["method", "error %", "noise floor %", "ray noise %", "seconds", "parameters"];
+        let head = ["method", "error %", "noise floor %", "own noise %", "seconds", "parameters"];
         let head = head.into_iter().chain(["verdict", "notes"]).map(String::from).collect();
         let percent = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |v| format!("{v:.3}"))
