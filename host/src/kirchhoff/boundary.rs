@@ -2,56 +2,21 @@
 
 use std::sync::Arc;
 
-use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
+use asperity_core::bsdf::{Bsdf, Lobe, Scattered};
 use asperity_core::direction::Direction;
 use asperity_core::fresnel;
 use asperity_core::quantity::RelativeIor;
 
-use super::mean::{Density, MeanSpectra};
+use super::density::Density;
+use super::mean::MeanSpectra;
 use super::optics::{Beam, Optics};
-use super::orders::Tiling;
+use super::options::{Speckle, WaveOptions};
+use super::sampling::{Aim, WIDE};
 use super::shadowing::Shadowing;
+use super::stack::Tiling;
 use super::validity::{Validity, ValidityError};
 use super::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
-
-/// Whether readings are those of this very map, or of a larger piece of the same surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Speckle {
-    /// The mean over the azimuths of the momentum: all directions of the surface must be alike.
-    Averaged,
-    /// This very map, which goes on as its edges say, its speckle smoothed by the detector's cone and the wavelengths
-    /// alone.
-    Kept,
-    /// The same, but the map is all that is lit: a beam as large as the map.
-    Patch,
-}
-
-/// How waves are sent on a map.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WaveOptions {
-    /// The light, vacuum wavelengths in nm with weights.
-    #[serde(rename = "wavelengths_nm")]
-    pub wavelengths: Wavelengths,
-    /// What readings are of.
-    pub speckle: Speckle,
-    /// Smith's shadowing and masking on the stationary facet: what Kirchhoff's integral leaves out.
-    #[serde(default)]
-    pub shadowing: bool,
-}
-
-impl Speckle {
-    /// `averaged`, `kept` or `patch`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Averaged => "averaged",
-            Self::Kept => "kept",
-            Self::Patch => "patch",
-        }
-    }
-}
 
 /// Fluxes of the light that stays coherent, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -70,12 +35,12 @@ pub struct WaveBoundary {
     map: Arc<HeightMap>,
     edges: Edges,
     /// Of the map as it was before it was scaled.
-    spectra: Arc<MeanSpectra>,
-    density: Density,
+    pub(super) spectra: Arc<MeanSpectra>,
+    pub(super) density: Density,
     /// What the map's heights were multiplied by.
-    scale: f64,
-    wavelengths: Wavelengths,
-    eta: RelativeIor<f64>,
+    pub(super) scale: f64,
+    pub(super) wavelengths: Wavelengths,
+    pub(super) eta: RelativeIor<f64>,
     speckle: Speckle,
     shadowing: Option<Shadowing>,
 }
@@ -200,7 +165,7 @@ impl WaveBoundary {
     }
 
     /// Coherent flux of a beam.
-    fn specular(&self, beam: &Beam) -> f64 {
+    pub(super) fn specular(&self, beam: &Beam) -> f64 {
         let Some(optics) = Optics::new(self.eta, beam) else { return 0.0 };
         let Some((wo, q_z)) = optics.specular() else { return 0.0 };
         let beyond = if beam.wi.z() > 0.0 { self.eta.get() } else { self.eta.inverse() };
@@ -213,7 +178,7 @@ impl WaveBoundary {
     }
 
     /// Diffuse `ars` of one wavelength.
-    fn diffuse(&self, optics: &Optics, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+    pub(super) fn diffuse(&self, optics: &Optics, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         let factor = optics.factor(wo);
         if factor <= 0.0 {
             return 0.0;
@@ -291,115 +256,5 @@ impl Bsdf<f64> for WaveBoundary {
         let q_z = k * (self.eta.get() - 1.0).abs().max(0.1);
         let width = self.density.width(q_z * self.scale.abs());
         (width / q_z).clamp(1e-4, 2.0)
-    }
-}
-
-/// Share of the rays that are drawn in all directions alike. The tails of the law about the specular direction are
-/// lower than those of the lobe; without these rays one in a million would weigh a million.
-const WIDE: f64 = 0.1;
-
-/// How a lobe is sampled: about its specular direction.
-struct Aim {
-    /// `|q_z|` of the scaled map, 1/um.
-    q_z: f64,
-    /// Share of the samples that are coherent.
-    coherent: f64,
-    /// Share of the others that go in all directions alike.
-    wide: f64,
-}
-
-impl Aim {
-    fn new(boundary: &WaveBoundary, optics: &Optics, wide: f64) -> Self {
-        // without a specular direction: the middle of what there is
-        let specular = optics.specular();
-        let middle = || optics.heights().map_or(1.0, |(a, b)| optics.k * 0.5 * (a + b));
-        let q_z = specular.map_or_else(middle, |(_, q_z)| q_z);
-        let share =
-            if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
-        let coherent = if share < 1e-6 { 0.0 } else { share.min(1.0 - 1e-6) };
-        Self { q_z: q_z * boundary.scale.abs(), coherent, wide }
-    }
-
-    /// Density of the diffuse samples, 1/sr.
-    fn density(&self, boundary: &WaveBoundary, optics: &Optics, wo: Direction<f64>) -> f64 {
-        let [x, y, z] = wo.xyz();
-        let [qx, qy] = optics.momentum([x, y]);
-        let n = optics.k * optics.n_o;
-        let near = boundary.density.drawn(self.q_z, qx.hypot(qy)) * n * n * z.abs();
-        (1.0 - self.wide) * near + self.wide / std::f64::consts::TAU
-    }
-}
-
-impl WaveBoundary {
-    /// Draws light of a lobe, a share `wide` of the diffuse in all directions alike.
-    fn draw(
-        &self,
-        wi: Direction<f64>,
-        lobe: Lobe,
-        u: [f64; 2],
-        wide: f64,
-    ) -> Option<Scattered<f64>> {
-        // a wavelength by its weight, then the rest of the uniform
-        let mut rest = u[0];
-        let (mut wavelength_um, mut weight) = (self.wavelengths.mean_um(), 1.0);
-        for (um, share) in self.wavelengths.iter() {
-            (wavelength_um, weight) = (um, share);
-            if rest < share {
-                break;
-            }
-            rest -= share;
-        }
-        let beam = Beam { wi, lobe, wavelength_um };
-        let optics = Optics::new(self.eta, &beam)?;
-        let aim = Aim::new(self, &optics, wide);
-        let place = (rest / weight).clamp(0.0, 1.0 - 1e-12);
-        if place < aim.coherent {
-            let (wo, _) = optics.specular()?;
-            return Some(Scattered { wo, weight: self.specular(&beam) / aim.coherent });
-        }
-        let along = (place - aim.coherent) / (1.0 - aim.coherent);
-        let (sin, cos) = (std::f64::consts::TAU * u[1]).sin_cos();
-        let tangent = if along < wide {
-            let up = along / wide;
-            let sine = (1.0 - up * up).max(0.0).sqrt();
-            [sine * cos, sine * sin]
-        } else {
-            let q = self.density.draw(aim.q_z, (along - wide) / (1.0 - wide))?;
-            optics.tangent([q * cos, q * sin])
-        };
-        let cos2 = 1.0 - tangent[0] * tangent[0] - tangent[1] * tangent[1];
-        if cos2 <= 0.0 {
-            return None;
-        }
-        let wo = optics.direction(tangent, cos2.sqrt());
-        let drawn = aim.density(self, &optics, wo) * (1.0 - aim.coherent);
-        let weight = self.diffuse(&optics, wi, wo) / drawn;
-        (weight.is_finite() && weight > 0.0).then_some(Scattered { wo, weight })
-    }
-
-    /// Share of the samples that go into a lobe.
-    fn share(&self, wi: Direction<f64>, lobe: Lobe) -> f64 {
-        let beyond = if wi.z() > 0.0 { self.eta.get() } else { self.eta.inverse() };
-        let reflected = fresnel::dielectric(wi.z().abs(), beyond).reflected.clamp(0.02, 0.98);
-        if lobe == Lobe::Reflection { reflected } else { 1.0 - reflected }
-    }
-}
-
-impl Scatter<f64> for WaveBoundary {
-    /// Chooses a lobe by Fresnel's share, then much as [`Bsdf::sample_lobe`]; takes three uniforms. Weights may
-    /// exceed 1 where the lobe differs much from that about its specular direction.
-    fn sample(
-        &self,
-        wi: Direction<f64>,
-        uniform: &mut impl FnMut() -> f64,
-    ) -> Option<Scattered<f64>> {
-        wi.side()?;
-        let choice = uniform();
-        let u = [uniform(), uniform()];
-        let reflected = self.share(wi, Lobe::Reflection);
-        let lobe = if choice < reflected { Lobe::Reflection } else { Lobe::Transmission };
-        let mut ray = self.draw(wi, lobe, u, WIDE)?;
-        ray.weight /= self.share(wi, lobe);
-        Some(ray)
     }
 }

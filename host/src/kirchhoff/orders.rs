@@ -6,7 +6,7 @@
 //! rounding of f32. Cost: planes (the range of `q_z` times that of heights over 2 pi, half as many again)
 //! times N log N.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
@@ -14,35 +14,14 @@ use asperity_core::quantity::RelativeIor;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
-use super::fft::{Coefficients, Fourier, place};
-use super::kernel::{Kernel, WIDTH};
+use super::fft::{Coefficients, place};
+use super::kernel::WIDTH;
 use super::optics::{Beam, Optics};
-use super::screen::phase;
+use super::stack::{Stack, Tiling};
 use crate::surface::{Edges, HeightMap, Incomplete};
 
 /// Amplitudes that are in memory at once; more beams are worked on in turns.
 const MOST_AMPLITUDES: usize = 96 << 20;
-
-/// What lies around a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tiling {
-    /// The map again.
-    Periodic,
-    /// Its mirror images.
-    Mirrored,
-    /// Nothing that is lit: the map is a patch, its orders half as far apart as those of a period, and its coherent
-    /// light as wide as diffraction at the patch makes it.
-    Patch,
-}
-
-impl From<Edges> for Tiling {
-    fn from(edges: Edges) -> Self {
-        match edges {
-            Edges::Periodic => Self::Periodic,
-            Edges::Mirrored => Self::Mirrored,
-        }
-    }
-}
 
 /// One order of a beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -110,12 +89,19 @@ pub fn orders(
         group.push(next);
         let last = k + 1 == beams.len();
         if last || kept > MOST_AMPLITUDES {
-            let planes = stack.planes(&group);
+            let planes = stack.planes(group.iter().filter_map(BeamOrders::range));
             let count = (planes.end - planes.start) as usize;
             // the groups to come are about as long
             let all = done + count * (1 + (beams.len() - k - 1).div_ceil(group.len()));
-            let tick = |n| progress(done + n, all);
-            if !stack.fill(&mut group, planes, stop, &tick) {
+            let mut now = done;
+            let finished = stack.each(planes, stop, |plane, q_z| {
+                for beam in &mut group {
+                    beam.add(&stack, plane, q_z);
+                }
+                now += 1;
+                progress(now, all);
+            });
+            if !finished {
                 return Ok(None);
             }
             done += count;
@@ -124,100 +110,6 @@ pub fn orders(
         }
     }
     Ok(Some(found))
-}
-
-/// A map ready to be transformed at any `q_z`.
-struct Stack {
-    fourier: Fourier<f32>,
-    edges: Edges,
-    size: [usize; 2],
-    step: [f64; 2],
-    /// From `|A|^2` of the whole field to that of the lit part, by order.
-    unit: f64,
-    heights_um: Vec<f64>,
-    weights: Vec<f32>,
-    kernel: Kernel,
-}
-
-impl Stack {
-    fn new(map: &HeightMap, tiling: Tiling) -> Result<Self, Incomplete> {
-        let heights = map.need_complete()?;
-        let range = heights
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(*h), b.max(*h)));
-        let (middle, reach) = (0.5 * (range.0 + range.1), 0.5 * (range.1 - range.0));
-        let mut heights_um: Vec<f64> = heights.iter().map(|h| h - middle).collect();
-        let kernel = Kernel::new(reach);
-        let mut weights = kernel.weights(&heights_um, reach);
-        let (mut nx, mut ny) = (map.nx(), map.ny());
-        let periods = if tiling == Tiling::Periodic { 1.0 } else { 2.0 };
-        let step = [(nx, map.dx_um()), (ny, map.dy_um())]
-            .map(|(n, pitch)| std::f64::consts::TAU / (periods * n as f64 * pitch));
-        let (mut edges, mut unit) = (Edges::Periodic, 1.0);
-        match tiling {
-            Tiling::Periodic => {}
-            Tiling::Mirrored => edges = Edges::Mirrored,
-            Tiling::Patch => {
-                (heights_um, weights) = (doubled(&heights_um, nx), doubled(&weights, nx));
-                (nx, ny) = (2 * nx, 2 * ny);
-                // a quarter of the area is lit: A is a quarter, and an order stands for a quarter of a cell
-                unit = 4.0;
-            }
-        }
-        let fourier = Fourier::new((nx, ny), edges);
-        Ok(Self { fourier, edges, size: [nx, ny], step, unit, heights_um, weights, kernel })
-    }
-
-    /// Lowest and highest order of a direction that the pitch can show.
-    fn numbers(&self, axis: usize) -> (isize, isize) {
-        let n = self.size[axis] as isize;
-        match self.edges {
-            Edges::Periodic => (-(n / 2), (n - 1) / 2),
-            Edges::Mirrored => (1 - n, n - 1),
-        }
-    }
-
-    /// The planes that beams need, as multiples of the kernel's distance.
-    fn planes(&self, beams: &[BeamOrders]) -> std::ops::Range<i64> {
-        let ranges = beams.iter().filter_map(|b| {
-            let (low, high) = b.optics?.heights()?;
-            let k = b.optics?.k / self.kernel.distance;
-            Some((low * k, high * k))
-        });
-        let none = (f64::INFINITY, f64::NEG_INFINITY);
-        let (low, high) = ranges.fold(none, |(a, b), (l, h)| (a.min(l), b.max(h)));
-        let half = 0.5 * WIDTH as f64;
-        if low > high { 0..0 } else { (low - half).ceil() as i64..(high + half).floor() as i64 + 1 }
-    }
-
-    /// Adds up the planes; false if stopped.
-    fn fill(
-        &self,
-        beams: &mut [BeamOrders],
-        planes: std::ops::Range<i64>,
-        stop: &AtomicBool,
-        tick: &dyn Fn(usize),
-    ) -> bool {
-        let mut room = self.fourier.room();
-        let nx = self.size[0];
-        for (done, number) in planes.enumerate() {
-            if stop.load(Ordering::Relaxed) {
-                return false;
-            }
-            let q_z = number as f64 * self.kernel.distance;
-            let row = |j: usize, out: &mut [Complex<f32>]| {
-                let at = j * nx..(j + 1) * nx;
-                let turns = q_z / std::f64::consts::TAU;
-                phase(&self.heights_um[at.clone()], &self.weights[at], turns, out);
-            };
-            self.fourier.transform(row, &mut room);
-            for beam in beams.iter_mut() {
-                beam.add(self, &room, q_z);
-            }
-            tick(done + 1);
-        }
-        true
-    }
 }
 
 impl BeamOrders {
@@ -256,6 +148,13 @@ impl BeamOrders {
         this
     }
 
+    /// The `|q_z|` of its orders, 1/um; `None` if there are none.
+    fn range(&self) -> Option<(f64, f64)> {
+        let optics = self.optics?;
+        let (low, high) = optics.heights()?;
+        Some((low * optics.k, high * optics.k))
+    }
+
     fn len(&self) -> usize {
         self.columns.iter().map(|c| c.amplitudes.len()).sum()
     }
@@ -264,8 +163,8 @@ impl BeamOrders {
     fn add(&mut self, stack: &Stack, plane: &Coefficients<f32>, q_z: f64) {
         let Some(optics) = self.optics else { return };
         let reach = 0.5 * WIDTH as f64 * stack.kernel.distance;
-        let Some((low, high)) = optics.heights() else { return };
-        if q_z + reach < low * optics.k || q_z - reach > high * optics.k {
+        let Some((low, high)) = self.range() else { return };
+        if q_z + reach < low || q_z - reach > high {
             return;
         }
         let ends = [(q_z - reach) / optics.k, (q_z + reach) / optics.k].map(|v| optics.cosine(v));
@@ -338,15 +237,6 @@ impl Order {
         self.wo = Direction::from_unit(x, -y, z);
         self
     }
-}
-
-/// A grid in the first quarter of one of twice its sides, nothing around it.
-fn doubled<T: Copy + Default>(grid: &[T], nx: usize) -> Vec<T> {
-    let mut wide = vec![T::default(); 4 * grid.len()];
-    for (to, from) in wide.chunks_exact_mut(2 * nx).zip(grid.chunks_exact(nx)) {
-        to[..nx].copy_from_slice(from);
-    }
-    wide
 }
 
 /// `1 / cos` averaged over sines within `half` of `sine`.
