@@ -45,6 +45,9 @@ pub(super) struct LightFlags {
     shadowing: bool,
 }
 
+/// Points of a map that waves are sent on at most: 8192 x 8192, some 3 GB.
+const MOST_POINTS: usize = 1 << 26;
+
 /// The light as far as it is known.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Light {
@@ -96,6 +99,13 @@ impl Light {
         method: &str,
         map: Option<(&HeightMap, Edges)>,
     ) -> Result<Vec<WaveOptions>, String> {
+        if let Some((map, _)) = map.filter(|(map, _)| map.nx() * map.ny() > MOST_POINTS) {
+            return Err(format!(
+                "{} x {} points are too many for waves (at most {MOST_POINTS}); take a part with --crop",
+                map.nx(),
+                map.ny()
+            ));
+        }
         let may_average = map.is_none_or(|(map, edges)| WaveBoundary::may_average(map, edges));
         let other = self.speckle.filter(|s| *s != Speckle::Averaged);
         if Choice::is_averaged(method) && (other.is_some() || !may_average) {

@@ -257,9 +257,11 @@ impl Job<'_> {
                 validity.map(|v| v.warnings()).unwrap_or_default()
             }
             Boundary::Traced(traced) if Choice::needs_map(method.name()) => {
-                let missed = self.light.wavelengths().zip(traced.field.map().ok());
-                let missed = missed.and_then(|(light, map)| {
-                    warning_for_rays(&map, traced.eta, light, lobe, &angles).ok().flatten()
+                // of the map as it was measured: what the fit has made of it may be an escape from this
+                let missed = self.light.wavelengths().zip(self.map);
+                let missed = missed.and_then(|(light, prepared)| {
+                    let said = warning_for_rays(&prepared.map, traced.eta, light, lobe, &angles);
+                    said.ok().flatten()
                 });
                 missed.into_iter().collect()
             }
