@@ -231,7 +231,7 @@ impl Bsdf<f64> for WaveBoundary {
         self.wavelengths.iter().map(part).sum()
     }
 
-    /// Of the diffuse light that [`Scatter::sample`] draws; what is coherent has no density.
+    /// Of the diffuse light that `sample` draws; what is coherent has no density.
     fn pdf(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         let lobe = lobe_of(wi, wo);
         let chosen = self.share(wi, lobe);

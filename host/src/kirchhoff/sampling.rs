@@ -105,7 +105,7 @@ impl WaveBoundary {
 }
 
 impl Scatter<f64> for WaveBoundary {
-    /// Chooses a lobe by Fresnel's share, then much as [`Bsdf::sample_lobe`]; takes three uniforms. Weights may
+    /// Chooses a lobe by Fresnel's share, then much as `sample_lobe`; takes three uniforms. Weights may
     /// exceed 1 where the lobe differs much from that about its specular direction.
     fn sample(
         &self,
