@@ -89,10 +89,12 @@ impl MeanSpectra {
         let last = number(high.max(low)).ceil() as i32 + 1;
         let mut kept = self.nodes.lock().unwrap_or_else(PoisonError::into_inner);
         let missing: Vec<i32> = (first..=last).filter(|k| !kept.contains_key(k)).collect();
-        let mut room = self.fourier.room();
-        for k in missing {
-            let node = self.node((f64::from(k) * STEP).exp(), &mut room);
-            kept.insert(k, Arc::new(node));
+        if !missing.is_empty() {
+            let mut room = self.fourier.room();
+            for k in missing {
+                let node = self.node((f64::from(k) * STEP).exp(), &mut room);
+                kept.insert(k, Arc::new(node));
+            }
         }
         let nodes = (first..=last).filter_map(|k| kept.get(&k).cloned()).collect();
         Density::new(first, nodes, Arc::clone(&self.radii), self.rings.base)

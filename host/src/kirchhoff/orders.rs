@@ -8,7 +8,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
 use rayon::prelude::*;
@@ -221,11 +220,6 @@ impl BeamOrders {
         self.iter().fold((0.0, 0.0), |(all, coherent), order| {
             (all + order.power, coherent + if order.is_specular() { order.power } else { 0.0 })
         })
-    }
-
-    /// Whether the light goes through.
-    pub fn is_transmitted(&self) -> bool {
-        self.beam.lobe == Lobe::Transmission
     }
 }
 
