@@ -24,3 +24,4 @@ pub mod bsdf;
 pub mod plate;
 pub mod gonio;
 pub mod metric;
+pub mod protocol;

@@ -1,0 +1,126 @@
+//! One frame to bytes and back: postcard, CRC-32C, COBS.
+
+use core::fmt;
+
+use crc::{CRC_32_ISCSI, Crc};
+
+use super::message::Frame;
+
+/// Most bytes of a serialised message with its checksum, before stuffing.
+pub const MAX_PAYLOAD: usize = 96;
+
+/// Most bytes of a frame on the line: the payload, one byte of stuffing, a zero at either end.
+pub const MAX_ENCODED: usize = MAX_PAYLOAD + 3;
+
+/// Bytes of the checksum, little-endian, at the end of the payload.
+const CHECKSUM: usize = 4;
+
+const CASTAGNOLI: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
+
+/// CRC-32C (Castagnoli, reflected, initial and final all ones) of `bytes`: the line's checksum.
+pub fn checksum(bytes: &[u8]) -> u32 {
+    CASTAGNOLI.checksum(bytes)
+}
+
+/// Why bytes between two zeros are not a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// A block of the stuffing is cut off.
+    Truncated,
+    /// Longer than [`MAX_PAYLOAD`].
+    TooLong,
+    /// The checksum is wrong.
+    Checksum,
+    /// The checksum is right, the message is not one of this version.
+    Unknown,
+    /// An instrument that speaks another version of the protocol.
+    Version(u16),
+}
+
+impl fmt::Display for FrameError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Truncated => f.write_str("a frame is cut off"),
+            Self::TooLong => f.write_str("a frame is too long"),
+            Self::Checksum => f.write_str("a frame's checksum is wrong"),
+            Self::Unknown => f.write_str("a frame holds no message of this version"),
+            Self::Version(version) => write!(f, "a frame of protocol version {version}"),
+        }
+    }
+}
+
+impl core::error::Error for FrameError {}
+
+/// A frame ready for the line.
+#[derive(Clone, Copy, Debug)]
+pub struct Encoded {
+    bytes: [u8; MAX_ENCODED],
+    length: usize,
+}
+
+impl Encoded {
+    /// Its bytes; the first and the last are zero, no other is.
+    pub fn as_bytes(&self) -> &[u8] {
+        self.bytes.get(..self.length).unwrap_or(&[])
+    }
+}
+
+impl AsRef<[u8]> for Encoded {
+    fn as_ref(&self) -> &[u8] {
+        self.as_bytes()
+    }
+}
+
+/// Serialises a frame. No message of this version is too long; one that were would come out empty.
+pub fn encode(frame: &Frame) -> Encoded {
+    let mut payload = [0; MAX_PAYLOAD];
+    let mut encoded = Encoded { bytes: [0; MAX_ENCODED], length: 0 };
+    let used = postcard::to_slice(frame, payload.split_at_mut(MAX_PAYLOAD - CHECKSUM).0)
+        .map_or(0, |message| message.len());
+    let sum = checksum(payload.get(..used).unwrap_or(&[])).to_le_bytes();
+    let end = used + CHECKSUM;
+    let (Some(tail), true) = (payload.get_mut(used..end), used > 0) else { return encoded };
+    tail.copy_from_slice(&sum);
+    encoded.length = stuff(payload.get(..end).unwrap_or(&[]), &mut encoded.bytes);
+    encoded
+}
+
+/// COBS of less than 254 bytes, with a zero before and behind; returns the length.
+fn stuff(payload: &[u8], out: &mut [u8; MAX_ENCODED]) -> usize {
+    let mut at = 1;
+    for block in payload.split(|&byte| byte == 0) {
+        // `MAX_PAYLOAD` is below 254, so no block needs splitting
+        if let Some(slots) = out.get_mut(at..=at + block.len())
+            && let Some((code, rest)) = slots.split_first_mut()
+        {
+            *code = block.len() as u8 + 1;
+            rest.copy_from_slice(block);
+        }
+        at += block.len() + 1;
+    }
+    at + 1
+}
+
+/// The frame in an unstuffed payload.
+pub(super) fn parse(payload: &[u8]) -> Result<Frame, FrameError> {
+    let Some((message, sum)) = payload.split_last_chunk::<CHECKSUM>() else {
+        return Err(FrameError::Truncated);
+    };
+    if checksum(message) != u32::from_le_bytes(*sum) {
+        return Err(FrameError::Checksum);
+    }
+    match postcard::take_from_bytes::<Frame>(message) {
+        Ok((frame, [])) => Ok(frame),
+        _ => Err(other_version(message).map_or(FrameError::Unknown, FrameError::Version)),
+    }
+}
+
+/// The version, if this is the answer to `Identify` in a layout that this version does not know.
+fn other_version(message: &[u8]) -> Option<u16> {
+    // session, sequence, `Message::Response`, `Response::Ident`, `Ident::protocol`: frozen for ever
+    match postcard::take_from_bytes::<(u16, u16, u8, u8, u16)>(message) {
+        Ok(((_, _, 1, 0, version), _)) if version != super::VERSION => Some(version),
+        _ => None,
+    }
+}

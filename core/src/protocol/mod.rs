@@ -1,0 +1,29 @@
+//! The line between an instrument and a computer: messages, frames, and a small text facade.
+//!
+//! PROTOCOL.md is the specification: byte tables, states, golden vectors. A [`Frame`] is one message
+//! with the session it belongs to and its sequence number, serialised by postcard, closed by a CRC-32C,
+//! and stuffed by COBS between two zero bytes. [`encode`] makes frames, [`Decoder`] finds them in a
+//! stream of bytes that may be cut, corrupted or garbage. [`scpi`] reads the text commands.
+
+mod codec;
+mod frame;
+mod message;
+mod reading;
+pub mod scpi;
+mod state;
+mod units;
+
+pub use codec::{Encoded, FrameError, MAX_ENCODED, MAX_PAYLOAD, checksum, encode};
+pub use frame::Decoder;
+pub use message::{Event, Frame, Message, Request, Response};
+pub use reading::{Calibration, CalibrationKind, Point, RANGES, Range, Reading, Segment};
+pub use state::{
+    Axis, AxisLimits, DeviceError, Diagnostics, Fault, Ident, MachineState, Status,
+};
+pub use units::{Microdegrees, Text16};
+
+/// Version of the messages. A client refuses any other.
+pub const VERSION: u16 = 1;
+
+/// Most points of one segment.
+pub const MAX_POINTS: u16 = 1801;
