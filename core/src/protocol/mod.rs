@@ -17,9 +17,7 @@ pub use codec::{Encoded, FrameError, MAX_ENCODED, MAX_PAYLOAD, checksum, encode}
 pub use frame::Decoder;
 pub use message::{Event, Frame, Message, Request, Response};
 pub use reading::{Calibration, CalibrationKind, Point, RANGES, Range, Reading, Segment};
-pub use state::{
-    Axis, AxisLimits, DeviceError, Diagnostics, Fault, Ident, MachineState, Status,
-};
+pub use state::{Axis, AxisLimits, DeviceError, Diagnostics, Fault, Ident, MachineState, Status};
 pub use units::{Microdegrees, Text16};
 
 /// Version of the messages. A client refuses any other.

@@ -165,7 +165,12 @@ mod tests {
             ),
         ];
         for (line, command) in cases {
-            assert_eq!(parse(line), Ok(Some(command)), "{}", std::string::String::from_utf8_lossy(line));
+            assert_eq!(
+                parse(line),
+                Ok(Some(command)),
+                "{}",
+                std::string::String::from_utf8_lossy(line)
+            );
         }
         assert_eq!(parse(b" \r"), Ok(None));
     }

@@ -155,8 +155,6 @@ pub struct Diagnostics {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum DeviceError {
-    /// The frame was good, its message is not one of this version.
-    Unknown,
     /// Not in this state; wait, or stop first.
     Busy(MachineState),
     /// Not before `ClearFault`.
@@ -184,7 +182,6 @@ pub enum DeviceError {
 impl fmt::Display for DeviceError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unknown => f.write_str("it does not know the request"),
             Self::Busy(state) => write!(f, "it is busy ({state})"),
             Self::Faulted(fault) => write!(f, "it is stopped by a fault: {fault}"),
             Self::NotHomed => f.write_str("its axes are not homed"),
