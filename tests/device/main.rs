@@ -7,6 +7,7 @@
 
 mod elf;
 mod emulator;
+mod protocol;
 
 use std::io::Write as _;
 
