@@ -5,6 +5,7 @@
 //! assignments separated by blanks, is given to the compiler run for the device (see `.ci/run`).
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests may fail")]
 
+mod corruption;
 mod elf;
 mod emulator;
 mod protocol;

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use asperity_core::protocol::{
-    Axis, AxisLimits, Calibration, CalibrationKind, Decoder, DeviceError, Diagnostics, Event, Fault,
-    Frame, FrameError, Ident, MachineState, Message, Microdegrees, Point, Range, Reading, Request,
-    Response, Segment, Status, Text16, checksum, encode,
+    Axis, AxisLimits, Calibration, CalibrationKind, Decoder, DeviceError, Diagnostics, Event,
+    Fault, Frame, FrameError, Ident, MachineState, Message, Microdegrees, Point, Range, Reading,
+    Request, Response, Segment, Status, Text16, checksum, encode,
 };
 
 const PAGE: &str = include_str!("../../PROTOCOL.md");

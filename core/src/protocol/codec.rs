@@ -124,3 +124,97 @@ fn other_version(message: &[u8]) -> Option<u16> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{FrameError, MAX_ENCODED, MAX_PAYLOAD, encode, parse};
+    use crate::protocol::{
+        Axis, AxisLimits, Calibration, Event, Fault, Frame, Ident, MachineState, Message,
+        Microdegrees, Point, Range, Reading, Request, Response, Segment, Status, Text16,
+    };
+
+    const FAR: Microdegrees = Microdegrees(i32::MIN);
+    const READING: Reading =
+        Reading { signal: 1.1, dark: 1.1, range: 255, over: true, under: true };
+
+    /// The longest message of every kind.
+    fn longest() -> [Message; 6] {
+        let limits = AxisLimits { least: FAR, most: FAR, speed: u32::MAX };
+        [
+            Message::Request(Request::Scan(Segment {
+                segment: u32::MAX,
+                start: FAR,
+                step: FAR,
+                count: u16::MAX,
+                first: u16::MAX,
+                credit: u16::MAX,
+            })),
+            Message::Response(Response::Ident(Ident {
+                protocol: u16::MAX,
+                model: Text16::new("sixteen letters!"),
+                serial: u32::MAX,
+                firmware: [255; 3],
+                sigma: limits,
+                theta: limits,
+                max_points: u16::MAX,
+            })),
+            Message::Response(Response::Status(Status {
+                state: MachineState::Fault,
+                fault: Some(Fault::AxisStalled(Axis::Theta)),
+                homed: true,
+                lamp: true,
+                sigma: FAR,
+                theta: FAR,
+                aperture: FAR,
+                range: Range::Fixed(255),
+                integration_us: u32::MAX,
+                segment: Some((u32::MAX, u16::MAX)),
+                calibration: Some(u32::MAX),
+                owner: Some(u16::MAX),
+            })),
+            Message::Response(Response::Calibration(Calibration {
+                id: u32::MAX,
+                dark: [1.1; 6],
+                reference: 1.1,
+                range: 255,
+            })),
+            Message::Response(Response::Reading(READING)),
+            Message::Event(Event::Point(Point {
+                segment: u32::MAX,
+                index: u16::MAX,
+                theta: FAR,
+                reading: READING,
+            })),
+        ]
+    }
+
+    #[test]
+    fn the_longest_messages_fit() {
+        for message in longest() {
+            let frame = Frame { session: u16::MAX, sequence: u16::MAX, message };
+            let encoded = encode(&frame);
+            let bytes = encoded.as_bytes();
+            assert!(bytes.len() > 8 && bytes.len() <= MAX_ENCODED, "{message:?}");
+            let (inside, ends) = (&bytes[1..bytes.len() - 1], (bytes[0], bytes[bytes.len() - 1]));
+            assert!(ends == (0, 0) && !inside.contains(&0), "{message:?}");
+        }
+    }
+
+    #[test]
+    fn a_payload_too_short_for_its_checksum_is_cut_off() {
+        assert_eq!(parse(&[]), Err(FrameError::Truncated));
+        assert_eq!(parse(&[1, 2, 3]), Err(FrameError::Truncated));
+        assert_eq!(parse(&[0; MAX_PAYLOAD]), Err(FrameError::Checksum));
+    }
+
+    #[test]
+    fn bytes_left_over_are_refused() {
+        // a good checksum over a good message and one byte more
+        let mut message = std::vec![1, 1, 0, 3];
+        let sum = |m: &[u8]| super::checksum(m).to_le_bytes();
+        let whole = |m: &[u8]| [m, &sum(m)].concat();
+        assert!(parse(&whole(&message)).is_ok());
+        message.push(0);
+        assert_eq!(parse(&whole(&message)), Err(FrameError::Unknown));
+    }
+}
