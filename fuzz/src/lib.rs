@@ -7,6 +7,7 @@ use asperity::measurement::{ColumnMap, Import, Quantity, Selection, csv};
 use asperity::model::Model;
 use asperity::surface::io::{FORMATS, MapFault, OpenOptions, RawMap, parse};
 use asperity::surface::{Form, Roughness};
+use asperity_core::protocol::{Decoder, Text16, encode, scpi};
 use zip::CompressionMethod::Stored;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
@@ -122,5 +123,51 @@ pub fn model(bytes: &[u8]) {
         let (again, _) =
             Model::parse(model.to_json().as_bytes()).expect("what was written is read");
         assert_eq!(model, again);
+    }
+}
+
+/// Gives bytes to the decoder of frames, whole and in pieces; what it accepts encodes to what decodes to
+/// the same again.
+pub fn frames(bytes: &[u8]) {
+    let (mut whole, mut rest) = (Decoder::new(), bytes);
+    let (mut count, mut good) = (0, Vec::new());
+    while let Some(result) = whole.next(&mut rest) {
+        count += 1;
+        if let Ok(frame) = result {
+            let encoded = encode(&frame);
+            let (mut decoder, mut again) = (Decoder::new(), encoded.as_bytes());
+            // by its text, as readings may be NaN
+            let decoded = decoder.next(&mut again).expect("a frame").expect("a good one");
+            assert_eq!(format!("{decoded:?}"), format!("{frame:?}"));
+            good.push(format!("{frame:?}"));
+        }
+    }
+    assert!(rest.is_empty() && count <= bytes.len());
+    let (mut pieces, mut found) = (Decoder::new(), Vec::new());
+    for piece in bytes.chunks(1 + bytes.len() % 7) {
+        let mut piece = piece;
+        while let Some(result) = pieces.next(&mut piece) {
+            found.extend(result.ok().map(|frame| format!("{frame:?}")));
+        }
+    }
+    assert_eq!(found, good);
+    assert_eq!((whole.good(), whole.bad()), (pieces.good(), pieces.bad()));
+    let _ = Text16::new(&String::from_utf8_lossy(bytes)).as_str();
+}
+
+/// Gives a line to the parser of text commands.
+pub fn text_command(bytes: &[u8]) {
+    for line in bytes.split(|&b| b == b'\n') {
+        match scpi::parse(line) {
+            Ok(Some(scpi::Command::SetAngles(sigma, theta))) => {
+                let line = format!("GON:ANG {:.6},{:.6}", sigma.degrees(), theta.degrees());
+                assert_eq!(
+                    scpi::parse(line.as_bytes()),
+                    Ok(Some(scpi::Command::SetAngles(sigma, theta)))
+                );
+            }
+            Ok(_) => {}
+            Err(error) => assert!(error.code().0 < 0),
+        }
     }
 }

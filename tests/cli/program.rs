@@ -7,66 +7,16 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
-use std::time::SystemTime;
 
 use tempfile::TempDir;
 
-/// The program's path. It is built first where it is missing or older than its sources: Cargo builds a
-/// binary for the integration tests of its own package only.
+/// The program's path, built first where need be.
 pub(crate) fn program() -> &'static Path {
     static PROGRAM: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    match PROGRAM.get_or_init(locate) {
+    match PROGRAM.get_or_init(|| asperity_tests::program::path("asperity", "cli")) {
         Ok(path) => path,
         Err(why) => panic!("{why}"),
     }
-}
-
-/// `TARGET/PROFILE/asperity` beside the test executable `TARGET/PROFILE/deps/cli-HASH`.
-fn locate() -> Result<PathBuf, String> {
-    let test = std::env::current_exe().map_err(|e| format!("where is this test? {e}"))?;
-    let folder = test.parent().filter(|f| f.ends_with("deps")).and_then(Path::parent);
-    let folder = folder.ok_or_else(|| format!("{} is not in a deps folder", test.display()))?;
-    let path = folder.join(format!("asperity{}", std::env::consts::EXE_SUFFIX));
-    let built = fs::metadata(&path).and_then(|m| m.modified()).ok();
-    if built.is_some_and(|built| built >= newest_source()) {
-        return Ok(path);
-    }
-    let profile = match folder.file_name().and_then(OsStr::to_str) {
-        Some("debug") | None => "dev",
-        Some(name) => name,
-    };
-    let target = folder.parent().ok_or("there is no target folder")?;
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    // Naming the workspace and this test gives the crates the features with which `cargo test` has built
-    // them already: only the program itself is left to do.
-    let done = Command::new(cargo)
-        .args(["build", "--workspace", "--bin", "asperity", "--test", "cli"])
-        .args(["--profile", profile, "--target-dir"])
-        .arg(target)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .map_err(|e| format!("cargo cannot be run: {e}"))?;
-    if done.status.success() && path.exists() {
-        Ok(path)
-    } else {
-        Err(format!("the program cannot be built:\n{}", String::from_utf8_lossy(&done.stderr)))
-    }
-}
-
-/// When a file that the program is made of was last changed; the epoch where there are none.
-fn newest_source() -> SystemTime {
-    fn newest(path: &Path) -> SystemTime {
-        let Ok(meta) = fs::metadata(path) else { return SystemTime::UNIX_EPOCH };
-        if meta.is_file() {
-            return meta.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-        }
-        let entries = fs::read_dir(path).into_iter().flatten().flatten();
-        entries.map(|e| newest(&e.path())).max().unwrap_or(SystemTime::UNIX_EPOCH)
-    }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
-    let parts =
-        ["Cargo.toml", "Cargo.lock", "core/Cargo.toml", "core/src", "host/Cargo.toml", "host/src"];
-    parts.iter().map(|p| newest(&root.join(p))).max().unwrap_or(SystemTime::UNIX_EPOCH)
 }
 
 /// How a run ended.

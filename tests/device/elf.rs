@@ -1,13 +1,26 @@
 //! The little that these tests read from a 32-bit little-endian ELF file.
 
-/// Bytes that the file puts into memory before anything runs: the size in flash.
-pub(crate) fn loaded_bytes(elf: &[u8]) -> Option<usize> {
+/// What a program takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Size {
+    /// Bytes that the file puts into memory before anything runs.
+    pub(crate) flash: usize,
+    /// Bytes of variables; the stack comes on top.
+    pub(crate) variables: usize,
+}
+
+/// The sizes of its segments.
+pub(crate) fn size(elf: &[u8]) -> Option<Size> {
     const LOAD: usize = 1;
+    const RAM: usize = 0x2000_0000;
     let (start, size, count) = (word(elf, 0x1c)?, half(elf, 0x2a)?, half(elf, 0x2c)?);
-    let mut total = 0;
+    let mut total = Size { flash: 0, variables: 0 };
     for header in (0..count).map(|k| start + k * size) {
         if word(elf, header)? == LOAD {
-            total += word(elf, header + 0x10)?;
+            total.flash += word(elf, header + 0x10)?;
+            if word(elf, header + 0x08)? >= RAM {
+                total.variables += word(elf, header + 0x14)?;
+            }
         }
     }
     Some(total)

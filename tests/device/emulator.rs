@@ -1,8 +1,8 @@
-//! Builds the firmware for the device and runs it in QEMU.
+//! Builds firmware for the device and runs it in QEMU.
 //!
 //! An `Err` is a missing tool, with its remedy; anything else that goes wrong is a failure.
 
-use std::io::{ErrorKind, Read as _};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
@@ -13,12 +13,28 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 /// QEMU needs half a second; a firmware that hangs must not hang the tests.
 const TIME_LIMIT: Duration = Duration::from_mins(2);
 
-/// The path of the firmware, built once.
-pub(crate) fn firmware() -> Result<PathBuf, String> {
-    static BUILT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    BUILT.get_or_init(build).clone()
+/// The programs for the device.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Firmware {
+    /// Prints checksums and ends.
+    SelfTest,
+    /// The simulated goniophotometer.
+    Instrument,
 }
 
+impl Firmware {
+    /// The path of the program, built once with the other.
+    pub(crate) fn path(self) -> Result<PathBuf, String> {
+        static BUILT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+        let folder = BUILT.get_or_init(build).clone()?;
+        Ok(folder.join(match self {
+            Self::SelfTest => "selftest",
+            Self::Instrument => "qemu",
+        }))
+    }
+}
+
+/// The folder of the programs.
 fn build() -> Result<PathBuf, String> {
     let settings = std::env::var("ASPERITY_DEVICE_ENV").unwrap_or_default();
     if settings.is_empty() && !target_is_installed() {
@@ -29,8 +45,9 @@ fn build() -> Result<PathBuf, String> {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--release", "--package", "asperity-firmware-sim", "--features", "qemu"])
-        .args(["--bin", "qemu", "--target", TARGET, "--target-dir"])
+        .args(["build", "--release", "--package", "asperity-firmware-sim"])
+        .args(["--no-default-features", "--features", "qemu", "--bin", "qemu", "--bin", "selftest"])
+        .args(["--target", TARGET, "--target-dir"])
         .arg(&target_dir)
         .envs(settings.split_whitespace().filter_map(|s| s.split_once('=')));
     // flags meant for the host, such as those of a coverage run
@@ -40,7 +57,7 @@ fn build() -> Result<PathBuf, String> {
     let out = cargo.output().unwrap_or_else(|e| panic!("cannot start cargo: {e}"));
     let log = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "the firmware does not build:\n{log}");
-    Ok(target_dir.join(TARGET).join("release").join("qemu"))
+    Ok(target_dir.join(TARGET).join("release"))
 }
 
 fn target_is_installed() -> bool {
@@ -49,25 +66,59 @@ fn target_is_installed() -> bool {
     out.is_ok_and(|o| Path::new(String::from_utf8_lossy(&o.stdout).trim()).is_dir())
 }
 
-/// Runs a firmware to its end and returns what it printed.
-///
-/// With `-icount shift=0` an instruction takes 1 ns of the board's time, so counts are repeatable.
-pub(crate) fn run(elf: &Path) -> Result<String, String> {
+/// QEMU with a firmware, its standard output piped.
+fn start(elf: &Path, settings: &[&str]) -> Result<Child, String> {
     let started = Command::new("qemu-system-arm")
-        .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])
-        .args(["-serial", "null", "-semihosting-config", "enable=on,target=native"])
-        .args(["-icount", "shift=0", "-kernel"])
+        .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-monitor", "none"])
+        .args(settings)
+        .arg("-kernel")
         .arg(elf)
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .spawn();
-    let mut qemu = match started {
-        Ok(child) => child,
+    match started {
+        Ok(child) => Ok(child),
         Err(e) if e.kind() == ErrorKind::NotFound => {
-            return Err("no qemu-system-arm; on Debian: apt-get install qemu-system-arm".into());
+            Err("no qemu-system-arm; on Debian: apt-get install qemu-system-arm".into())
         }
         Err(e) => panic!("cannot start qemu-system-arm: {e}"),
-    };
+    }
+}
+
+/// The instrument, running until it is dropped, at the end of a serial line.
+#[derive(Debug)]
+pub(crate) struct Instrument {
+    qemu: Child,
+    /// The pseudo terminal that is the other end of UART0.
+    pub(crate) port: String,
+}
+
+impl Instrument {
+    /// Switches it on.
+    pub(crate) fn start(elf: &Path) -> Result<Self, String> {
+        let mut qemu = start(elf, &["-display", "none", "-serial", "pty"])?;
+        let mut line = String::new();
+        // "char device redirected to /dev/pts/3 (label serial0)"
+        BufReader::new(qemu.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        let port = line.split_whitespace().find(|word| word.starts_with('/'));
+        let port = port.unwrap_or_else(|| panic!("QEMU names no terminal: {line:?}")).to_owned();
+        Ok(Self { qemu, port })
+    }
+}
+
+impl Drop for Instrument {
+    fn drop(&mut self) {
+        drop(self.qemu.kill());
+        drop(self.qemu.wait());
+    }
+}
+
+/// Runs a firmware to its end and returns what it printed.
+///
+/// With `-icount shift=0` an instruction takes 1 ns of the board's time, so counts are repeatable.
+pub(crate) fn run(elf: &Path) -> Result<String, String> {
+    let settings = ["-nographic", "-serial", "null", "-icount", "shift=0", "-semihosting-config"];
+    let mut qemu = start(elf, &[&settings[..], &["enable=on,target=native"]].concat())?;
     let mut pipe = qemu.stdout.take().unwrap();
     let reader = std::thread::spawn(move || {
         let mut text = String::new();

@@ -4,6 +4,7 @@ pub mod chi2;
 pub mod data;
 pub mod oracle;
 pub mod kirchhoff;
+pub mod program;
 pub mod tolerance;
 
 /// Whether the longer versions of the tests are asked for (`ASPERITY_EXTENSIVE=1`).
