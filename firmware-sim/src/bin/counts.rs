@@ -1,0 +1,123 @@
+//! Instructions a call on a Cortex-M4F, by QEMU's `-icount shift=0` and `SysTick`.
+//!
+//! One line a case: `count NAME INSTRUCTIONS`. Pairs of directions are seeded, transmission and reflection
+//! in turn; "built" builds both directions from their components too.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod device {
+    use core::hint::black_box;
+
+    use asperity_core::bsdf::{Bsdf, Ggx, Normals, Scatter};
+    use asperity_core::direction::Direction;
+    use asperity_core::ndf::law::{Law, Profile};
+    use asperity_core::ndf::normals::NormalDensity;
+    use asperity_core::quantity::{Alpha, RelativeIor};
+    use cortex_m::asm;
+    use cortex_m::peripheral::SYST;
+    use cortex_m::peripheral::syst::SystClkSource;
+    use cortex_m_rt::entry;
+    use cortex_m_semihosting::{debug, hprintln};
+    use panic_semihosting as _;
+
+    /// `SysTick` counts the board's 25 MHz; with `-icount shift=0` QEMU takes 1 ns an instruction.
+    const INSTRUCTIONS_PER_TICK: u32 = 40;
+
+    /// The counter is 24 bits wide and counts down.
+    const RELOAD: u32 = 0x00ff_ffff;
+
+    const PAIRS: usize = 32;
+    const ROUNDS: u32 = 128;
+
+    type Pair = ([f32; 3], [f32; 3]);
+
+    #[entry]
+    fn main() -> ! {
+        debug::exit(match report() {
+            Some(()) => debug::EXIT_SUCCESS,
+            None => debug::EXIT_FAILURE,
+        });
+        loop {
+            asm::wfi();
+        }
+    }
+
+    /// Incidence 0 to 80 degrees from both sides, observation about the lobe; transmission, reflection,
+    /// transmission and so on.
+    fn pairs() -> [Pair; PAIRS] {
+        core::array::from_fn(|k| {
+            let x = k as f32;
+            let below = k % 4 >= 2;
+            let wi = Direction::from_angles(0.04 * x, 0.2 * x);
+            let wo = Direction::from_angles(0.04 * x + 0.01 * (x - 15.0), 0.2 * x + 3.0);
+            let flip = |w: Direction<f32>, flip: bool| {
+                let [x, y, z] = w.xyz();
+                [x, y, if flip { -z } else { z }]
+            };
+            (flip(wi, below), flip(wo, below ^ (k % 2 == 0)))
+        })
+    }
+
+    fn report() -> Option<()> {
+        let timer = &mut cortex_m::Peripherals::take()?.SYST;
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(RELOAD);
+        timer.clear_current();
+        timer.enable_counter();
+
+        let eta = RelativeIor::new(1.49_f32).ok()?;
+        let ggx = Ggx::new(Alpha::new(0.3_f32).ok()?, eta);
+        let profile = Law::new(Profile::Gauss, 0.15_f32, 2.0, 0.0).ok()?;
+        let normals: Normals<f32, 64> = Normals::new(NormalDensity::new(profile), eta);
+        let raw = pairs();
+        law("ggx", &ggx, &raw);
+        law("normals", &normals, &raw);
+        hprintln!("ok");
+        Some(())
+    }
+
+    fn law<B: Bsdf<f32> + Scatter<f32>>(name: &str, law: &B, raw: &[Pair; PAIRS]) {
+        let unit = |v: [f32; 3]| Direction::from_unit(v[0], v[1], v[2]);
+        let ready = raw.map(|(i, o)| (unit(i), unit(o)));
+        let floor = each(&ready, |(i, o)| i.z() + o.z());
+        let net = |count: u32| count.saturating_sub(floor);
+        hprintln!("count {}-ars {}", name, net(each(&ready, |(i, o)| law.ars(i, o))));
+        hprintln!("count {}-eval {}", name, net(each(&ready, |(i, o)| law.eval(i, o))));
+        hprintln!("count {}-pdf {}", name, net(each(&ready, |(i, o)| law.pdf(i, o))));
+        let built = each(raw, |(i, o)| {
+            match (Direction::new(i[0], i[1], i[2]), Direction::new(o[0], o[1], o[2])) {
+                (Some(i), Some(o)) => law.ars(i, o),
+                _ => 0.0,
+            }
+        });
+        hprintln!("count {}-ars-built {}", name, net(built));
+        let mut u = 0.0_f32;
+        let sample = each(&ready, |(i, _)| {
+            let mut uniform = || {
+                u = if u > 0.9 { u - 0.9 } else { u + 0.0618 };
+                u
+            };
+            law.sample(i, &mut uniform).map_or(0.0, |s| s.weight + s.wo.z())
+        });
+        hprintln!("count {}-sample {}", name, net(sample));
+    }
+
+    /// Instructions a call, with the loop.
+    fn each<P: Copy>(pairs: &[P; PAIRS], mut work: impl FnMut(P) -> f32) -> u32 {
+        let start = SYST::get_current();
+        for _ in 0..ROUNDS {
+            for pair in pairs {
+                black_box(work(*black_box(pair)));
+            }
+        }
+        let ticks = start.wrapping_sub(SYST::get_current()) & RELOAD;
+        (u64::from(ticks) * u64::from(INSTRUCTIONS_PER_TICK) / u64::from(ROUNDS) / PAIRS as u64)
+            as u32
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+#[expect(clippy::print_stdout, reason = "its purpose")]
+fn main() {
+    println!("instructions are counted on the emulated device");
+}
