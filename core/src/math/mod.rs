@@ -3,7 +3,14 @@
 //! Nothing else in this crate calls `libm` or an inherent float function that needs `std`. The same
 //! source therefore gives the same bits on a workstation and on a Cortex-M, in debug and release.
 
+mod fast;
 mod hardware;
+mod polynomial;
+#[cfg(test)]
+#[allow(clippy::disallowed_methods, clippy::float_cmp, reason = "oracles, and exact values")]
+mod tests_fast;
+
+pub use fast::{Fast, FastVec3};
 
 use core::fmt::{Debug, Display};
 use core::ops::{Add, Div, Mul, Neg, Sub};

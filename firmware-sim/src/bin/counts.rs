@@ -1,15 +1,16 @@
 //! Instructions a call on a Cortex-M4F, by QEMU's `-icount shift=0` and `SysTick`.
 //!
-//! One line a case: `count NAME INSTRUCTIONS`. Pairs of directions are seeded, transmission and reflection
-//! in turn; "built" builds both directions from their components too.
+//! One line a case: `count LAW TIER WHAT INSTRUCTIONS`. Pairs of directions are the same in all, transmission and
+//! reflection in turn; "+unit" makes both directions from ready components, "+new" normalises them.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
 mod device {
     use core::hint::black_box;
 
-    use asperity_core::bsdf::{Bsdf, Ggx, Normals, Scatter};
+    use asperity_core::bsdf::{Bsdf, Ggx, Normals};
     use asperity_core::direction::Direction;
+    use asperity_core::math::{Fast, Real};
     use asperity_core::ndf::law::{Law, Profile};
     use asperity_core::ndf::normals::NormalDensity;
     use asperity_core::quantity::{Alpha, RelativeIor};
@@ -30,6 +31,34 @@ mod device {
     const ROUNDS: u32 = 128;
 
     type Pair = ([f32; 3], [f32; 3]);
+
+    /// The fast tier, or the exact one.
+    trait Tier: Real {
+        fn of(x: f32) -> Self;
+        fn value(self) -> f32;
+    }
+
+    impl Tier for f32 {
+        #[inline(always)]
+        fn of(x: f32) -> Self {
+            x
+        }
+        #[inline(always)]
+        fn value(self) -> f32 {
+            self
+        }
+    }
+
+    impl Tier for Fast<f32> {
+        #[inline(always)]
+        fn of(x: f32) -> Self {
+            Self(x)
+        }
+        #[inline(always)]
+        fn value(self) -> f32 {
+            self.0
+        }
+    }
 
     #[entry]
     fn main() -> ! {
@@ -65,41 +94,49 @@ mod device {
         timer.clear_current();
         timer.enable_counter();
 
-        let eta = RelativeIor::new(1.49_f32).ok()?;
-        let ggx = Ggx::new(Alpha::new(0.3_f32).ok()?, eta);
-        let profile = Law::new(Profile::Gauss, 0.15_f32, 2.0, 0.0).ok()?;
-        let normals: Normals<f32, 64> = Normals::new(NormalDensity::new(profile), eta);
         let raw = pairs();
-        law("ggx", &ggx, &raw);
-        law("normals", &normals, &raw);
+        laws::<f32>("exact", &raw)?;
+        laws::<Fast<f32>>("fast", &raw)?;
         hprintln!("ok");
         Some(())
     }
 
-    fn law<B: Bsdf<f32> + Scatter<f32>>(name: &str, law: &B, raw: &[Pair; PAIRS]) {
-        let unit = |v: [f32; 3]| Direction::from_unit(v[0], v[1], v[2]);
+    fn laws<T: Tier>(tier: &str, raw: &[Pair; PAIRS]) -> Option<()> {
+        let eta = RelativeIor::new(T::of(1.49)).ok()?;
+        let ggx = Ggx::new(Alpha::new(T::of(0.3)).ok()?, eta);
+        let profile = Law::new(Profile::Gauss, T::of(0.15), T::of(2.0), T::of(0.0)).ok()?;
+        let normals: Normals<T, 64> = Normals::new(NormalDensity::new(profile), eta);
+        law(tier, "ggx", &ggx, raw);
+        law(tier, "normals", &normals, raw);
+        Some(())
+    }
+
+    fn law<T: Tier, B: Bsdf<T>>(tier: &str, name: &str, law: &B, raw: &[Pair; PAIRS]) {
+        let unit = |v: [f32; 3]| Direction::from_unit(T::of(v[0]), T::of(v[1]), T::of(v[2]));
         let ready = raw.map(|(i, o)| (unit(i), unit(o)));
-        let floor = each(&ready, |(i, o)| i.z() + o.z());
-        let net = |count: u32| count.saturating_sub(floor);
-        hprintln!("count {}-ars {}", name, net(each(&ready, |(i, o)| law.ars(i, o))));
-        hprintln!("count {}-eval {}", name, net(each(&ready, |(i, o)| law.eval(i, o))));
-        hprintln!("count {}-pdf {}", name, net(each(&ready, |(i, o)| law.pdf(i, o))));
-        let built = each(raw, |(i, o)| {
-            match (Direction::new(i[0], i[1], i[2]), Direction::new(o[0], o[1], o[2])) {
-                (Some(i), Some(o)) => law.ars(i, o),
-                _ => 0.0,
-            }
+        let floor = each(&ready, |(i, o)| (i.z() + o.z()).value());
+        let say = |what: &str, count: u32| {
+            hprintln!("count {} {} {} {}", name, tier, what, count.saturating_sub(floor));
+        };
+        say("ars", each(&ready, |(i, o)| law.ars(i, o).value()));
+        say("eval", each(&ready, |(i, o)| law.eval(i, o).value()));
+        say("pdf", each(&ready, |(i, o)| law.pdf(i, o).value()));
+        say("ars+unit", each(raw, |(i, o)| law.ars(unit(i), unit(o)).value()));
+        let normalised = |v: [f32; 3]| Direction::new(T::of(v[0]), T::of(v[1]), T::of(v[2]));
+        let built = each(raw, |(i, o)| match (normalised(i), normalised(o)) {
+            (Some(i), Some(o)) => law.ars(i, o).value(),
+            _ => 0.0,
         });
-        hprintln!("count {}-ars-built {}", name, net(built));
+        say("ars+new", built);
         let mut u = 0.0_f32;
         let sample = each(&ready, |(i, _)| {
             let mut uniform = || {
                 u = if u > 0.9 { u - 0.9 } else { u + 0.0618 };
-                u
+                T::of(u)
             };
-            law.sample(i, &mut uniform).map_or(0.0, |s| s.weight + s.wo.z())
+            law.sample(i, &mut uniform).map_or(0.0, |s| (s.weight + s.wo.z()).value())
         });
-        hprintln!("count {}-sample {}", name, net(sample));
+        say("sample", sample);
     }
 
     /// Instructions a call, with the loop.
