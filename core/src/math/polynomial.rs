@@ -6,6 +6,8 @@
 //! takes over whose coefficients were fitted for the least largest relative error (Lawson's
 //! weights, 40 digits). The bounds are in the tests, which visit every region and its edges.
 
+#![allow(clippy::excessive_precision, reason = "coefficients as they were fitted")]
+
 /// `c0 + c1 x + c2 x^2 + ...`
 macro_rules! horner {
     ($x:expr; $c0:expr) => { $c0 };
