@@ -30,8 +30,11 @@ pub struct NormalDensity<T, const N: usize> {
     inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
     quantiles: [[T; 2]; N],
-    /// Elevation above the surface (rad), visible share, its slope.
-    visible: [[T; 3]; VISIBLE],
+    /// Visible share and its slope `dV/dx` at even nodes of `x = tan e / (tan e + warp)`, where `e` is the
+    /// elevation above the surface.
+    visible: [[T; 2]; VISIBLE],
+    /// The tangent of the median normal.
+    warp: T,
 }
 
 impl<T: Real, const N: usize> NormalDensity<T, N> {
@@ -42,12 +45,14 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         let mut total = 0.0;
         each_panel(&wide, |a, b| total += panel_mass(&wide, a, b));
         let table = quantile_table::<N>(&wide, total);
-        let visible = visible_table(&table);
+        let warp = tangent(table_value(&table, 0.5));
+        let visible = visible_table(&table, warp);
         Self {
             law,
             inverse_norm: T::from_f64(1.0 / (2.0 * PI * total)),
             quantiles: table.map(|row| row.map(T::from_f64)),
             visible: visible.map(|row| row.map(T::from_f64)),
+            warp: T::from_f64(warp),
         }
     }
 
@@ -79,23 +84,10 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     /// The share of the normals that face a direction of given `|cos theta|` and `sin theta`: 1/2 to 1.
     #[inline]
     pub fn visible(&self, cos: T, sin: T) -> T {
-        let elevation = cos.abs().atan2(sin);
-        let (mut low, mut high) = (0, VISIBLE - 1);
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            match self.visible.get(middle) {
-                Some(row) if row[0] <= elevation => low = middle,
-                _ => high = middle,
-            }
-        }
-        match (self.visible.get(low), self.visible.get(high)) {
-            (Some(&[ea, va, da]), Some(&[eb, vb, db])) if eb > ea => {
-                let h = eb - ea;
-                let s = ((elevation - ea) / h).max(T::ZERO).min(T::ONE);
-                hermite(s, h, [va, da], [vb, db])
-            }
-            _ => T::ONE,
-        }
+        let cos = cos.abs();
+        let sum = cos + self.warp * sin;
+        let x = if sum > T::ZERO { cos / sum } else { T::ONE };
+        table_value(&self.visible, x)
     }
 }
 
@@ -223,46 +215,28 @@ fn limit_slopes<const N: usize>(table: &mut [[f64; 2]; N]) {
     }
 }
 
-/// Elevation, visible share and slope at nodes dense at both ends.
+/// The tangent of the angle of which `t = 1 - cos`.
+fn tangent(t: f64) -> f64 {
+    Real::sqrt(t * (2.0 - t)) / (1.0 - t)
+}
+
+/// Visible share and slope at even nodes of the warped elevation.
 ///
 /// A normal at `theta` faces a direction of elevation `e` for all azimuths if `theta < e`, else for a
 /// share `1 - acos(tan e / tan theta) / pi` of them.
-fn visible_table<const N: usize>(table: &[[f64; 2]; N]) -> [[f64; 3]; VISIBLE] {
-    let rule = gauss_legendre::<4>();
-    let mut nodes: [[f64; 3]; VISIBLE] = core::array::from_fn(|j| {
-        let s = j as f64 / (VISIBLE - 1) as f64;
-        let x = s * s * (3.0 - 2.0 * s);
-        let t = table_value(table, x);
-        let tan_e = Real::sqrt(t * (2.0 - t)) / (1.0 - t);
-        let mut hidden = 0.0;
-        for p in 0..PANELS {
-            for (node, weight) in rule {
-                // v squared grades the panels towards the start, where the integrand has a root
-                let v = (p as f64 + node) / PANELS as f64;
-                let xv = x + (1.0 - x) * v * v;
-                let tv = table_value(table, xv);
-                let ratio = tan_e * (1.0 - tv) / Real::sqrt(tv * (2.0 - tv));
-                let du = 6.0 * xv * (1.0 - xv) * (1.0 - x) * 2.0 * v * weight / PANELS as f64;
-                if ratio < 1.0 {
-                    hidden += Real::acos(ratio) / PI * du;
-                }
-            }
-        }
-        let elevation = 2.0 * Real::asin(Real::sqrt(0.5 * t));
-        if j == 0 { [0.0, 0.5, 0.0] } else { [elevation, 1.0 - hidden, 0.0] }
+fn visible_table<const N: usize>(table: &[[f64; 2]; N], warp: f64) -> [[f64; 2]; VISIBLE] {
+    let cells = (VISIBLE - 1) as f64;
+    let mut nodes: [[f64; 2]; VISIBLE] = core::array::from_fn(|j| {
+        let x = j as f64 / cells;
+        let value = if j == 0 { 0.5 } else { 1.0 - hidden(table, warp * x / (1.0 - x)) };
+        [if j == VISIBLE - 1 { 1.0 } else { value }, 0.0]
     });
-    if let Some(last) = nodes.last_mut() {
-        *last = [FRAC_PI_2, 1.0, 0.0];
-    }
     let copy = nodes;
+    let secant = |a: Option<&[f64; 2]>, b: Option<&[f64; 2]>| Some((b?[0] - a?[0]) * cells);
     for (j, row) in nodes.iter_mut().enumerate() {
-        let secant = |a: Option<&[f64; 3]>, b: Option<&[f64; 3]>| match (a, b) {
-            (Some(a), Some(b)) if b[0] > a[0] => Some((b[1] - a[1]) / (b[0] - a[0])),
-            _ => None,
-        };
         let left = j.checked_sub(1).and_then(|i| secant(copy.get(i), copy.get(j)));
         let right = secant(copy.get(j), copy.get(j + 1));
-        row[2] = match (left, right) {
+        row[1] = match (left, right) {
             // harmonic mean: between the secants, zero if either is
             (Some(l), Some(r)) if l > 0.0 && r > 0.0 => 2.0 * l * r / (l + r),
             (None, Some(r)) => Real::max(r, 0.0),
@@ -270,6 +244,30 @@ fn visible_table<const N: usize>(table: &[[f64; 2]; N]) -> [[f64; 3]; VISIBLE] {
         };
     }
     nodes
+}
+
+/// The share of the normals that do not face a direction whose elevation has this tangent.
+fn hidden<const N: usize>(table: &[[f64; 2]; N], tan_e: f64) -> f64 {
+    // where in the table normals begin to be steeper than the direction
+    let (mut x, mut end) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (x + end);
+        if tangent(table_value(table, middle)) < tan_e { x = middle } else { end = middle }
+    }
+    let mut hidden = 0.0;
+    for p in 0..PANELS {
+        for (node, weight) in gauss_legendre::<4>() {
+            // v squared grades the panels towards the start, where the integrand has a root
+            let v = (p as f64 + node) / PANELS as f64;
+            let xv = x + (1.0 - x) * v * v;
+            let ratio = tan_e / tangent(table_value(table, xv));
+            let du = 6.0 * xv * (1.0 - xv) * (1.0 - x) * 2.0 * v * weight / PANELS as f64;
+            if ratio < 1.0 {
+                hidden += Real::acos(ratio) / PI * du;
+            }
+        }
+    }
+    hidden
 }
 
 #[cfg(test)]
