@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_point_is_the_same_bits_alone_and_in_any_grid() {
-        let config = Config { rays: 3000, ..Config::demo() };
+        let config = Config { rays: 10_000, ..Config::demo() };
         let whole = segment(-90_000_000, 500_000, 361, 0);
         let all = sums(&config, 30_000_000, &Angles { segment: whole, first_arm: -90_000_000 });
         assert!(all.iter().filter(|&&x| x > 0.0).count() > 50);

@@ -8,7 +8,7 @@ use crate::clock::{Instant, Sink};
 /// Most bytes kept together; longer pieces are cut.
 const CHUNK: usize = 256;
 /// Chunks on the way in one direction; what comes on top is lost.
-const SLOTS: usize = 64;
+const SLOTS: usize = 28;
 
 /// How likely each fault is for each chunk of bytes (0 to 1), and how long faults last.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn a_full_line_loses_and_does_not_fail() {
         let mut line = Link::new(LinkFaults { stall: 1.0, ..LinkFaults::NONE }, 1);
-        line.send(Direction::ToClient, &[1; 100_000], Instant(0));
+        line.send(Direction::ToClient, &std::vec![1; 100_000], Instant(0));
         assert_eq!(all(&mut line, Instant(ALWAYS)).len(), super::SLOTS * super::CHUNK);
     }
 }
