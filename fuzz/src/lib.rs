@@ -8,6 +8,7 @@ use asperity::model::Model;
 use asperity::surface::io::{FORMATS, MapFault, OpenOptions, RawMap, parse};
 use asperity::surface::{Form, Roughness};
 use asperity_core::protocol::{Decoder, Text16, encode, scpi};
+use asperity_firmware_sim::{Config, Instant, Simulator};
 use zip::CompressionMethod::Stored;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
@@ -170,4 +171,28 @@ pub fn text_command(bytes: &[u8]) {
             Err(error) => assert!(error.code().0 < 0),
         }
     }
+}
+
+/// Gives bytes to the instrument, some time apart: pieces end at 0xfe, whose next byte says how long nothing comes.
+pub fn instrument(bytes: &[u8]) {
+    let config = Config { rays: 64, ..Config::demo() };
+    let (mut instrument, mut now, mut said) = (Simulator::new(config), Instant(0), 0_usize);
+    let mut pieces = bytes.split(|&byte| byte == 0xfe);
+    while let Some(piece) = pieces.next() {
+        instrument.handle(piece, now, &mut |bytes: &[u8]| said += bytes.len());
+        let pause = u64::from(piece.last().copied().unwrap_or(1));
+        let until = now.0 + pause * pause * 100;
+        for _ in 0..400 {
+            match instrument.poll_at() {
+                Some(due) if due.0 <= until => {
+                    now = Instant(due.0.max(now.0));
+                    instrument.handle(&[], now, &mut |bytes: &[u8]| said += bytes.len());
+                }
+                _ => break,
+            }
+        }
+        now = Instant(until.max(now.0));
+    }
+    // an answer for a request, points on credit: nothing goes on talking by itself for ever
+    assert!(said <= 20_000 + 2000 * bytes.len(), "{said} bytes");
 }

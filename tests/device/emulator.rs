@@ -23,19 +23,18 @@ pub(crate) enum Firmware {
 }
 
 impl Firmware {
-    /// The path of the program, built once with the other.
+    /// The path of the program, built once.
     pub(crate) fn path(self) -> Result<PathBuf, String> {
-        static BUILT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-        let folder = BUILT.get_or_init(build).clone()?;
-        Ok(folder.join(match self {
-            Self::SelfTest => "selftest",
-            Self::Instrument => "qemu",
-        }))
+        static SELF_TEST: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+        static INSTRUMENT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+        match self {
+            Self::SelfTest => SELF_TEST.get_or_init(|| build("selftest", "release")).clone(),
+            Self::Instrument => INSTRUMENT.get_or_init(|| build("qemu", "firmware")).clone(),
+        }
     }
 }
 
-/// The folder of the programs.
-fn build() -> Result<PathBuf, String> {
+fn build(program: &str, profile: &str) -> Result<PathBuf, String> {
     let settings = std::env::var("ASPERITY_DEVICE_ENV").unwrap_or_default();
     if settings.is_empty() && !target_is_installed() {
         return Err(format!("no Rust target {TARGET}; install it: rustup target add {TARGET}"));
@@ -45,8 +44,8 @@ fn build() -> Result<PathBuf, String> {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--release", "--package", "asperity-firmware-sim"])
-        .args(["--no-default-features", "--features", "qemu", "--bin", "qemu", "--bin", "selftest"])
+        .args(["build", "--package", "asperity-firmware-sim", "--profile", profile])
+        .args(["--no-default-features", "--features", "qemu", "--bin", program])
         .args(["--target", TARGET, "--target-dir"])
         .arg(&target_dir)
         .envs(settings.split_whitespace().filter_map(|s| s.split_once('=')));
@@ -57,7 +56,7 @@ fn build() -> Result<PathBuf, String> {
     let out = cargo.output().unwrap_or_else(|e| panic!("cannot start cargo: {e}"));
     let log = String::from_utf8_lossy(&out.stderr);
     assert!(out.status.success(), "the firmware does not build:\n{log}");
-    Ok(target_dir.join(TARGET).join("release"))
+    Ok(target_dir.join(TARGET).join(profile).join(program))
 }
 
 fn target_is_installed() -> bool {
