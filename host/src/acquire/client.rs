@@ -162,14 +162,36 @@ impl<'s, T: Transport> Client<'s, T> {
         Ok(calibration)
     }
 
-    /// Makes this client the owner.
+    /// Makes this client the owner, as soon as another one is gone.
+    ///
+    /// # Errors
+    /// [`Trouble::InUse`] if it is not gone in [`Patience::in_use`], and as [`ask`](Self::ask).
+    pub fn claim(&mut self) -> Result<(), LinkError> {
+        let deadline = self.now() + self.patience().in_use;
+        loop {
+            match self.claim_now() {
+                Err(e) if matches!(*e.trouble, Trouble::InUse) && self.now() < deadline => {
+                    self.heed_stop()?;
+                    self.link.line.pause(self.patience().poll);
+                }
+                done => return done,
+            }
+        }
+    }
+
+    /// Makes this client the owner, if the instrument is free.
     ///
     /// # Errors
     /// [`Trouble::InUse`], and as [`ask`](Self::ask).
-    pub fn claim(&mut self) -> Result<(), LinkError> {
+    pub fn claim_now(&mut self) -> Result<(), LinkError> {
         self.ask(Request::Claim)?;
         self.owner = true;
         Ok(())
+    }
+
+    /// From now on waits for lost lines and answers are short: the end is near.
+    pub(super) fn hurry(&mut self) {
+        self.link.patience = self.link.patience.brief();
     }
 
     /// Gives the instrument up; it stops.
@@ -188,7 +210,7 @@ impl<'s, T: Transport> Client<'s, T> {
         if !self.owner {
             return;
         }
-        self.link.patience = self.link.patience.brief();
+        self.hurry();
         for request in [Request::Stop, Request::Release] {
             let _ = self.link.exchange(request);
         }

@@ -18,6 +18,8 @@ pub struct Patience {
     pub identify: Duration,
     /// For a lost line to come back: 30 s.
     pub lost: Duration,
+    /// For another client to give the instrument up: 6 s. One that was killed is forgotten in 5 s.
+    pub in_use: Duration,
     /// Between two questions how far something is: 200 ms. Far below the 5 s after which an instrument
     /// takes its owner for gone.
     pub poll: Duration,
@@ -34,6 +36,7 @@ impl Default for Patience {
             most_back_off: Duration::from_secs(2),
             identify: Duration::from_secs(5),
             lost: Duration::from_secs(30),
+            in_use: Duration::from_secs(6),
             poll: Duration::from_millis(200),
             grace: Duration::from_secs(15),
         }
@@ -41,10 +44,16 @@ impl Default for Patience {
 }
 
 impl Patience {
-    /// For a last word to an instrument that may be gone: two tries of 300 ms, and the line is not
-    /// opened again.
+    /// For last words to an instrument that may be gone: two tries of 300 ms, 2 s for all else.
     pub fn brief(self) -> Self {
-        Self { answer: self.answer.min(Duration::from_millis(300)), tries: 2, ..self }
+        let short = Duration::from_secs(2);
+        Self {
+            answer: self.answer.min(Duration::from_millis(300)),
+            tries: self.tries.min(2),
+            identify: self.identify.min(short),
+            lost: self.lost.min(short),
+            ..self
+        }
     }
 
     /// The back-off of try `k`, from 0.

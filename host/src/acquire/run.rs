@@ -282,6 +282,7 @@ fn interrupted<T: Transport>(
     journal: Option<&Journal>,
 ) -> AcquireError {
     client.heed(None);
+    client.hurry();
     let stopped = client.ask(Request::Stop).and_then(|_| {
         let limit = client.patience().grace;
         client.wait_idle("stopping", limit)

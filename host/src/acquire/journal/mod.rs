@@ -106,12 +106,12 @@ impl Journal {
     pub fn create(path: PathBuf, plan: &Plan, ident: &Ident) -> Result<Self, JournalError> {
         let failed = |source| io_error(&path, "cannot be created", source);
         let folder = folder_of(&path);
-        let mut file = tempfile::Builder::new()
-            .prefix(".journal.")
-            .suffix(".part")
-            .append(true)
-            .tempfile_in(folder)
-            .map_err(failed)?;
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".journal.").suffix(".part").append(true);
+        // those of an ordinary new file
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.tempfile_in(folder).map_err(failed)?;
         let model = ident.model.as_str().to_owned();
         let header = Header { serial: ident.serial, hash: plan.hash(), model: model.clone() };
         file.write_all(record::header(&header, &plan.text()).as_bytes()).map_err(failed)?;
