@@ -32,6 +32,13 @@ mod result;
 mod segment;
 pub mod run;
 
+#[cfg(test)]
+mod mock;
+#[cfg(test)]
+mod tests_line;
+#[cfg(test)]
+mod tests_run;
+
 pub use self::client::Client;
 pub use self::draft::{Draft, PlanError};
 pub use self::error::{LinkError, Trouble};

@@ -396,10 +396,12 @@ impl<T: Transport> Session<'_, '_, T> {
     /// Homes and sets what is not as the plan wants it; what is so is left alone, for setting the
     /// aperture or the lamp drops the calibration.
     fn settle(&mut self) -> Result<Status, AcquireError> {
-        let (plan, status) = (self.plan, self.client.status()?);
-        if let (MachineState::Fault, Some(fault)) = (status.state, status.fault) {
-            return Err(self.client.fail(Trouble::Fault(fault)).into());
+        // a request made again after the line was lost may have begun something
+        if !matches!(self.client.status()?.state, MachineState::Idle | MachineState::Fault) {
+            self.client.ask(Request::Stop)?;
         }
+        let limit = self.client.patience().grace;
+        let (plan, status) = (self.plan, self.client.wait_idle("stopping", limit)?);
         let settings = [
             (status.aperture == plan.aperture(), Request::Aperture(plan.aperture())),
             (status.range == plan.range(), Request::Range(plan.range())),

@@ -38,7 +38,7 @@ pub(super) struct Course<'a> {
 pub(super) enum End {
     /// All points are in the journal.
     Complete,
-    /// The line was lost and found; the instrument stands somewhere.
+    /// The line was lost and found, or the instrument has stopped; it stands somewhere.
     Disturbed,
 }
 
@@ -84,6 +84,17 @@ pub(super) fn scan<T: Transport>(
     Ok(End::Complete)
 }
 
+/// How an instrument is found that has sent nothing for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Found {
+    /// It measures, or waits for credit.
+    Underway,
+    /// It has measured points that have not come.
+    Ahead,
+    /// It has stopped, as it does when it has not heard of its owner for long.
+    Stopped,
+}
+
 /// A segment that is being scanned.
 struct Taking<'a> {
     course: &'a Course<'a>,
@@ -123,11 +134,11 @@ impl Taking<'_> {
             return Ok(true);
         }
         let stopped = events.iter().any(|e| matches!(e, Event::State(_) | Event::Fault(_)));
-        let lost = (quiet || stopped) && self.is_behind(client)?;
-        if client.recoveries() != self.before {
+        let found = if quiet || stopped { self.look(client)? } else { Found::Underway };
+        if client.recoveries() != self.before || found == Found::Stopped {
             return Ok(false);
         }
-        if lost || self.next >= self.granted {
+        if found == Found::Ahead || self.next >= self.granted {
             return self.go_on(client);
         }
         Ok(true)
@@ -193,11 +204,8 @@ impl Taking<'_> {
         Ok(Stored { theta, reading, calibration })
     }
 
-    /// Asks how far it is: whether points were measured that have not come.
-    fn is_behind<T: Transport>(
-        &mut self,
-        client: &mut Client<'_, T>,
-    ) -> Result<bool, AcquireError> {
+    /// Asks how far it is.
+    fn look<T: Transport>(&self, client: &mut Client<'_, T>) -> Result<Found, AcquireError> {
         let status = client.status()?;
         if let (MachineState::Fault, Some(fault)) = (status.state, status.fault) {
             return Err(client.fail(Trouble::Fault(fault)).into());
@@ -215,7 +223,11 @@ impl Taking<'_> {
             Some((name, measured)) if name == self.course.name => measured,
             _ => 0,
         };
-        Ok(status.state == MachineState::Idle || measured > self.next)
+        Ok(match status.state {
+            _ if measured > self.next => Found::Ahead,
+            MachineState::Idle => Found::Stopped,
+            _ => Found::Underway,
+        })
     }
 
     /// Says what is stored, and asks for what comes next; `false` if the segment has to be begun anew.
