@@ -7,6 +7,7 @@ mod input;
 pub mod output;
 pub mod provenance;
 pub mod measurement;
+pub mod acquire;
 pub mod surface;
 pub mod raytrace;
 pub mod kirchhoff;

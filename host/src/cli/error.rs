@@ -7,6 +7,8 @@ use std::fmt::Display;
 pub(super) enum Failure {
     /// Exit 1: all went well and the answer is no.
     No(String),
+    /// Exit 1: the instrument, or the way to it, fails; the text says what, where and what to do.
+    Trouble(String),
     /// Exit 2: bad usage or bad input; the text says what, where and what to do.
     Bad(String),
 }

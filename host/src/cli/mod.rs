@@ -1,6 +1,7 @@
 //! The command line: one file a verb. Only here is anything printed, timed or ended.
 //!
-//! Results go to stdout, all else to stderr. Exit 0: done. 1: the answer is no. 2: bad usage or input.
+//! Results go to stdout, all else to stderr. Exit 0: done. 1: the answer is no, or
+//! trouble with an instrument. 2: bad usage or input.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "this is the layer that prints")]
 #![allow(clippy::doc_markdown, reason = "the doc comments here are the plain text of --help")]
 #![allow(clippy::struct_excessive_bools, reason = "flags are bools")]
@@ -26,6 +27,10 @@ mod compare;
 mod scan;
 mod demo;
 mod stats;
+mod port;
+mod planning;
+mod acquire;
+mod instrument;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -56,8 +61,10 @@ Examples:
   asperity check m.json                                where the flux goes, from both sides
   asperity eval m.json < pairs.csv                     values of the BSDF
   asperity stats map.x3p                               roughness of a height map
+  asperity acquire --port /dev/ttyUSB0 -o scan.csv     measure on a goniophotometer
 
-Angles are in degrees. Exit status: 0 done, 1 the answer is no, 2 bad usage or bad input.";
+Angles are in degrees. Exit status: 0 done, 1 the answer is no or the instrument fails,
+2 bad usage or bad input.";
 
 #[derive(Debug, Subcommand)]
 enum Verb {
@@ -69,6 +76,8 @@ enum Verb {
     Eval(eval::Args),
     Check(check::Args),
     Stats(stats::Args),
+    Acquire(acquire::Args),
+    Instrument(instrument::Args),
     Completions(completions::Args),
 }
 
@@ -92,12 +101,18 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Eval(a) => eval::run(&a),
         Verb::Check(a) => check::run(&a),
         Verb::Stats(a) => stats::run(&a),
+        Verb::Acquire(a) => acquire::run(&a),
+        Verb::Instrument(a) => instrument::run(&a),
         Verb::Completions(a) => completions::run(&a),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::No(why)) => {
             eprintln!("no: {why}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Trouble(what)) => {
+            eprintln!("error: {what}");
             ExitCode::from(1)
         }
         Err(Failure::Bad(what)) => {

@@ -11,6 +11,15 @@ pub(super) fn bar(length: u64, what: &str) -> ProgressBar {
     bar
 }
 
+/// A bar that is told how much time is left.
+pub(super) fn timed(what: &str) -> ProgressBar {
+    let bar = ProgressBar::new(0).with_message(what.to_owned());
+    if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
 /// A counter for work of unknown length.
 pub(super) fn counter(what: &str) -> ProgressBar {
     let bar = ProgressBar::no_length().with_message(what.to_owned());

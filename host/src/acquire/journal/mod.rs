@@ -1,0 +1,262 @@
+//! What has been measured, safe on the disk before more is asked for.
+//!
+//! A text file beside the scan file, one record a line, each with its CRC-32C:
+//!
+//! ```text
+//! asperity-journal 1 <serial> <hash of the plan> <model> ~<crc>
+//! plan <one line of the plan file> ~<crc>
+//! calibration <number> <incidence> <id> <range> <reference> <six dark currents> ~<crc>
+//! point <incidence> <index> <theta> <signal> <dark> <range> <flags> <calibration> ~<crc>
+//! ```
+//! Currents are the bits of their `f32`, hexadecimal; `theta` is microdegrees by the encoder. It comes
+//! into being complete with its header. Points are appended in order and synchronised with the disk
+//! before the instrument may forget them. A last line that was not finished is cut off on opening; any
+//! other fault is an error with the line.
+
+mod record;
+mod read;
+
+use std::ffi::OsString;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use asperity_core::protocol::{Calibration, Ident};
+
+use self::record::Header;
+pub use self::record::{Stored, StoredCalibration};
+use super::plan::Plan;
+
+/// Largest journal, bytes: a thousand incidences of 1801 points have 150 MB.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Trouble with a journal: the file, the line, and what to do.
+#[derive(Debug, Error)]
+pub enum JournalError {
+    /// There is one already.
+    #[error(
+        "{}: an acquisition was begun and not finished; go on with --resume, or delete this file to \
+         begin anew", path.display()
+    )]
+    Exists {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// There is none.
+    #[error("{}: there is no such journal, so there is nothing to resume; leave --resume out", path.display())]
+    Missing {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// Another program has it open.
+    #[error("{}: another acquisition is writing it; wait for that one or end it", path.display())]
+    Locked {
+        /// The journal.
+        path: PathBuf,
+    },
+    /// A line that cannot be.
+    #[error("{}:{line}: {what}; the journal is damaged: delete it and measure again, or restore a copy", path.display())]
+    Damaged {
+        /// The journal.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// The operating system refuses.
+    #[error("{}: {what}: {source}; check the free space and the permissions", path.display())]
+    Io {
+        /// The journal.
+        path: PathBuf,
+        /// What was tried.
+        what: &'static str,
+        /// The operating system's answer.
+        source: io::Error,
+    },
+}
+
+/// An open journal, locked against other programs, and all that it holds.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+    plan: Plan,
+    model: String,
+    serial: u32,
+    calibrations: Vec<StoredCalibration>,
+    /// Points of each incidence, complete from index 0.
+    points: Vec<Vec<Stored>>,
+}
+
+impl Journal {
+    /// Where the journal of a scan file is: `OUT.journal`.
+    pub fn path_of(output: &Path) -> PathBuf {
+        let mut name = OsString::from(output);
+        name.push(".journal");
+        PathBuf::from(name)
+    }
+
+    /// A new journal, safe on the disk with its header.
+    ///
+    /// # Errors
+    /// [`JournalError::Exists`], [`JournalError::Io`].
+    pub fn create(path: PathBuf, plan: &Plan, ident: &Ident) -> Result<Self, JournalError> {
+        let failed = |source| io_error(&path, "cannot be created", source);
+        let folder = folder_of(&path);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".journal.").suffix(".part").append(true);
+        // those of an ordinary new file
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        let mut file = builder.tempfile_in(folder).map_err(failed)?;
+        let model = ident.model.as_str().to_owned();
+        let header = Header { serial: ident.serial, hash: plan.hash(), model: model.clone() };
+        file.write_all(record::header(&header, &plan.text()).as_bytes()).map_err(failed)?;
+        file.as_file().sync_all().map_err(failed)?;
+        lock(file.as_file(), &path)?;
+        let file = file.persist_noclobber(&path).map_err(|e| match e.error.kind() {
+            io::ErrorKind::AlreadyExists => JournalError::Exists { path: path.clone() },
+            _ => failed(e.error),
+        })?;
+        // the name itself; not every file system can do this
+        if let Ok(folder) = File::open(folder) {
+            let _ = folder.sync_all();
+        }
+        let points = vec![Vec::new(); plan.sigmas().len()];
+        let (plan, serial) = (plan.clone(), ident.serial);
+        Ok(Self { path, file, plan, model, serial, calibrations: Vec::new(), points })
+    }
+
+    /// Opens the journal of an acquisition that was not finished; a torn last line is cut off.
+    ///
+    /// # Errors
+    /// [`JournalError::Missing`], [`JournalError::Locked`], [`JournalError::Damaged`],
+    /// [`JournalError::Io`].
+    pub fn open(path: PathBuf) -> Result<Self, JournalError> {
+        let opened = File::options().read(true).append(true).open(&path);
+        let file = opened.map_err(|e| match e.kind() {
+            io::ErrorKind::NotFound => JournalError::Missing { path: path.clone() },
+            _ => io_error(&path, "cannot be opened", e),
+        })?;
+        lock(&file, &path)?;
+        if !path.exists() {
+            // whoever had the lock has just finished
+            return Err(JournalError::Missing { path });
+        }
+        let journal = read::read(path, file)?;
+        Ok(journal)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What is measured.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Model and serial number of the instrument.
+    pub fn instrument(&self) -> (&str, u32) {
+        (&self.model, self.serial)
+    }
+
+    /// The calibrations in the order in which they were made.
+    pub fn calibrations(&self) -> &[StoredCalibration] {
+        &self.calibrations
+    }
+
+    /// The points of an incidence, complete from index 0.
+    pub fn points(&self, sigma: usize) -> &[Stored] {
+        self.points.get(sigma).map_or(&[], Vec::as_slice)
+    }
+
+    /// How many points there are.
+    pub fn len(&self) -> u64 {
+        self.points.iter().map(|points| points.len() as u64).sum()
+    }
+
+    /// Whether there is no point yet.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether every point of the plan is there.
+    pub fn is_complete(&self) -> bool {
+        self.len() == self.plan.points()
+    }
+
+    /// The first incidence with a missing point, and that point.
+    pub fn next(&self) -> Option<(usize, u16)> {
+        let short = |points: &Vec<Stored>| points.len() < usize::from(self.plan.count());
+        let sigma = self.points.iter().position(short)?;
+        Some((sigma, self.points(sigma).len() as u16))
+    }
+
+    /// Adds a calibration, made before that incidence; it is safe on the disk afterwards.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`].
+    pub fn add_calibration(
+        &mut self,
+        sigma: usize,
+        values: Calibration,
+    ) -> Result<(), JournalError> {
+        let stored = StoredCalibration { sigma, values };
+        self.append(&record::calibration(self.calibrations.len(), &stored))?;
+        self.calibrations.push(stored);
+        Ok(())
+    }
+
+    /// Adds points that follow on those of an incidence; they are safe on the disk afterwards.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`].
+    pub fn add_points(&mut self, sigma: usize, new: &[Stored]) -> Result<(), JournalError> {
+        if new.is_empty() {
+            return Ok(());
+        }
+        let first = self.points(sigma).len();
+        let lines = new.iter().enumerate().map(|(k, point)| record::point(sigma, first + k, point));
+        self.append(&lines.collect::<String>())?;
+        if let Some(points) = self.points.get_mut(sigma) {
+            points.extend_from_slice(new);
+        }
+        Ok(())
+    }
+
+    /// Deletes the file: the scan is written.
+    ///
+    /// # Errors
+    /// [`JournalError::Io`].
+    pub fn delete(self) -> Result<(), JournalError> {
+        fs::remove_file(&self.path).map_err(|e| io_error(&self.path, "cannot be deleted", e))
+    }
+
+    fn append(&mut self, lines: &str) -> Result<(), JournalError> {
+        let done = self.file.write_all(lines.as_bytes()).and_then(|()| self.file.sync_data());
+        done.map_err(|e| io_error(&self.path, "cannot be written", e))
+    }
+}
+
+fn io_error(path: &Path, what: &'static str, source: io::Error) -> JournalError {
+    JournalError::Io { path: path.to_owned(), what, source }
+}
+
+fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
+    file.try_lock().map_err(|e| match e {
+        TryLockError::WouldBlock => JournalError::Locked { path: path.to_owned() },
+        TryLockError::Error(source) => io_error(path, "cannot be locked", source),
+    })
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}

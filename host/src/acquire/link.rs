@@ -1,0 +1,245 @@
+//! Frames over bytes: one request, its answer, and the events in between.
+
+use std::collections::VecDeque;
+use std::hash::{BuildHasher, RandomState};
+use std::io;
+use std::time::Duration;
+
+use asperity_core::protocol::{
+    Decoder, DeviceError, Encoded, Event, Frame, FrameError, Ident, Message, Request, Response,
+    VERSION, encode,
+};
+
+use super::error::Trouble;
+use super::patience::Patience;
+use super::transport::Transport;
+
+/// Events kept; more than any credit. Further ones are lost, as the line may lose them.
+const MOST_EVENTS: usize = 4096;
+/// Bytes of a stranger that are shown.
+const EXCERPT: usize = 32;
+
+/// What an instrument answers.
+pub(super) type Answer = Result<Response, DeviceError>;
+
+/// Why there is no answer.
+#[derive(Debug)]
+pub(super) enum Failed {
+    /// None came, however often the request was sent.
+    Silent,
+    /// The line is broken.
+    Io(io::Error),
+}
+
+impl From<io::Error> for Failed {
+    fn from(e: io::Error) -> Self {
+        Self::Io(e)
+    }
+}
+
+/// One end of a line on which frames are exchanged.
+#[derive(Debug)]
+pub(super) struct Link<T> {
+    pub(super) line: T,
+    pub(super) patience: Patience,
+    session: u16,
+    sequence: u16,
+    decoder: Decoder,
+    events: VecDeque<Event>,
+    /// The answer to the request under way.
+    answer: Option<Answer>,
+    asked: Request,
+    /// The version of an instrument that speaks another one.
+    version: Option<u16>,
+    heard: Heard,
+}
+
+/// What came since the line was asked who is there.
+#[derive(Debug, Default)]
+struct Heard {
+    bytes: u64,
+    first: Vec<u8>,
+    /// Frames that only an instrument sends.
+    frames: u64,
+}
+
+impl<T: Transport> Link<T> {
+    pub(super) fn new(line: T, patience: Patience) -> Self {
+        Self {
+            line,
+            patience,
+            session: random(),
+            sequence: 0,
+            decoder: Decoder::new(),
+            events: VecDeque::new(),
+            answer: None,
+            asked: Request::Identify,
+            version: None,
+            heard: Heard::default(),
+        }
+    }
+
+    pub(super) fn session(&self) -> u16 {
+        self.session
+    }
+
+    /// Asks, and sends the same bytes again as long as there is no answer.
+    pub(super) fn exchange(&mut self, request: Request) -> Result<Answer, Failed> {
+        let frame = self.number(request);
+        for k in 0..self.patience.tries {
+            if let Some(answer) = self.attempt(&frame, k, Duration::MAX)? {
+                return Ok(answer);
+            }
+        }
+        Err(Failed::Silent)
+    }
+
+    /// Asks who is there, for `limit` at most, opening a broken line again.
+    pub(super) fn identify(&mut self, limit: Duration) -> Result<Ident, Trouble> {
+        let deadline = self.line.now() + limit;
+        let (bad, mut cause, mut k) = (self.decoder.bad(), None, 0);
+        self.heard = Heard::default();
+        let frame = self.number(Request::Identify);
+        while self.line.now() < deadline {
+            match self.attempt(&frame, k, deadline) {
+                Ok(Some(Ok(Response::Ident(ident)))) => return plausible(ident),
+                Ok(Some(_)) => self.line.pause(self.patience.back_off(k)),
+                Ok(None) => {}
+                Err(e) => {
+                    self.line.pause(self.patience.back_off(k));
+                    cause = Some(self.reconnect().err().unwrap_or(e));
+                }
+            }
+            if let Some(theirs) = self.version.take() {
+                return Err(Trouble::Version { theirs, ours: VERSION });
+            }
+            k += 1;
+        }
+        let seconds = limit.as_secs_f64();
+        if self.heard.bytes > 0 && self.heard.frames == 0 {
+            let dot = |&byte: &u8| if matches!(byte, b' '..=b'~') { char::from(byte) } else { '.' };
+            let first = self.heard.first.iter().map(dot).collect();
+            let bad = self.decoder.bad().wrapping_sub(bad);
+            return Err(Trouble::NotAnInstrument { bytes: self.heard.bytes, bad, first });
+        }
+        Err(match cause {
+            Some(_) => Trouble::Lost { seconds, cause },
+            None => Trouble::Silent { seconds },
+        })
+    }
+
+    /// Opens the line again; what came before is forgotten.
+    pub(super) fn reconnect(&mut self) -> io::Result<()> {
+        self.decoder.reset();
+        self.events.clear();
+        self.line.reconnect()
+    }
+
+    /// The next event; waits for it until `until`.
+    pub(super) fn event(&mut self, until: Duration) -> io::Result<Option<Event>> {
+        while self.events.is_empty() && self.line.now() < until {
+            self.receive(until)?;
+        }
+        Ok(self.events.pop_front())
+    }
+
+    /// The events that have come, without waiting.
+    pub(super) fn events(&mut self) -> impl Iterator<Item = Event> + '_ {
+        self.events.drain(..)
+    }
+
+    fn number(&mut self, request: Request) -> Encoded {
+        self.sequence = self.sequence.wrapping_add(1);
+        (self.asked, self.answer, self.version) = (request, None, None);
+        encode(&Frame {
+            session: self.session,
+            sequence: self.sequence,
+            message: Message::Request(request),
+        })
+    }
+
+    /// Sends, and waits once.
+    fn attempt(&mut self, frame: &Encoded, k: u32, end: Duration) -> io::Result<Option<Answer>> {
+        self.line.send(frame.as_bytes())?;
+        let back_off = if k == 0 { Duration::ZERO } else { self.patience.back_off(k - 1) };
+        let until = (self.line.now() + self.patience.answer + back_off).min(end);
+        while self.answer.is_none() && self.version.is_none() && self.line.now() < until {
+            self.receive(until)?;
+        }
+        Ok(self.answer.take())
+    }
+
+    /// Takes what comes first until `until`, all of it.
+    fn receive(&mut self, until: Duration) -> io::Result<()> {
+        let mut buffer = [0; 4096];
+        let wait = until.saturating_sub(self.line.now());
+        let count = self.line.receive(&mut buffer, wait)?;
+        let mut bytes = buffer.get(..count).unwrap_or(&[]);
+        self.heard.bytes += bytes.len() as u64;
+        let room = EXCERPT.saturating_sub(self.heard.first.len());
+        self.heard.first.extend(bytes.iter().take(room));
+        while let Some(result) = self.decoder.next(&mut bytes) {
+            match result {
+                Ok(frame) => self.take(frame),
+                Err(FrameError::Version(version)) => self.version = Some(version),
+                Err(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, frame: Frame) {
+        let (mine, current) = (frame.session == self.session, frame.sequence == self.sequence);
+        self.heard.frames += u64::from(!matches!(frame.message, Message::Request(_)));
+        match frame.message {
+            Message::Response(response) if mine && current && fits(self.asked, &response) => {
+                self.answer = Some(Ok(response));
+            }
+            Message::Error(error) if mine && current => self.answer = Some(Err(error)),
+            Message::Event(event) if mine && self.events.len() < MOST_EVENTS => {
+                self.events.push_back(event);
+            }
+            // somebody else's, or the answer to an older request
+            _ => {}
+        }
+    }
+}
+
+/// Whether this is a kind of answer to that request.
+fn fits(request: Request, response: &Response) -> bool {
+    match request {
+        Request::Identify => matches!(response, Response::Ident(_)),
+        Request::Status => matches!(response, Response::Status(_)),
+        Request::Diagnostics => matches!(response, Response::Diagnostics(_)),
+        Request::LastReading => matches!(response, Response::Reading(_)),
+        Request::LastCalibration => matches!(response, Response::Calibration(_)),
+        _ => matches!(response, Response::Accepted),
+    }
+}
+
+/// What this program can work with.
+fn plausible(ident: Ident) -> Result<Ident, Trouble> {
+    if ident.protocol != VERSION {
+        return Err(Trouble::Version { theirs: ident.protocol, ours: VERSION });
+    }
+    for (name, axis) in [("sigma", ident.sigma), ("theta", ident.theta)] {
+        if axis.speed == 0 || axis.least > axis.most {
+            return Err(Trouble::Nonsense(format!(
+                "its {name} axis goes from {} to {} degrees at {} microdegrees a second",
+                axis.least.degrees(),
+                axis.most.degrees(),
+                axis.speed
+            )));
+        }
+    }
+    if ident.max_points == 0 {
+        return Err(Trouble::Nonsense("its segments have no points".to_owned()));
+    }
+    Ok(ident)
+}
+
+/// A session number, not 0, from the keys that the operating system draws for hash tables.
+fn random() -> u16 {
+    let drawn = RandomState::new().hash_one(std::process::id());
+    (drawn % u64::from(u16::MAX)) as u16 + 1
+}

@@ -1,0 +1,49 @@
+//! Acquisition: driving a goniophotometer over a line, and keeping every point that was measured.
+//!
+//! | module | concept |
+//! |---|---|
+//! | [`transport`] | bytes to and from a port: serial, TCP, or a simulator in this process |
+//! | [`error`] | what can be wrong with an instrument |
+//! | [`patience`] | how long is waited for what |
+//! | `link` | frames over bytes: one request, its answer, events in between |
+//! | [`client`] | an instrument that is owned, and owned again after the line was lost |
+//! | `motion` | what takes time: homing, moving, calibrating |
+//! | [`plan`] | what is to be measured |
+//! | [`draft`] | a plan as a file or as flags say it |
+//! | [`estimate`] | how long it takes |
+//! | [`journal`] | what has been measured, safe on the disk |
+//! | `result` | from a complete journal to a scan file |
+//! | `segment` | one incidence |
+//! | [`run`](mod@run) | all of it |
+//!
+//! PROTOCOL.md is what is said on the line.
+
+pub mod transport;
+pub mod error;
+pub mod patience;
+mod link;
+pub mod client;
+mod motion;
+pub mod plan;
+pub mod draft;
+pub mod estimate;
+pub mod journal;
+mod result;
+mod segment;
+pub mod run;
+
+#[cfg(test)]
+mod mock;
+#[cfg(test)]
+mod tests_line;
+#[cfg(test)]
+mod tests_run;
+
+pub use self::client::Client;
+pub use self::draft::{Draft, PlanError};
+pub use self::error::{LinkError, Trouble};
+pub use self::journal::{Journal, JournalError};
+pub use self::patience::Patience;
+pub use self::plan::{CalibrationRule, Plan};
+pub use self::run::{AcquireError, Job, Progress, Summary, run};
+pub use self::transport::{InProcess, Peer, Transport};
