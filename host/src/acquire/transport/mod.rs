@@ -43,26 +43,33 @@ pub trait Transport {
     fn name(&self) -> String;
 }
 
-impl<T: Transport + ?Sized> Transport for Box<T> {
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        (**self).send(bytes)
-    }
-    fn receive(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
-        (**self).receive(buffer, wait)
-    }
-    fn now(&self) -> Duration {
-        (**self).now()
-    }
-    fn pause(&mut self, time: Duration) {
-        (**self).pause(time);
-    }
-    fn reconnect(&mut self) -> io::Result<()> {
-        (**self).reconnect()
-    }
-    fn name(&self) -> String {
-        (**self).name()
-    }
+macro_rules! pass_on {
+    ($owner:ty) => {
+        impl<T: Transport + ?Sized> Transport for $owner {
+            fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+                (**self).send(bytes)
+            }
+            fn receive(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+                (**self).receive(buffer, wait)
+            }
+            fn now(&self) -> Duration {
+                (**self).now()
+            }
+            fn pause(&mut self, time: Duration) {
+                (**self).pause(time);
+            }
+            fn reconnect(&mut self) -> io::Result<()> {
+                (**self).reconnect()
+            }
+            fn name(&self) -> String {
+                (**self).name()
+            }
+        }
+    };
 }
+
+pass_on!(Box<T>);
+pass_on!(&mut T);
 
 /// Opens `tcp:HOST:PORT`, or the serial port of that name with `baud` bits a second.
 ///
