@@ -29,8 +29,8 @@ fn build() -> Result<PathBuf, String> {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--release", "--package", "asperity-firmware-sim", "--features", "qemu"])
-        .args(["--bin", "qemu", "--target", TARGET, "--target-dir"])
+        .args(["build", "--release", "--package", "asperity-firmware-sim", "--no-default-features"])
+        .args(["--features", "qemu", "--bin", "qemu", "--target", TARGET, "--target-dir"])
         .arg(&target_dir)
         .envs(settings.split_whitespace().filter_map(|s| s.split_once('=')));
     // flags meant for the host, such as those of a coverage run

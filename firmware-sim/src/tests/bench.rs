@@ -25,6 +25,7 @@ pub(super) struct Bench {
     pub(super) events: Vec<Event>,
 }
 
+#[expect(clippy::large_types_passed_by_value, reason = "written where it is used")]
 impl Bench {
     pub(super) fn new(config: Config) -> Self {
         let simulator = Box::new(Simulator::new(config));

@@ -204,10 +204,10 @@ fn no_bytes_whatever_make_it_panic_or_talk_nonsense() {
     for k in 0..20_000_u16 {
         let length = (dice.next_u32() % 40) as usize;
         let mut bytes: Vec<u8> = (0..length).map(|_| dice.next_u32() as u8).collect();
-        if dice.next_u32() % 2 == 0 {
+        if dice.next_u32().is_multiple_of(2) {
             let request = requests[dice.next_u32() as usize % requests.len()];
             bytes = Bench::frame(SESSION, k, request);
-            if dice.next_u32() % 8 == 0 {
+            if dice.next_u32().is_multiple_of(8) {
                 let at = dice.next_u32() as usize % bytes.len();
                 bytes[at] ^= 1 << (dice.next_u32() % 8);
             }

@@ -10,7 +10,6 @@ use asperity_core::protocol::{
 #[test]
 fn it_fits_the_memory_of_a_small_device() {
     let size = size_of::<Simulator>();
-    std::println!("Simulator: {size} bytes");
     assert!(size <= 11 * 1024, "{size}");
 }
 
