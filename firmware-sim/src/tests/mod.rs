@@ -2,6 +2,7 @@
 
 mod bench;
 mod exchange;
+mod line;
 mod machine;
 mod readings;
 mod scans;

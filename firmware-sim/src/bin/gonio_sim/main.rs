@@ -94,16 +94,23 @@ impl Bench {
             self.faults.remove(0);
         }
         let line = &mut self.line;
+        // all that is said in one call goes out in one piece
+        let mut said = Vec::new();
         let Some(link) = &mut self.link else {
-            return self.simulator.handle(bytes, now, &mut |out: &[u8]| line.send(out));
+            self.simulator.handle(bytes, now, &mut |out: &[u8]| said.extend_from_slice(out));
+            if !said.is_empty() {
+                line.send(&said);
+            }
+            return;
         };
         link.send(Direction::ToInstrument, bytes, now);
         let mut got = Vec::new();
         link.receive(Direction::ToInstrument, now, &mut |b: &[u8]| got.extend_from_slice(b));
-        self.simulator.handle(&got, now, &mut |out: &[u8]| {
-            link.send(Direction::ToClient, out, now);
+        self.simulator.handle(&got, now, &mut |out: &[u8]| said.extend_from_slice(out));
+        for piece in said.chunks(1024) {
+            link.send(Direction::ToClient, piece, now);
             link.receive(Direction::ToClient, now, &mut |b: &[u8]| line.send(b));
-        });
+        }
         link.receive(Direction::ToClient, now, &mut |b: &[u8]| line.send(b));
         if link.take_break() {
             // the instrument hears of it from a line that can be broken
