@@ -34,3 +34,6 @@ pub use clock::{Instant, Sink};
 pub use config::{Boundary, Config};
 pub use fault::MachineFault;
 pub use simulator::Simulator;
+
+#[cfg(test)]
+mod tests;

@@ -258,18 +258,19 @@ impl Simulator {
     }
 
     fn command(&mut self, command: Command, out: &mut dyn Sink) {
+        let deadline = self.session.deadline(self.config().silence_us);
         match command {
             Command::Identify => return self.say_identity(out),
             Command::NextError => return self.text.say_error(out),
             Command::ClearErrors => return self.text.clear_errors(),
+            Command::Angles => return self.say_angles(out),
+            // an owner not heard of for long gives way to it as to another client
+            Command::Reset if deadline.is_some_and(|deadline| deadline <= self.now) => {
+                self.session.release();
+            }
+            _ if self.session.owner().is_some() => return self.text.error(TextError::Protected),
             _ => {}
         }
-        // an owner not heard of for long gives way to a terminal as it does to another client
-        let deadline = self.session.deadline(self.config().silence_us);
-        if deadline.is_some_and(|deadline| deadline > self.now) {
-            return self.text.error(TextError::Protected);
-        }
-        self.session.release();
         if let Err(error) = self.obey(command, out) {
             self.text.error(error);
         }
@@ -287,19 +288,12 @@ impl Simulator {
                 }
             }
             Command::SetAngles(sigma, theta) => self.machine.travel_both(sigma, theta, now)?,
-            Command::Angles => {
-                let Status { sigma, theta, .. } = self.status();
-                text::angle(sigma, out);
-                out.write(b",");
-                text::angle(theta, out);
-                out.write(b"\n");
-            }
             Command::Measure => {
                 self.machine.apply(&Request::Read, now)?;
                 self.reading_wanted = true;
             }
             Command::ScanData => self.say_points(out)?,
-            Command::Identify | Command::NextError | Command::ClearErrors => {}
+            Command::Identify | Command::NextError | Command::ClearErrors | Command::Angles => {}
         }
         Ok(())
     }
@@ -312,6 +306,14 @@ impl Simulator {
             out.write(sign);
             text::unsigned(u32::from(number), out);
         }
+        out.write(b"\n");
+    }
+
+    fn say_angles(&self, out: &mut dyn Sink) {
+        let Status { sigma, theta, .. } = self.status();
+        text::angle(sigma, out);
+        out.write(b",");
+        text::angle(theta, out);
         out.write(b"\n");
     }
 

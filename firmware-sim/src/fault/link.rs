@@ -183,6 +183,7 @@ impl Link {
 
     /// Gives what has come at the other end.
     pub fn receive(&mut self, direction: Direction, now: Instant, out: &mut impl Sink) {
+        self.is_connected(now);
         let lane = self.lane(direction);
         while let Some(slot) = lane.first().filter(|slot| slot.due <= now) {
             out.write(slot.bytes.get(..usize::from(slot.length)).unwrap_or(&[]));
