@@ -17,14 +17,21 @@ pub(crate) struct Trouble {
     pub(crate) link: LinkFaults,
     /// Share of all bytes that are replaced, in both directions.
     pub(crate) noise: f64,
+    /// That only from this time on.
+    pub(crate) noise_from: Duration,
     /// In the machine, at these times of the line's clock.
     pub(crate) machine: Vec<(Duration, MachineFault)>,
     pub(crate) seed: u64,
 }
 
 impl Trouble {
-    pub(crate) const NONE: Self =
-        Self { link: LinkFaults::NONE, noise: 0.0, machine: Vec::new(), seed: 0 };
+    pub(crate) const NONE: Self = Self {
+        link: LinkFaults::NONE,
+        noise: 0.0,
+        noise_from: Duration::ZERO,
+        machine: Vec::new(),
+        seed: 0,
+    };
 }
 
 /// A peer for the in-process transport.
@@ -33,6 +40,7 @@ pub(crate) struct Bench {
     pub(crate) simulator: Simulator,
     link: Link,
     noise: f64,
+    noise_from: Duration,
     machine: Vec<(Duration, MachineFault)>,
     generator: Pcg64Mcg,
     connected: bool,
@@ -46,6 +54,7 @@ impl Bench {
             simulator: Simulator::new(config),
             link: Link::new(trouble.link, trouble.seed),
             noise: trouble.noise,
+            noise_from: trouble.noise_from,
             machine: trouble.machine.clone(),
             generator: Pcg64Mcg::new(u128::from(trouble.seed) | 1 << 80),
             connected: true,
@@ -62,8 +71,8 @@ impl Bench {
     }
 
     /// Replaces some bytes.
-    fn spoil(&mut self, bytes: &mut [u8]) {
-        if self.noise > 0.0 {
+    fn spoil(&mut self, bytes: &mut [u8], now: Duration) {
+        if self.noise > 0.0 && now >= self.noise_from {
             let limit = (self.noise * f64::from(u32::MAX)) as u32;
             for byte in bytes {
                 if self.generator.next_u32() < limit {
@@ -88,17 +97,18 @@ impl Bench {
 impl Peer for Bench {
     fn exchange(&mut self, bytes: &[u8], now: Duration, out: &mut Vec<u8>) {
         self.happen(now);
+        let time = now;
         let now = Instant(now.as_micros() as u64);
         if !bytes.is_empty() {
             let mut bytes = bytes.to_vec();
-            self.spoil(&mut bytes);
+            self.spoil(&mut bytes, time);
             self.link.send(Direction::ToInstrument, &bytes, now);
         }
         let (mut received, mut said) = (Vec::new(), Vec::new());
         let mut take = |bytes: &[u8]| received.extend_from_slice(bytes);
         self.link.receive(Direction::ToInstrument, now, &mut take);
         self.simulator.handle(&received, now, &mut |b: &[u8]| said.extend_from_slice(b));
-        self.spoil(&mut said);
+        self.spoil(&mut said, time);
         self.link.send(Direction::ToClient, &said, now);
         self.link.receive(Direction::ToClient, now, &mut |b: &[u8]| out.extend_from_slice(b));
         if self.link.take_break() {
