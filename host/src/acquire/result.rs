@@ -44,7 +44,9 @@ fn header(journal: &Journal) -> Metadata {
     let plan = journal.plan();
     let (model, serial) = journal.instrument();
     let ids = journal.calibrations().iter().map(|stored| format!("{:08x}", stored.values.id));
-    let ids: Vec<String> = ids.collect();
+    let mut ids: Vec<String> = ids.collect();
+    // calibrations with one identity are the same
+    ids.dedup();
     let range = match plan.range() {
         Range::Auto => "auto".to_owned(),
         Range::Fixed(number) => number.to_string(),
