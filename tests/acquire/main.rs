@@ -5,4 +5,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests may fail")]
 
 mod bench;
+mod killed;
+mod misbehaving;
+mod programs;
 mod soak;
+mod whole;

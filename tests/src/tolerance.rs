@@ -36,6 +36,8 @@ table! {
         "the direct sums leave out internal passes, some 0.2 %; the method promises 1 %";
     SCALE_OF_MAP = 0.02, "vertical scale fitted to the scan of the very map, absolute",
         "what the method promises; 0.002 was seen with ten times the rays";
+    ACQUIRED_ALPHA = 0.02, "width fitted to an acquired scan against the instrument's own, relative",
+        "what acquisition promises; 3e5 rays an incidence leave some 0.4 % of noise";
     GAMMA = 2e-11, "incomplete gamma function, relative",
         "cancellation of a ln x - x - ln gamma(a) at a = 500, and known values given to 12 digits";
     SIGNIFICANCE = 0.01, "chance that a right sampler fails any of a family of tests",

@@ -118,7 +118,11 @@ impl<T: Transport> Link<T> {
         let seconds = limit.as_secs_f64();
         if self.heard.bytes > 0 && self.heard.frames == 0 {
             let dot = |&byte: &u8| if matches!(byte, b' '..=b'~') { char::from(byte) } else { '.' };
-            let first = self.heard.first.iter().map(dot).collect();
+            let first: String = self.heard.first.iter().map(dot).collect();
+            // what servers of serial ports say to a second client before they close the line
+            if first.to_ascii_lowercase().contains("in use") {
+                return Err(Trouble::InUse);
+            }
             let bad = self.decoder.bad().wrapping_sub(bad);
             return Err(Trouble::NotAnInstrument { bytes: self.heard.bytes, bad, first });
         }

@@ -93,7 +93,7 @@ impl Device {
         if let Some((last, answer)) = &self.answered
             && *last == frame
         {
-            let Ok(again) = self.decode(*answer) else { return };
+            let Ok(again) = Self::decode(*answer) else { return };
             return self.say(again, now, out);
         }
         let free = matches!(request, Request::Identify | Request::Status | Request::Claim);
@@ -115,7 +115,7 @@ impl Device {
         }
     }
 
-    fn decode(&self, encoded: Encoded) -> Result<Frame, ()> {
+    fn decode(encoded: Encoded) -> Result<Frame, ()> {
         Decoder::new().next(&mut encoded.as_bytes()).ok_or(())?.map_err(|_| ())
     }
 
@@ -150,10 +150,10 @@ impl Device {
                 (self.segment, status.state) = (Some(segment), MachineState::Measuring);
                 status.segment = Some((segment.segment, segment.first));
             }
-            Request::Continue { segment, .. } => {
-                if self.segment.is_none_or(|held| held.segment != segment) {
-                    return Err(DeviceError::NoSegment);
-                }
+            Request::Continue { segment, .. }
+                if self.segment.is_none_or(|held| held.segment != segment) =>
+            {
+                return Err(DeviceError::NoSegment);
             }
             Request::Stop => status.state = MachineState::Idle,
             _ => {}

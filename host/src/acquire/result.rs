@@ -45,7 +45,7 @@ fn header(journal: &Journal) -> Metadata {
     let (model, serial) = journal.instrument();
     let ids = journal.calibrations().iter().map(|stored| format!("{:08x}", stored.values.id));
     let mut ids: Vec<String> = ids.collect();
-    // one that was made again with the same outcome is the same
+    // calibrations with one identity are the same
     ids.dedup();
     let range = match plan.range() {
         Range::Auto => "auto".to_owned(),

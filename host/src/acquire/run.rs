@@ -235,12 +235,11 @@ fn acquire<T: Transport>(
     plan.check(client.ident())?;
     client.claim()?;
     let status = client.wait_idle("what another client has begun", client.patience().grace)?;
-    let journal = match journal {
-        Some(journal) => journal,
-        None => {
-            let path = Journal::path_of(job.output);
-            journal.insert(Journal::create(path, &plan, client.ident())?)
-        }
+    let journal = if let Some(journal) = journal {
+        journal
+    } else {
+        let path = Journal::path_of(job.output);
+        journal.insert(Journal::create(path, &plan, client.ident())?)
     };
     let mut session =
         Session { client, job, plan: &plan, segments: 0, recalibrate: job.recalibrate };

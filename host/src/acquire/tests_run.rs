@@ -224,10 +224,13 @@ fn other_instruments_and_other_plans_do_not_continue_a_journal() {
     assert!(matches!(error, AcquireError::OtherPlan { .. }), "{error}");
 }
 
+/// Words of the message, and what is done to a point.
+type Spoilt = (&'static str, fn(&mut Point));
+
 #[test]
 fn points_that_cannot_be_end_the_scan() {
     let folder = tempfile::tempdir().unwrap();
-    let spoil: [(&str, fn(&mut Point)); 4] = [
+    let spoil: [Spoilt; 4] = [
         ("signal inf", |point| point.reading.signal = f32::INFINITY),
         ("it was read at", |point| point.theta.0 += 60_000),
         ("range 6", |point| point.reading.range = 6),

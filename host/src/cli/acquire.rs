@@ -1,5 +1,6 @@
 //! `acquire`: measures a sample on an instrument.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -14,15 +15,27 @@ use crate::acquire::{Job, Patience, Plan, Progress, Summary, estimate, run as ac
 
 /// Measure a sample on a goniophotometer
 ///
-/// Homes the instrument if need be, calibrates it (dark current, beam without the sample), scans the angles of
-/// observation at each angle of incidence, and writes the scan file. Every point is safe on the disk, in
-/// OUT.journal, before the next ones are measured: after Ctrl-C, a lost connection or the end of power
-/// --resume goes on where it was, and the file is the same as without the break.
+/// Homes the instrument if need be, calibrates it (dark current, beam without the sample), scans
+/// the angles of observation at each angle of incidence, and writes the scan file. Every point is
+/// safe on the disk, in OUT.journal, before the next ones are measured: after Ctrl-C, a lost
+/// connection or the end of power --resume goes on where it was, and the file is the same as
+/// without the break.
 ///
-/// A plan file says the same as the flags, which come first where both say something:
-///   sigma_deg = [0, 15, 30, 45, 60]     theta_from_deg = -90     theta_to_deg = 90     theta_step_deg = 0.1
-///   aperture_deg = 0.6     integration_ms = 100     range = "auto"     calibrate = "once"     run_up_deg = 0.5
-///   geometry = "transmission"     sample = "No 5"     ior = 1.49     rough_side = "source"     wavelength_nm = 550
+/// A plan file (TOML) says the same as the flags, which come first where both say something:
+///   sigma_deg = [0, 15, 30, 45, 60]
+///   theta_from_deg = -90
+///   theta_to_deg = 90
+///   theta_step_deg = 0.1
+///   aperture_deg = 0.6
+///   integration_ms = 100
+///   range = "auto"               # or 0 to 5
+///   run_up_deg = 0.5
+///   calibrate = "once"           # or "per-sigma"
+///   geometry = "transmission"
+///   sample = "No 5"
+///   ior = 1.49
+///   rough_side = "source"
+///   wavelength_nm = 550
 ///
 /// Examples:
 ///   asperity acquire --list-ports
@@ -104,10 +117,10 @@ fn summary(args: &Args, done: &Summary) -> String {
     }
     let mut text = format!("{file}: {} readings of {model} {serial}", done.points);
     if done.resumed > 0 {
-        text += &format!(", {} of them from the journal", done.resumed);
+        let _ = write!(text, ", {} of them from the journal", done.resumed);
     }
     if done.recoveries > 0 {
-        text += &format!("; the connection was lost and found {} times", done.recoveries);
+        let _ = write!(text, "; the connection was lost and found {} times", done.recoveries);
     }
     text + "\n"
 }
@@ -168,20 +181,22 @@ fn dry_text(plan: &Plan, found: Option<&Ident>, seconds: f64) -> String {
     let mut text = String::new();
     for sigma in plan.sigmas() {
         let sigma = sigma.degrees();
-        text +=
-            &format!("sigma {sigma}: theta {first} to {last} step {step} deg, {count} points\n");
+        let _ = writeln!(
+            text,
+            "sigma {sigma}: theta {first} to {last} step {step} deg, {count} points"
+        );
     }
-    text += &format!(
+    let _ = write!(
+        text,
         "{} segments, {} points, about {} ",
         plan.sigmas().len(),
         plan.points(),
         shown(seconds)
     );
-    text += &match found {
-        Some(ident) => format!("on {} {}, within its limits\n", ident.model, ident.serial),
-        None => "at the speed of a GP-200; no instrument was asked (--port)\n".to_owned(),
-    };
-    text
+    match found {
+        Some(ident) => text + &format!("on {} {}, within its limits\n", ident.model, ident.serial),
+        None => text + "at the speed of a GP-200; no instrument was asked (--port)\n",
+    }
 }
 
 /// A time in words.

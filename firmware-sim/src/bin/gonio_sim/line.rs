@@ -1,7 +1,9 @@
 //! Where the bytes come from: a pseudo terminal, or one TCP client at a time.
 
+use std::fs::File;
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{Shutdown, TcpListener, TcpStream};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
@@ -61,8 +63,11 @@ impl Line {
 /// The end of the instrument, and the client's end: kept open, so that clients may come and go.
 pub(crate) struct Terminal {
     port: TTYPort,
-    _other: TTYPort,
+    _other: File,
 }
+
+/// A terminal that is opened must not become the one that Ctrl-C of this program comes from.
+const NO_CONTROLLING_TERMINAL: i32 = if cfg!(target_os = "linux") { 0o400 } else { 0x2_0000 };
 
 impl Terminal {
     /// A new pseudo terminal, raw, and its name.
@@ -70,7 +75,12 @@ impl Terminal {
         let (port, mut other) = TTYPort::pair()?;
         other.set_exclusive(false)?;
         let name = other.name().ok_or(ErrorKind::NotFound)?;
-        Ok((Self { port, _other: other }, name))
+        // opened once more, without the lock by which `other` would keep clients out
+        let mut options = File::options();
+        options.read(true).write(true).custom_flags(NO_CONTROLLING_TERMINAL);
+        let kept_open = options.open(&name)?;
+        drop(other);
+        Ok((Self { port, _other: kept_open }, name))
     }
 
     fn wait(&mut self, limit: Duration) -> io::Result<Event> {

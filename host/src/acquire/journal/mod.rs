@@ -146,8 +146,7 @@ impl Journal {
             // whoever had the lock has just finished
             return Err(JournalError::Missing { path });
         }
-        let journal = read::read(path, file)?;
-        Ok(journal)
+        read::read(&path, file)
     }
 
     /// The file.

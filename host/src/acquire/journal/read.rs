@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::record::{self, Header, Stored, StoredCalibration};
 use super::{Journal, JournalError, MAX_BYTES, io_error};
@@ -11,10 +11,10 @@ use crate::acquire::plan::Plan;
 use crate::measurement::excerpt;
 
 /// Reads it all.
-pub(super) fn read(path: PathBuf, mut file: File) -> Result<Journal, JournalError> {
-    let failed = |source| io_error(&path, "cannot be read", source);
+pub(super) fn read(path: &Path, mut file: File) -> Result<Journal, JournalError> {
+    let failed = |source| io_error(path, "cannot be read", source);
     let damaged = |line, what: &str| JournalError::Damaged {
-        path: path.clone(),
+        path: path.to_owned(),
         line,
         what: what.to_owned(),
     };
@@ -36,12 +36,12 @@ pub(super) fn read(path: PathBuf, mut file: File) -> Result<Journal, JournalErro
         plan.push_str(text.strip_prefix("plan ").unwrap_or(""));
         plan.push('\n');
     }
-    let plan = read_plan(&plan, &header, &path).ok_or_else(|| damaged(1, "its plan is none"))?;
+    let plan = read_plan(&plan, &header, path).ok_or_else(|| damaged(1, "its plan is none"))?;
     let points = vec![Vec::new(); plan.sigmas().len()];
     let Header { model, serial, .. } = header;
     let calibrations = Vec::new();
     let mut journal =
-        Journal { path: path.clone(), file, plan, model, serial, calibrations, points };
+        Journal { path: path.to_owned(), file, plan, model, serial, calibrations, points };
     for (text, line) in rest {
         journal.take(text).map_err(|what| damaged(line, &what))?;
     }
