@@ -89,6 +89,11 @@ impl Config {
         }
     }
 
+    /// The instrument of the emulated board: [`demo`](Self::demo), a thousand times faster than a real one.
+    pub const fn emulated() -> Self {
+        Self { acceleration: 1000, ..Self::demo() }
+    }
+
     /// The same with facets of a given law, in radians.
     ///
     /// `None` if the index is outside its domain.

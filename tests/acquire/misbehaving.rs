@@ -138,9 +138,9 @@ fn a_port_that_is_not_there() {
 /// A slow scan in one client, and another one that comes in between.
 fn two_clients(line: &str, word: &str) {
     let (folder, instrument) =
-        (folder(), Instrument::start(&format!("{line} --rays 2000 --acceleration 40")));
+        (folder(), Instrument::start(&format!("{line} --rays 2000 --acceleration 4")));
     let folder = folder.path();
-    let plan = "--sigma 0 --theta-range -10:10 --step 0.2 --integration-ms 100 --sample two \
+    let plan = "--sigma 0 --theta-range -10:10 --step 0.2 --integration-ms 300 --sample two \
                 --ior 1.49 --rough-side source";
     let first = start(folder, &format!("acquire --port {} -o first.csv {plan}", instrument.port));
     let begun = Instant::now();
@@ -164,5 +164,5 @@ fn two_clients_on_one_terminal() {
 
 #[test]
 fn two_clients_of_one_network_port() {
-    two_clients("--tcp 127.0.0.1:0", "in use by another client");
+    two_clients("--tcp 127.0.0.1:0", "another client is using the instrument");
 }

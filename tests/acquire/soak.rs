@@ -7,7 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use asperity::acquire::{AcquireError, InProcess, Job, Journal, Plan};
-use asperity_core::protocol::{Axis, Frame, Message, Request, encode};
+use asperity_core::protocol::{Axis, Frame, MachineState, Message, Request, encode};
 use asperity_firmware_sim::MachineFault;
 use asperity_firmware_sim::fault::LinkFaults;
 use asperity_tests::count;
@@ -115,8 +115,10 @@ fn kind(error: &AcquireError) -> String {
 /// Leaves the fault, as the operator does who has looked what is wrong.
 fn clear(line: &mut InProcess<Bench>) {
     use asperity::acquire::Transport as _;
-    // the owner that failed is forgotten after its silence
+    // the owner that failed is forgotten after its silence, and its stage is at rest
     line.pause(Duration::from_secs(6));
+    let state = line.peer().simulator.state();
+    assert!(matches!(state, MachineState::Idle | MachineState::Fault), "still {state}");
     for (sequence, request) in
         [Request::Claim, Request::ClearFault, Request::Release].into_iter().enumerate()
     {

@@ -36,5 +36,5 @@ fn a_scan_of_five_incidences_gives_the_hidden_width() {
     let status = run(folder, &format!("instrument status --port {} --json", instrument.port)).ok();
     let status: serde_json::Value = serde_json::from_str(&status.out).unwrap();
     assert_eq!(status["state"], "idle", "{status}");
-    assert_eq!(status["theta_deg"], 0.0, "{status}");
+    assert_eq!(status["theta"]["position_deg"], 0.0, "{status}");
 }

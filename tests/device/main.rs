@@ -8,6 +8,7 @@
 mod corruption;
 mod elf;
 mod emulator;
+mod instrument;
 mod protocol;
 mod selftest;
 

@@ -254,9 +254,9 @@ fn hidden<const N: usize>(table: &[[f64; 2]; N], tan_e: f64) -> f64 {
         let middle = 0.5 * (x + end);
         if tangent(table_value(table, middle)) < tan_e { x = middle } else { end = middle }
     }
-    let mut hidden = 0.0;
+    let (rule, mut hidden) = (gauss_legendre::<4>(), 0.0);
     for p in 0..PANELS {
-        for (node, weight) in gauss_legendre::<4>() {
+        for (node, weight) in rule {
             // v squared grades the panels towards the start, where the integrand has a root
             let v = (p as f64 + node) / PANELS as f64;
             let xv = x + (1.0 - x) * v * v;

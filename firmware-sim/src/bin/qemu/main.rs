@@ -19,7 +19,7 @@ mod device {
     #[entry]
     fn main() -> ! {
         let mut board = Board::new(BAUD);
-        let mut instrument = Simulator::new(Config::demo());
+        let mut instrument = Simulator::new(Config::emulated());
         loop {
             if let Some(board) = &mut board {
                 turn(board, &mut instrument);

@@ -246,11 +246,22 @@ fn io_error(path: &Path, what: &'static str, source: io::Error) -> JournalError 
     JournalError::Io { path: path.to_owned(), what, source }
 }
 
+/// Tries for a second: whoever has just ended, or is just starting a program, lets go at once.
 fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
-    file.try_lock().map_err(|e| match e {
-        TryLockError::WouldBlock => JournalError::Locked { path: path.to_owned() },
-        TryLockError::Error(source) => io_error(path, "cannot be locked", source),
-    })
+    const TRIES: u32 = 20;
+    for k in 0..TRIES {
+        match file.try_lock() {
+            Ok(()) => return Ok(()),
+            Err(TryLockError::WouldBlock) if k + 1 < TRIES => {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
+            Err(TryLockError::WouldBlock) => break,
+            Err(TryLockError::Error(source)) => {
+                return Err(io_error(path, "cannot be locked", source));
+            }
+        }
+    }
+    Err(JournalError::Locked { path: path.to_owned() })
 }
 
 fn folder_of(path: &Path) -> &Path {
