@@ -81,7 +81,8 @@ fn lost_repeated_and_garbled_frames_leave_no_trace() {
     {
         let path = folder.path().join(name);
         // without a period that a client might fall in step with
-        let chance = move |k: u64| (k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) % every == 0;
+        let chance =
+            move |k: u64| (k.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40).is_multiple_of(every);
         let fate = move |k: u64, _: &mut _| if chance(k) { fate } else { Fate::Pass };
         let device = Device::tampered(fate);
         let done = go(&job(&path, false), device).unwrap();
