@@ -44,6 +44,14 @@ fn every_verb_explains_itself_and_names_its_flags() {
             "<MAP> --pixel-um --z-um --crop --fill --form --edges --plot --json",
             "asperity stats map.x3p --fill harmonic",
         ),
+        (
+            "acquire",
+            "--port --baud --plan --sigma --theta-range --step --aperture --integration-ms --range --run-up \
+             --calibrate --geometry --sample --ior --rough-side --wavelength-nm --output --credit --resume \
+             --recalibrate --dry-run --list-ports --json",
+            "asperity acquire --port /dev/ttyUSB0 -o scan.csv --resume",
+        ),
+        ("instrument", "status home stop clear", "asperity instrument status --port"),
         ("completions", "<SHELL>", "asperity completions bash >"),
     ] {
         let done = folder.run(&format!("{verb} --help")).with_code(0);
