@@ -90,7 +90,7 @@ fn usable(map: RawMap) {
         return;
     }
     if let Ok(map) = map.into_map(Some(1.0)) {
-        let figures = Roughness::of(&Form::Quadratic.removed(map));
+        let figures = Roughness::of(&Form::Quadratic.removed(&map));
         assert!((0.0..1.0).contains(&figures.missing_fraction));
     }
 }

@@ -49,9 +49,9 @@ pub(crate) struct Bench {
 }
 
 impl Bench {
-    pub(crate) fn new(config: Config, trouble: &Trouble) -> Self {
+    pub(crate) fn new(config: &Config, trouble: &Trouble) -> Self {
         Self {
-            simulator: Simulator::new(config),
+            simulator: Simulator::new(*config),
             link: Link::new(trouble.link, trouble.seed),
             noise: trouble.noise,
             noise_from: trouble.noise_from,

@@ -135,7 +135,7 @@ fn clear(line: &mut InProcess<Bench>) {
 fn campaign(k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> Tally {
     let (name, trouble) = trouble(k);
     let output = folder.join(format!("{k}.csv"));
-    let mut line = InProcess::new(Bench::new(config(7), &trouble));
+    let mut line = InProcess::new(Bench::new(&config(7), &trouble));
     let mut tally = Tally { campaigns: 1, ..Tally::default() };
     let mut job = begin(plan, &output);
     job.credit = [1, 4, 16, 64][k / 14 % 4];
@@ -178,7 +178,7 @@ fn campaign(k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> Tally {
 fn thousands_of_scans_with_faults_end_right_or_say_why_and_resume() {
     let (folder, plan) = (folder(), plan(PLAN));
     let output = folder.path().join("undisturbed.csv");
-    let mut line = InProcess::new(Bench::new(config(7), &Trouble::NONE));
+    let mut line = InProcess::new(Bench::new(&config(7), &Trouble::NONE));
     let summary = acquire(&mut line, &begin(&plan, &output)).unwrap();
     assert_eq!((summary.points, summary.recoveries), (123, 0));
     let wanted = fs::read(&output).unwrap();
