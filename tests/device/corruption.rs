@@ -70,7 +70,7 @@ fn a_million_corrupted_frames_and_not_one_wrong_value() {
         let sent = frame(&mut generator);
         let clean = encode(&sent).as_bytes().to_vec();
         let mut bytes = clean.clone();
-        for _ in 0..1 + below(&mut generator, 3) {
+        for _ in 0..=below(&mut generator, 3) {
             harm(&mut bytes, &mut generator);
             if bytes.is_empty() {
                 bytes.push(0);

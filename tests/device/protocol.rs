@@ -188,7 +188,7 @@ fn numbers(what: &str, messages: &[Message]) {
         assert_eq!(wire[3].to_string(), row[0], "{what} {}", row[1]);
         let debug = format!("{message:?}");
         let inner = debug.split_once('(').unwrap().1;
-        let name: String = inner.chars().take_while(|c| c.is_ascii_alphanumeric()).collect();
+        let name: String = inner.chars().take_while(char::is_ascii_alphanumeric).collect();
         assert_eq!(name, row[1], "{what}");
     }
 }
