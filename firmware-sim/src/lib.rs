@@ -16,6 +16,7 @@
 extern crate std;
 
 pub mod digest;
+pub mod hostile;
 pub mod selftest;
 pub mod clock;
 pub mod fault;

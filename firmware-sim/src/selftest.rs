@@ -8,7 +8,7 @@
 use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx, Scatter, Smooth};
 use asperity_core::direction::Direction;
 use asperity_core::gonio::{AngleGrid, Geometry, Goniophotometer, Scan};
-use asperity_core::math::Real;
+use asperity_core::math::{Fast, Real};
 use asperity_core::metric::rmsd_percent;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
@@ -17,9 +17,10 @@ use asperity_core::quantity::{Alpha, RelativeIor};
 use rand_pcg::Pcg32;
 
 use crate::digest::Digest;
+use crate::hostile;
 
 /// The number of sections.
-pub const COUNT: usize = 10;
+pub const COUNT: usize = 16;
 
 /// A name and the function that computes the checksum.
 pub type Section = (&'static str, fn() -> u64);
@@ -36,6 +37,12 @@ pub const SECTIONS: [Section; COUNT] = [
     ("plate-f32", || plate::<f32>(300)),
     ("scan-f32", || scan::<f32>(2000)),
     ("scan-f64", || scan::<f64>(200)),
+    ("math-fast-f32", || functions::<Fast<f32>>(2000)),
+    ("ggx-fast-f32", || ggx::<Fast<f32>>(3000)),
+    ("normals-fast-f32", || normals::<Fast<f32>>(300)),
+    ("hostile-f32", || hostile::closed_forms::<f32>(100_000).digest.finish()),
+    ("hostile-fast-f32", || hostile::closed_forms::<Fast<f32>>(200_000).digest.finish()),
+    ("hostile-f64", || hostile::closed_forms::<f64>(1000).digest.finish()),
 ];
 
 /// The checksum of every section.

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use asperity_core::bsdf::{Bsdf, OpaqueGgx, Scatter, Smooth};
 use asperity_core::direction::Direction;
-use asperity_core::math::Real;
+use asperity_core::math::{Fast, Real};
 use asperity_core::ndf::law::Profile;
 use asperity_core::plate::{Plate, RoughSide};
 use asperity_tests::oracle::Vec3;
@@ -155,6 +155,8 @@ fn ggx_at_the_edges<T: Real>(name: &str) {
 fn ggx_is_sound_at_the_edges_of_its_domain() {
     ggx_at_the_edges::<f64>("f64");
     ggx_at_the_edges::<f32>("f32");
+    ggx_at_the_edges::<Fast<f64>>("fast f64");
+    ggx_at_the_edges::<Fast<f32>>("fast f32");
 }
 
 fn normals_at_the_edges<T: Real>(name: &str) {
@@ -176,6 +178,8 @@ fn normals_at_the_edges<T: Real>(name: &str) {
 fn normals_are_sound_at_the_edges_of_their_domain() {
     normals_at_the_edges::<f64>("f64");
     normals_at_the_edges::<f32>("f32");
+    normals_at_the_edges::<Fast<f64>>("fast f64");
+    normals_at_the_edges::<Fast<f32>>("fast f32");
 }
 
 fn others_at_the_edges<T: Real>(name: &str) {
@@ -204,6 +208,8 @@ fn others_at_the_edges<T: Real>(name: &str) {
 fn opaque_and_smooth_are_sound_at_the_edges_of_their_domain() {
     others_at_the_edges::<f64>("f64");
     others_at_the_edges::<f32>("f32");
+    others_at_the_edges::<Fast<f64>>("fast f64");
+    others_at_the_edges::<Fast<f32>>("fast f32");
 }
 
 /// How far f32 may be from f64 at the edges: shown, and bounded where the problem is well-conditioned.

@@ -67,7 +67,8 @@ impl<T: Real> Bsdf<T> for Ggx<T> {
         let h = HalfVector::between(self.eta, wi, wo);
         let masked = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
         let f = d_of_vector(a, h.xy2, h.z2) * h.share * T::from_f64(4.0) / masked;
-        if h.possible { f } else { T::ZERO }
+        // the quotient of a narrow peak by cosines next to nothing is larger than any number
+        if h.possible { f.min(T::MAX) } else { T::ZERO }
     }
 
     #[inline(always)]
@@ -80,7 +81,7 @@ impl<T: Real> Bsdf<T> for Ggx<T> {
         let a = self.alpha.get();
         let h = HalfVector::between(self.eta, wi, wo);
         let p = d_of_vector(a, h.xy2, h.z2) * h.share * T::TWO / shadow_sum(a, wi.xyz());
-        if h.possible { p } else { T::ZERO }
+        if h.possible { p.min(T::MAX) } else { T::ZERO }
     }
 
     fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {

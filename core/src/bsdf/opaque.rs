@@ -78,7 +78,8 @@ impl<T: Real> Scatter<T> for OpaqueGgx<T> {
 impl<T: Real> Bsdf<T> for OpaqueGgx<T> {
     fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         match self.lobe(wi, wo) {
-            Some((d, si, so)) => self.gain * d / (si * so) + self.lambert,
+            // a narrow peak over cosines next to nothing is larger than any number
+            Some((d, si, so)) => (self.gain * d / (si * so) + self.lambert).min(T::MAX),
             None => T::ZERO,
         }
     }
@@ -87,7 +88,7 @@ impl<T: Real> Bsdf<T> for OpaqueGgx<T> {
         match self.lobe(wi, wo) {
             Some((d, si, _)) => {
                 let facets = self.facet_share();
-                facets * d / (T::TWO * si) + (T::ONE - facets) * wo.z() / T::PI
+                (facets * d / (T::TWO * si) + (T::ONE - facets) * wo.z() / T::PI).min(T::MAX)
             }
             None => T::ZERO,
         }
