@@ -104,7 +104,8 @@ impl<T: Real> Source<T> {
         let sampled = law.sample(wi, &mut || {
             k = k.wrapping_add(1);
             // corners first, then anything: a law that draws again must find an end
-            if k.wrapping_sub(first) > 3 { self.uniform() } else { corners[k % 4] }
+            let corner = corners.get(k % 4).filter(|_| k.wrapping_sub(first) <= 3);
+            corner.copied().unwrap_or_else(|| self.uniform())
         });
         if let Some(sampled) = sampled {
             self.outcome.digest.direction(Some(sampled.wo));
