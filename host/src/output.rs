@@ -184,7 +184,8 @@ pub fn write_text(path: impl AsRef<Path>, text: &str) -> Result<(), OutputError>
     file.commit()
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder that a file is, or will be, in.
+pub(crate) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -28,6 +28,7 @@ use asperity_core::protocol::{Calibration, Ident};
 use self::record::Header;
 pub use self::record::{Stored, StoredCalibration};
 use super::plan::Plan;
+use crate::output::folder_of;
 
 /// Largest journal, bytes: a thousand incidences of 1801 points have 150 MB.
 const MAX_BYTES: u64 = 256 << 20;
@@ -262,11 +263,4 @@ fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
         }
     }
     Err(JournalError::Locked { path: path.to_owned() })
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }
