@@ -5,6 +5,10 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+#[path = "shared/ticks.rs"]
+mod ticks;
+
+#[cfg(target_os = "none")]
 mod device {
     use core::hint::black_box;
 
@@ -14,18 +18,11 @@ mod device {
     use asperity_core::ndf::law::{Law, Profile};
     use asperity_core::ndf::normals::NormalDensity;
     use asperity_core::quantity::{Alpha, RelativeIor};
-    use cortex_m::asm;
-    use cortex_m::peripheral::SYST;
-    use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m_rt::entry;
-    use cortex_m_semihosting::{debug, hprintln};
+    use cortex_m_semihosting::hprintln;
     use panic_semihosting as _;
 
-    /// `SysTick` counts the board's 25 MHz; with `-icount shift=0` QEMU takes 1 ns an instruction.
-    const INSTRUCTIONS_PER_TICK: u32 = 40;
-
-    /// The counter is 24 bits wide and counts down.
-    const RELOAD: u32 = 0x00ff_ffff;
+    use crate::ticks;
 
     const PAIRS: usize = 32;
     const ROUNDS: u32 = 128;
@@ -62,13 +59,7 @@ mod device {
 
     #[entry]
     fn main() -> ! {
-        debug::exit(match report() {
-            Some(()) => debug::EXIT_SUCCESS,
-            None => debug::EXIT_FAILURE,
-        });
-        loop {
-            asm::wfi();
-        }
+        ticks::end(report())
     }
 
     /// Incidence 0 to 80 degrees from both sides, observation about the lobe; transmission, reflection,
@@ -88,11 +79,7 @@ mod device {
     }
 
     fn report() -> Option<()> {
-        let timer = &mut cortex_m::Peripherals::take()?.SYST;
-        timer.set_clock_source(SystClkSource::Core);
-        timer.set_reload(RELOAD);
-        timer.clear_current();
-        timer.enable_counter();
+        ticks::start()?;
 
         let raw = pairs();
         laws::<f32>("exact", &raw)?;
@@ -141,15 +128,14 @@ mod device {
 
     /// Instructions a call, with the loop.
     fn each<P: Copy>(pairs: &[P; PAIRS], mut work: impl FnMut(P) -> f32) -> u32 {
-        let start = SYST::get_current();
-        for _ in 0..ROUNDS {
-            for pair in pairs {
-                black_box(work(*black_box(pair)));
+        let ((), instructions) = ticks::count(|| {
+            for _ in 0..ROUNDS {
+                for pair in pairs {
+                    black_box(work(*black_box(pair)));
+                }
             }
-        }
-        let ticks = start.wrapping_sub(SYST::get_current()) & RELOAD;
-        (u64::from(ticks) * u64::from(INSTRUCTIONS_PER_TICK) / u64::from(ROUNDS) / PAIRS as u64)
-            as u32
+        });
+        instructions / (ROUNDS * PAIRS as u32)
     }
 }
 

@@ -5,6 +5,10 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
+#[path = "shared/ticks.rs"]
+mod ticks;
+
+#[cfg(target_os = "none")]
 mod device {
     use core::hint::black_box;
 
@@ -12,40 +16,23 @@ mod device {
     use asperity_core::direction::Direction;
     use asperity_core::quantity::{Alpha, RelativeIor};
     use asperity_firmware_sim::selftest;
-    use cortex_m::asm;
-    use cortex_m::peripheral::SYST;
-    use cortex_m::peripheral::syst::SystClkSource;
     use cortex_m_rt::entry;
-    use cortex_m_semihosting::{debug, hprintln};
+    use cortex_m_semihosting::hprintln;
     use panic_semihosting as _;
 
-    /// `SysTick` counts the board's 25 MHz; with `-icount shift=0` QEMU takes 1 ns an instruction.
-    const INSTRUCTIONS_PER_TICK: u32 = 40;
-
-    /// The counter is 24 bits wide and counts down.
-    const RELOAD: u32 = 0x00ff_ffff;
+    use crate::ticks;
 
     #[entry]
     fn main() -> ! {
-        debug::exit(match report() {
-            Some(()) => debug::EXIT_SUCCESS,
-            None => debug::EXIT_FAILURE,
-        });
-        loop {
-            asm::wfi();
-        }
+        ticks::end(report())
     }
 
     fn report() -> Option<()> {
-        let timer = &mut cortex_m::Peripherals::take()?.SYST;
-        timer.set_clock_source(SystClkSource::Core);
-        timer.set_reload(RELOAD);
-        timer.clear_current();
-        timer.enable_counter();
+        ticks::start()?;
 
         let mut done = [("", 0_u64); selftest::COUNT];
         for (slot, (name, run)) in done.iter_mut().zip(selftest::SECTIONS) {
-            let (digest, instructions) = count(run);
+            let (digest, instructions) = ticks::count(run);
             hprintln!("section {} {:016x} {}", name, digest, instructions);
             *slot = (name, digest);
         }
@@ -53,14 +40,6 @@ mod device {
         hprintln!("ggx-eval-f32 {}", ggx_eval()?);
         hprintln!("ok");
         Some(())
-    }
-
-    /// Runs `work`; the instructions are right up to 671 million, where the counter has gone round.
-    fn count<R>(work: impl FnOnce() -> R) -> (R, u32) {
-        let start = SYST::get_current();
-        let result = work();
-        let ticks = start.wrapping_sub(SYST::get_current()) & RELOAD;
-        (result, ticks * INSTRUCTIONS_PER_TICK)
     }
 
     /// Instructions of one GGX evaluation in `f32`, without the loop around it.
@@ -71,7 +50,7 @@ mod device {
         let wi = Direction::from_angles(0.5, 0.0);
         let wo = Direction::from_angles(2.4, 1.0);
         let each = |work: &dyn Fn(Direction<f32>, Direction<f32>) -> f32| {
-            count(|| {
+            ticks::count(|| {
                 for _ in 0..CALLS {
                     black_box(work(black_box(wi), black_box(wo)));
                 }
