@@ -5,7 +5,6 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-#[path = "shared/ticks.rs"]
 mod ticks;
 
 #[cfg(target_os = "none")]
