@@ -35,14 +35,12 @@ pub struct Place<T> {
 }
 
 impl<T: Real> Place<T> {
-    /// Between `nodes >= 2` even nodes on [0, 1]; the ends beyond them, and for NaN the upper end of the first cell.
+    /// Between `nodes >= 2` even nodes, for `x` in [0, 1]; beyond by rounding, a share is beyond by rounding.
     #[inline(always)]
     pub fn of(x: T, nodes: u16) -> Self {
-        let last = nodes.saturating_sub(2);
-        let scaled = x * whole(nodes.saturating_sub(1));
-        let cell = scaled.to_index().min(usize::from(last));
-        let share = (scaled - whole(cell as u16)).max(T::ZERO).min(T::ONE);
-        Self { cell, share }
+        let scaled = x * whole(nodes.wrapping_sub(1));
+        let cell = scaled.to_index().min(usize::from(nodes.wrapping_sub(2)));
+        Self { cell, share: scaled - whole(cell as u16) }
     }
 
     /// The value between two.

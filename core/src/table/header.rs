@@ -96,6 +96,13 @@ impl Header {
         BsdfTableRef::new(self.eta, self.slope, air, dielectric)
     }
 
+    /// The same without a look at the numbers, for arrays that [`Self::table`] has taken before; any others give wrong
+    /// values, never a panic.
+    #[inline]
+    pub fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
+        Some(BsdfTableRef::of_checked(self.eta, self.slope, self.split(arrays)?))
+    }
+
     /// The two sides of arrays that are at least as long as they must be.
     pub(super) fn split<'a, S: Storage>(
         &self,

@@ -143,21 +143,19 @@ impl<'a, S: Storage> LobeTable<'a, S> {
         let r = Place::of(r, radii);
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
         let at = (y.cell * rows + p.cell) * columns + r.cell;
-        let beyond = rows * columns;
-        let (Some(&[low, high]), Some(low_row), Some(high_row)) =
-            (self.gains.get(y.cell..).and_then(|g| g.first_chunk()), self.values.get(at..), self.values.get(at + beyond..))
-        else {
+        let beyond = at + rows * columns;
+        let pair = |from: usize| -> Option<T> {
+            let &[a, b] = self.values.get(from..from + 2)?.first_chunk()?;
+            Some(r.mix(a.get(), b.get()))
+        };
+        let plane = |from: usize| Some(p.mix(pair(from)?, pair(from + columns)?));
+        let Some(&[low, high]) = self.gains.get(y.cell..).and_then(|g| g.first_chunk()) else {
             return T::ZERO;
         };
-        let plane = |from: &[S]| {
-            let (Some(&[a, b]), Some(&[c, d])) =
-                (from.first_chunk(), from.get(columns..).and_then(|v| v.first_chunk()))
-            else {
-                return T::ZERO;
-            };
-            p.mix(r.mix(a.get(), b.get()), r.mix(c.get(), d.get()))
-        };
-        y.mix(plane(low_row) * real(low), plane(high_row) * real(high))
+        match (plane(at), plane(beyond)) {
+            (Some(a), Some(b)) => y.mix(a * real(low), b * real(high)),
+            _ => T::ZERO,
+        }
     }
 
     /// `Q` from `v` and `q`.

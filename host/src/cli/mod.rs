@@ -26,6 +26,7 @@ mod compare;
 mod scan;
 mod demo;
 mod stats;
+mod tabulate;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -56,6 +57,7 @@ Examples:
   asperity check m.json                                where the flux goes, from both sides
   asperity eval m.json < pairs.csv                     values of the BSDF
   asperity stats map.x3p                               roughness of a height map
+  asperity tabulate m.json --bytes 8192 -o m.bsdft     a table for a microcontroller
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, 2 bad usage or bad input.";
 
@@ -69,6 +71,7 @@ enum Verb {
     Eval(eval::Args),
     Check(check::Args),
     Stats(stats::Args),
+    Tabulate(tabulate::Args),
     Completions(completions::Args),
 }
 
@@ -92,6 +95,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Eval(a) => eval::run(&a),
         Verb::Check(a) => check::run(&a),
         Verb::Stats(a) => stats::run(&a),
+        Verb::Tabulate(a) => tabulate::run(&a),
         Verb::Completions(a) => completions::run(&a),
     };
     match done {
