@@ -15,16 +15,16 @@ const MOST_VALUES: u64 = 1 << 26;
 
 /// The numbers of a table as the generated C header has them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Numbers {
+pub(crate) struct Numbers<'a> {
     pub(crate) eta: f32,
     pub(crate) slope: f32,
-    pub(crate) lobes: [[u16; 6]; 4],
-    pub(crate) scales: [[f32; 2]; 4],
+    pub(crate) lobes: &'a [[u16; 6]; 4],
+    pub(crate) scales: &'a [[f32; 2]; 4],
     pub(crate) flux_incidences: [u16; 2],
     pub(crate) flux_grazing: [f32; 2],
 }
 
-impl Numbers {
+impl Numbers<'_> {
     /// The header of the table; its arrays have lengths that can be computed.
     pub(crate) fn header(&self) -> Result<Header, Status> {
         let mut lobes = [None; 4];
@@ -45,9 +45,9 @@ impl Numbers {
 }
 
 /// A lobe from a row of numbers; zeros are a lobe left out.
-fn lobe(row: [u16; 6], [scale, grazing]: [f32; 2]) -> Result<Option<LobeHeader>, Status> {
-    let [incidences, azimuths, radii, intervals, form, fall] = row;
-    if row == [0; 6] {
+fn lobe(row: &[u16; 6], &[scale, grazing]: &[f32; 2]) -> Result<Option<LobeHeader>, Status> {
+    let &[incidences, azimuths, radii, intervals, form, fall] = row;
+    if row.iter().all(|n| *n == 0) {
         return Ok(None);
     }
     let nodes = [incidences, azimuths, radii, intervals];

@@ -28,7 +28,7 @@ impl Storage for AsperityNormals {
 
 /// `profile` is an `asperity_profile` of width `delta` (1e-6 to 10, radians), exponent `n` (0.1 to 100) and centre
 /// `theta0` (0 to pi/2); `eta` is the index of the dielectric over that of air, 0.1 to 10; `tier` an `asperity_tier`.
-/// Integrates in double precision: some milliseconds on a workstation, and a few KiB of stack.
+/// Integrates in double precision, with a few KiB of stack.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn asperity_normals_init(
     normals: *mut AsperityNormals,

@@ -28,6 +28,13 @@ pub(super) unsafe fn read<T: Copy>(p: *const T) -> Result<T, Status> {
     Ok(unsafe { p.read() })
 }
 
+/// The value at a pointer, in place.
+pub(super) unsafe fn refer<'a, T>(p: *const T) -> Result<&'a T, Status> {
+    check(p)?;
+    // SAFETY: aligned, and by the caller's promise there and unchanging
+    Ok(unsafe { &*p })
+}
+
 /// Puts a value at a pointer.
 pub(super) unsafe fn write<T>(p: *mut T, value: T) -> Result<(), Status> {
     check(p.cast_const())?;
@@ -106,7 +113,9 @@ pub(super) unsafe fn stored<'a, S: Storage>(p: *const S) -> Result<&'a S::Law, S
     Ok(unsafe { &(*p.cast::<Marked<S::Law>>()).law })
 }
 
-/// A value for a pair of directions; NaN with the reason if either is none.
+/// A value for a pair of directions; NaN with the reason if either is none. In line, so that each function holds the
+/// code of its own quantity only.
+#[inline(always)]
 pub(super) unsafe fn value<S: Storage<Law: Law>>(
     p: *const S,
     what: Quantity,

@@ -2,7 +2,7 @@
 
 use asperity_core::table::{Arrays, BsdfTableRef, Header, Storage};
 
-use super::pointer::{read, slice};
+use super::pointer::{read, refer, slice};
 use crate::options;
 use crate::status::AsperityStatus as Status;
 use crate::table::{Numbers, Stored, TableLaw};
@@ -49,15 +49,15 @@ pub struct AsperityTableSource {
 }
 
 impl AsperityTableSource {
-    /// The numbers, copied.
+    /// The numbers.
     unsafe fn header(&self) -> Result<Header, Status> {
         // SAFETY: the promise of `abi`
         let numbers = unsafe {
             Numbers {
                 eta: self.eta,
                 slope: self.slope,
-                lobes: read(self.lobes.cast())?,
-                scales: read(self.scales.cast())?,
+                lobes: refer(self.lobes.cast())?,
+                scales: refer(self.scales.cast())?,
                 flux_incidences: read(self.flux_incidences.cast())?,
                 flux_grazing: read(self.flux_grazing.cast())?,
             }
@@ -65,26 +65,32 @@ impl AsperityTableSource {
         numbers.header()
     }
 
-    /// The table, checked.
-    pub(super) unsafe fn law(&self, tier: u32) -> Result<TableLaw<'static>, Status> {
+    /// The table, checked, but for the numbers in the arrays of a trusted one.
+    #[inline(always)]
+    pub(super) unsafe fn law(&self, tier: u32, trusted: bool) -> Result<TableLaw<'static>, Status> {
         let tier = options::tier(tier)?;
         // SAFETY: the promise of `abi`
         let table = unsafe {
             let header = self.header()?;
             match self.value_bytes {
                 #[cfg(feature = "table-u8")]
-                1 => Stored::U8(self.view(&header)?),
+                1 => Stored::U8(self.view(&header, trusted)?),
                 #[cfg(feature = "table-u16")]
-                2 => Stored::U16(self.view(&header)?),
+                2 => Stored::U16(self.view(&header, trusted)?),
                 #[cfg(feature = "table-f32")]
-                4 => Stored::F32(self.view(&header)?),
+                4 => Stored::F32(self.view(&header, trusted)?),
                 _ => return Err(Status::UnknownOption),
             }
         };
         Ok(TableLaw { table, tier })
     }
 
-    unsafe fn view<S: Storage>(&self, header: &Header) -> Result<BsdfTableRef<'static, S>, Status> {
+    #[inline(always)]
+    unsafe fn view<S: Storage>(
+        &self,
+        header: &Header,
+        trusted: bool,
+    ) -> Result<BsdfTableRef<'static, S>, Status> {
         if !self.fluxes_length.is_multiple_of(4) {
             return Err(Status::TableLength);
         }
@@ -98,7 +104,11 @@ impl AsperityTableSource {
                 fluxes: slice(self.fluxes.cast(), self.fluxes_length / 4)?,
             }
         };
-        Ok(header.table(arrays)?)
+        if trusted {
+            header.view(arrays).ok_or(Status::TableLength)
+        } else {
+            Ok(header.table(arrays)?)
+        }
     }
 
     /// The same numbers with the arrays of a payload.

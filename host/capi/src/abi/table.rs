@@ -38,7 +38,7 @@ pub unsafe extern "C" fn asperity_table_init(
     tier: u32,
 ) -> AsperityStatus {
     // SAFETY: the promise of `abi`
-    unsafe { pointer::store(table, pointer::read(source).and_then(|s| s.law(tier))) }
+    unsafe { pointer::store(table, pointer::refer(source).and_then(|s| s.law(tier, false))) }
 }
 
 /// The BSDF in 1/sr, without cosine. `wi` and `wo` are three floats each.
@@ -122,6 +122,19 @@ pub unsafe extern "C" fn asperity_table_sample_batch(
     unsafe { pointer::rays(table, count, wi, uniform, state, rays) }
 }
 
+/// The same without a look at the numbers in the arrays, for a table that `asperity_table_init` has taken elsewhere, such as
+/// in the tests of a firmware: it spares flash and start-up time. Lengths are checked; other numbers than those that
+/// were taken give wrong values, and nothing worse.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn asperity_table_init_trusted(
+    table: *mut AsperityTable,
+    source: *const AsperityTableSource,
+    tier: u32,
+) -> AsperityStatus {
+    // SAFETY: the promise of `abi`
+    unsafe { pointer::store(table, pointer::refer(source).and_then(|s| s.law(tier, true))) }
+}
+
 /// The same of a payload: what follows the first line of a `.bsdft` file. Of `source` the arrays and their lengths are
 /// not looked at. The payload, and each array in it, must be aligned to its numbers (8-bit values may be followed by a
 /// misaligned array: `ASPERITY_STATUS_MISALIGNED`; then give copies to `asperity_table_init`). For little-endian
@@ -136,8 +149,8 @@ pub unsafe extern "C" fn asperity_table_init_payload(
 ) -> AsperityStatus {
     // SAFETY: the promise of `abi`
     unsafe {
-        let source = pointer::read(source).and_then(|s| s.over(payload.cast(), bytes));
-        pointer::store(table, source.and_then(|s| s.law(tier)))
+        let source = pointer::refer(source).and_then(|s| s.over(payload.cast(), bytes));
+        pointer::store(table, source.and_then(|s| s.law(tier, false)))
     }
 }
 
@@ -145,29 +158,29 @@ pub unsafe extern "C" fn asperity_table_init_payload(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn asperity_table_reflectance(
     table: *const AsperityTable,
-    cos: f32,
+    cosine: f32,
     side: u32,
     out: *mut f32,
 ) -> AsperityStatus {
     // SAFETY: the promise of `abi`
-    unsafe { flux(table, cos, side, out, |[reflected, _]| reflected) }
+    unsafe { flux(table, cosine, side, out, |[reflected, _]| reflected) }
 }
 
 /// Diffusely transmitted fraction of the flux.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn asperity_table_transmittance(
     table: *const AsperityTable,
-    cos: f32,
+    cosine: f32,
     side: u32,
     out: *mut f32,
 ) -> AsperityStatus {
     // SAFETY: the promise of `abi`
-    unsafe { flux(table, cos, side, out, |[_, transmitted]| transmitted) }
+    unsafe { flux(table, cosine, side, out, |[_, transmitted]| transmitted) }
 }
 
 unsafe fn flux(
     table: *const AsperityTable,
-    cos: f32,
+    cosine: f32,
     side: u32,
     out: *mut f32,
     which: fn([f32; 2]) -> f32,
@@ -175,7 +188,7 @@ unsafe fn flux(
     let run = || {
         // SAFETY: the promise of `abi`
         let table = unsafe { pointer::stored(table) }?;
-        let value = table.fluxes(cos, options::side(side)?).map(which)?;
+        let value = table.fluxes(cosine, options::side(side)?).map(which)?;
         // SAFETY: as above
         unsafe { pointer::write(out, value) }
     };

@@ -88,7 +88,7 @@ fn hostile_calls_come_back_with_the_reason() {
             assert!((*o).is_nan());
         }
         let mut ray = AsperityRay::LOST;
-        let sample = |u| asperity_ggx_sample(g, WI.as_ptr(), u, null_mut(), &raw mut ray);
+        let mut sample = |u| asperity_ggx_sample(g, WI.as_ptr(), u, null_mut(), &raw mut ray);
         assert_eq!(sample(None), Status::NullPointer);
         assert_eq!(sample(Some(no_uniform)), Status::OutOfDomain);
         // of another kind, never made, made without success
@@ -190,9 +190,10 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
     };
     let start = words.as_ptr().cast::<u8>();
     let mut table = AsperityTable::EMPTY;
-    let mut init = |source: &AsperityTableSource, at: *const u8, bytes| {
+    let t = &raw mut table;
+    let init = |source: &AsperityTableSource, at: *const u8, bytes| {
         // SAFETY: no more bytes than the payload has are read
-        unsafe { asperity_table_init_payload(&raw mut table, source, at.cast(), bytes, 0) }
+        unsafe { asperity_table_init_payload(t, source, at.cast(), bytes, 0) }
     };
     assert_eq!(init(&source, start, BYTES - 1), Status::TableLength);
     assert_eq!(init(&source, start, 0), Status::TableLength);
@@ -217,7 +218,6 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
 
     let (mut out, mut seed) = (0.0, 3_u32);
     let mut rays = [AsperityRay::LOST; 4];
-    let t = &raw const table;
     // SAFETY: storage of its own
     unsafe {
         assert_eq!(asperity_table_eval(t, WI.as_ptr(), WO.as_ptr(), &raw mut out), Status::Ok);
@@ -231,7 +231,7 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
         // the arrays apart, the values at an odd address
         let apart =
             AsperityTableSource { gains: start.wrapping_add(1).cast(), gains_length: 2, ..source };
-        assert_eq!(asperity_table_init(&raw mut table, &raw const apart, 0), Status::Misaligned);
+        assert_eq!(asperity_table_init(t, &raw const apart, 0), Status::Misaligned);
         assert_eq!(
             asperity_table_eval(t, WI.as_ptr(), WO.as_ptr(), &raw mut out),
             Status::NotInitialised
