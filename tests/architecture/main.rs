@@ -107,7 +107,9 @@ fn unsafe_code_is_where_it_is_allowed_and_nowhere_else() {
         let name = file.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
         let code = source::tokens(&read(&file));
         let unsafe_code = code.iter().find(|t| t.text == "unsafe");
-        if let Some(first) = unsafe_code.filter(|_| !MAY_BE_UNSAFE.iter().any(|m| name.starts_with(m))) {
+        if let Some(first) =
+            unsafe_code.filter(|_| !MAY_BE_UNSAFE.iter().any(|m| name.starts_with(m)))
+        {
             found.push(format!("{name}:{}: unsafe code", first.line));
         }
     }

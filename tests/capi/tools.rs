@@ -54,7 +54,15 @@ pub(crate) fn device_library() -> Result<&'static Path, String> {
         }
         let features = "panic-handler,table-u16";
         let dir = build(
-            &["--profile", "firmware", "--target", TARGET, "--no-default-features", "--features", features],
+            &[
+                "--profile",
+                "firmware",
+                "--target",
+                TARGET,
+                "--no-default-features",
+                "--features",
+                features,
+            ],
             &settings,
         );
         Ok(dir.join(TARGET).join("firmware").join("libasperity_capi.a"))

@@ -29,7 +29,7 @@ impl Numbers<'_> {
     pub(crate) fn header(&self) -> Result<Header, Status> {
         let mut lobes = [None; 4];
         for ((to, row), scale) in lobes.iter_mut().zip(self.lobes).zip(self.scales) {
-            *to = lobe(row, scale)?;
+            *to = lobe(row, *scale)?;
         }
         if self.flux_incidences.iter().any(|n| *n > MOST_NODES) {
             return Err(Status::TableShape);
@@ -45,7 +45,7 @@ impl Numbers<'_> {
 }
 
 /// A lobe from a row of numbers; zeros are a lobe left out.
-fn lobe(row: &[u16; 6], &[scale, grazing]: &[f32; 2]) -> Result<Option<LobeHeader>, Status> {
+fn lobe(row: &[u16; 6], [scale, grazing]: [f32; 2]) -> Result<Option<LobeHeader>, Status> {
     let &[incidences, azimuths, radii, intervals, form, fall] = row;
     if row.iter().all(|n| *n == 0) {
         return Ok(None);

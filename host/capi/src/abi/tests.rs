@@ -72,7 +72,7 @@ fn hostile_calls_come_back_with_the_reason() {
         assert_eq!(asperity_ggx_eval(null(), WI.as_ptr(), WO.as_ptr(), o), Status::NullPointer);
         assert_eq!(asperity_ggx_eval(g, null(), WO.as_ptr(), o), Status::NullPointer);
         assert_eq!(asperity_ggx_eval(g, WI.as_ptr(), WO.as_ptr(), null_mut()), Status::NullPointer);
-        let odd = WI.as_ptr().cast::<u8>().wrapping_add(1).cast::<f32>();
+        let odd = WI.as_ptr().wrapping_byte_add(1);
         assert_eq!(asperity_ggx_eval(g, odd, WO.as_ptr(), o), Status::Misaligned);
         assert_eq!(
             asperity_ggx_batch(g, 9, 1, WI.as_ptr(), 0, WO.as_ptr(), 0, o),
