@@ -15,10 +15,11 @@
 //! `extern "C"` would end the program instead of unwinding into C.
 //!
 //! **Unsafe code** is in `abi` alone. It checks pointers and turns them into values and slices; what those
-//! mean is the business of the safe modules above it. Under Miri:
+//! mean is the business of the safe modules above it. Under Miri, on a machine for which `libm` has no
+//! assembly, since Miri reads none:
 //!
 //! ```text
-//! cargo +nightly miri test -p asperity-capi
+//! cargo +nightly miri test -p asperity-capi --target riscv64gc-unknown-linux-gnu
 //! ```
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
