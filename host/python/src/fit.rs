@@ -23,7 +23,6 @@ use crate::work::interruptible;
     aperture_deg=None, objective="rmsd", max_evaluations=4000, rays=None, fit_rays=None, seed=1
 ))]
 #[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
-#[expect(clippy::needless_pass_by_value, reason = "arguments from Python are extracted by value")]
 pub(crate) fn fit(
     py: Python<'_>,
     scan: &Scan,
@@ -113,10 +112,10 @@ fn methods(
         law => &[law],
     };
     let asked = |parameter: &str| free.iter().any(|f| f == parameter);
-    let of_law = |law: &Option<&str>| {
-        Choice { law: *law, asked: &asked, seed, ..Choice::new(name, surface) }.method()
+    let of_law = |law: Option<&str>| {
+        Choice { law, asked: &asked, seed, ..Choice::new(name, surface) }.method()
     };
-    let methods = laws.iter().map(of_law).collect::<Result<Vec<_>, _>>().map_err(bad)?;
+    let methods = laws.iter().copied().map(of_law).collect::<Result<Vec<_>, _>>().map_err(bad)?;
     for parameter in free {
         let mut known = methods.iter().flat_map(|m| m.parameters()).map(|p| p.name);
         if !["ior", "gain"].contains(&parameter.as_str()) && !known.any(|name| name == parameter) {

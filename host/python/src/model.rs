@@ -30,7 +30,7 @@ enum Law {
 #[pyclass(frozen, module = "asperity")]
 #[derive(Debug)]
 pub(crate) struct Model {
-    model: model::Model,
+    record: model::Model,
     boundary: Boundary,
     law: Law,
 }
@@ -42,7 +42,7 @@ impl Model {
             Boundary::Normals(normals) => Law::Normals(Normals::of(normals.clone())?),
             _ => Law::Other,
         };
-        Ok(Self { model, boundary, law })
+        Ok(Self { record: model, boundary, law })
     }
 
     fn values<'py>(
@@ -74,7 +74,7 @@ impl Model {
     }
 
     fn numbers<T>(&self, of: impl Fn(&model::Value) -> T) -> BTreeMap<&str, T> {
-        self.model.parameters.iter().map(|(name, v)| (name.as_str(), of(v))).collect()
+        self.record.parameters.iter().map(|(name, v)| (name.as_str(), of(v))).collect()
     }
 }
 
@@ -97,7 +97,7 @@ impl Model {
     }
 
     fn to_json(&self) -> String {
-        self.model.to_json()
+        self.record.to_json()
     }
 
     #[expect(
@@ -112,17 +112,17 @@ impl Model {
 
     #[getter]
     fn method(&self) -> &str {
-        &self.model.method
+        &self.record.method
     }
 
     #[getter]
     fn law(&self) -> Option<&str> {
-        self.model.law.as_deref()
+        self.record.law.as_deref()
     }
 
     #[getter]
     fn ior(&self) -> Option<f64> {
-        self.model.ior
+        self.record.ior
     }
 
     #[getter]
@@ -142,22 +142,22 @@ impl Model {
 
     #[getter]
     fn rmsd_percent(&self) -> Option<f64> {
-        self.model.rmsd_percent
+        self.record.rmsd_percent
     }
 
     #[getter]
     fn noise_floor_percent(&self) -> Option<f64> {
-        self.model.noise_floor_percent
+        self.record.noise_floor_percent
     }
 
     #[getter]
     fn termination(&self) -> Option<&str> {
-        self.model.termination.as_deref()
+        self.record.termination.as_deref()
     }
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.model.validity.clone()
+        self.record.validity.clone()
     }
 
     #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]

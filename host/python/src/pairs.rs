@@ -106,6 +106,10 @@ fn keep_nan<T: Number>([x, y, z]: Block<'_, T>, out: &mut [T]) {
     }
 }
 
+#[expect(
+    clippy::inline_always,
+    reason = "it must vanish into loops that the compiler makes vector instructions of"
+)]
 #[inline(always)]
 fn each_pair<T: Number>(
     [ix, iy, iz]: Block<'_, T>,

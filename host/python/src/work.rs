@@ -33,7 +33,12 @@ pub(crate) fn interruptible<T: Send>(
             while !worker.is_finished() {
                 thread::park_timeout(PATIENCE);
                 if raised.is_none() {
-                    raised = Python::attach(|py| py.check_signals()).err();
+                    #[expect(
+                        clippy::redundant_closure_for_method_calls,
+                        reason = "the method itself is not general enough in its lifetime"
+                    )]
+                    let signal = Python::attach(|py| py.check_signals());
+                    raised = signal.err();
                     stop.store(raised.is_some(), Ordering::Relaxed);
                 }
             }
