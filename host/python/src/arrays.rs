@@ -2,7 +2,7 @@
 
 use asperity_core::direction::Direction;
 use asperity_core::math::Real;
-use numpy::ndarray::{ArrayView2, Axis, Ix2};
+use numpy::ndarray::{ArrayView2, Axis, Ix2, s};
 use numpy::{Element, PyArrayDescrMethods, PyArrayDyn, PyReadonlyArrayDyn, PyUntypedArray};
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -138,13 +138,14 @@ impl<T: Number> Rows<'_, T> {
         count: usize,
         room: &'r mut Room<T>,
     ) -> Block<'r, T> {
+        let rows = if self.view.nrows() == 1 { 0..1 } else { from..from + count };
+        let part = self.view.slice(s![rows, ..]);
         for (axis, room) in room.iter_mut().enumerate() {
-            let column = self.view.column(axis);
-            if self.view.nrows() == 1 {
+            let column = part.column(axis);
+            if column.len() == 1 {
                 room[..count].fill(column[0]);
             } else {
-                let found = column.into_iter().skip(from);
-                room[..count].iter_mut().zip(found).for_each(|(to, x)| *to = *x);
+                room[..count].iter_mut().zip(column).for_each(|(to, x)| *to = *x);
             }
         }
         room.each_ref().map(|room| &room[..count])

@@ -191,10 +191,15 @@ impl Normals {
         };
         format!(
             "Normals(delta_deg={}, n={}, theta0_deg={}, profile='{profile}', ior={})",
-            law.delta().to_degrees(),
+            degrees(law.delta()),
             law.n(),
-            law.centre().to_degrees(),
+            degrees(law.centre()),
             self.ior()
         )
     }
+}
+
+/// Degrees as they were written, but for the rounding there and back.
+fn degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e12).round() / 1e12
 }

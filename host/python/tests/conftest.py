@@ -24,11 +24,13 @@ def program():
     """The command line program: ASPERITY_PROGRAM, else one built in the workspace, else of the PATH."""
     given = os.environ.get("ASPERITY_PROGRAM")
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    if given and not Path(given).exists():
+        pytest.fail(f"ASPERITY_PROGRAM: there is no {given}")
     places = [given] if given else [target / "release" / "asperity", target / "debug" / "asperity"]
     for place in places:
         if Path(place).exists():
             return str(place)
-    found = None if given else shutil.which("asperity")
+    found = shutil.which("asperity")
     if not found:
         pytest.skip("the program asperity is not built (set ASPERITY_PROGRAM)")
     return found

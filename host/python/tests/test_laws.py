@@ -29,16 +29,15 @@ def test_ggx_agrees_with_the_formulas_of_walter():
         law = asperity.Ggx(alpha, ior)
         right = eval_ggx(alpha, ior, wi, wo)
         found = law.eval(wi, wo)
-        # a half vector is a small difference where hardly anything is refracted; the oracle loses digits there, and it
-        # does so by its terms, of which none is above this
-        h = np.where((wi[:, 2] * wo[:, 2] > 0)[:, None], wi + wo, 0)
+        # left out is where the oracle itself loses digits: half vectors that are small differences, facets edge on,
+        # grazing light, the critical angle
         n_i, n_o = np.where(wi[:, 2] > 0, 1, ior), np.where(wo[:, 2] > 0, 1, ior)
         h = n_i[:, None] * wi + n_o[:, None] * wo
         firm = (np.linalg.norm(h, axis=1) > 0.3) & (np.abs(h[:, 2]) > 0.05)
         firm &= (np.abs(wi[:, 2]) > 1e-3) & (np.abs(wo[:, 2]) > 1e-3)
         m = h / np.linalg.norm(h, axis=1, keepdims=True)
         g2 = (np.where(wi[:, 2] > 0, ior, 1) / n_i) ** 2 - 1 + dot(wi, m) ** 2
-        firm &= np.abs(g2) > 1e-3  # not at the critical angle
+        firm &= np.abs(g2) > 1e-3
         assert firm.mean() > 0.7 and (right[firm] > 0).mean() > 0.3
         np.testing.assert_allclose(found[firm], right[firm], rtol=1e-12, atol=1e-300)
         ars = law.ars(wi, wo)[firm]
@@ -141,7 +140,7 @@ def test_threads_get_the_same_numbers():
 
 
 def test_other_threads_run_during_a_batch():
-    wi, wo = directions(2_000_000, 12), directions(2_000_000, 13)
+    wi, wo = directions(1_000_000, 12), directions(1_000_000, 13)
     law = asperity.Normals(8.0, n=3.3, ior=1.49)
     with ThreadPoolExecutor(1) as pool:
         job = pool.submit(law.eval, wi, wo)
@@ -155,14 +154,13 @@ def test_other_threads_run_during_a_batch():
 @pytest.mark.parametrize(
     ("make", "law"),
     [
-        (["ggx", "--alpha", "0.27"], asperity.Ggx(0.27, 1.49)),
-        (["normals", "--law", "cauchy", "--delta", "7"], asperity.Normals(7.0, profile="cauchy", ior=1.49)),
+        (["ggx", "--set", "alpha=0.27"], asperity.Ggx(0.27, 1.49)),
+        (["normals", "--law", "cauchy", "--set", "delta=7", "n=2"], asperity.Normals(7.0, profile="cauchy", ior=1.49)),
     ],
 )
 def test_the_program_gives_the_same_bits(make, law, program, tmp_path):
     model = tmp_path / "model.json"
-    rest = ["--n", "2"] if make[0] == "normals" else []
-    subprocess.run([program, "model", *make, *rest, "--ior", "1.49", "-o", model], check=True)
+    subprocess.run([program, "model", *make, "--ior", "1.49", "-o", model], check=True)
     wi, wo = pairs()
     rows = [",".join(map(repr, row)) for row in np.hstack([wi, wo])[:4000].tolist()]
     text = "\n".join(["wix,wiy,wiz,wox,woy,woz", *rows])
