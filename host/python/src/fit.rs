@@ -19,7 +19,7 @@ use crate::work::interruptible;
 /// Fits a method that needs no height map, with every law it has unless one is given; the best is kept.
 #[pyfunction]
 #[pyo3(signature = (
-    scan, method="ggx", *, ior=None, opaque=false, law=None, free=Vec::new(), geometry=None, rough_side=None,
+    scan, method="ggx", *, ior=None, opaque=false, law=None, free=None, geometry=None, rough_side=None,
     aperture_deg=None, objective="rmsd", max_evaluations=4000, rays=None, fit_rays=None, seed=1
 ))]
 #[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
@@ -30,7 +30,7 @@ pub(crate) fn fit(
     ior: Option<f64>,
     opaque: bool,
     law: Option<&str>,
-    free: Vec<String>,
+    free: Option<Vec<String>>,
     geometry: Option<&str>,
     rough_side: Option<&str>,
     aperture_deg: Option<f64>,
@@ -40,7 +40,7 @@ pub(crate) fn fit(
     fit_rays: Option<u64>,
     seed: u64,
 ) -> PyResult<Model> {
-    let measurement = &scan.measurement;
+    let (measurement, free) = (&scan.measurement, free.unwrap_or_default());
     // the words of the header, checked where those of a file are
     let mut said = measurement.meta.clone();
     let number = aperture_deg.filter(|a| *a > 0.0).map(|a| a.to_string());

@@ -6,19 +6,21 @@ Arrays of directions have the shape (N, 3) or (3,); one vector goes with any num
 
 from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Values: TypeAlias = Any
+_Values: TypeAlias = Any
 """Array (N,) of float32 or float64, or a number of numpy."""
 
-Samples: TypeAlias = tuple[NDArray[Any], Any]
+_Samples: TypeAlias = tuple[NDArray[Any], Any]
 """Directions wo (N, 3) and weights (N,); a lost ray has the weight 0 and NaN for its direction."""
 
+__all__: list[str]
 __version__: str
 
+@final
 class Ggx:
     """GGX facets on a clear dielectric.
 
@@ -30,15 +32,16 @@ class Ggx:
     def alpha(self) -> float: ...
     @property
     def ior(self) -> float: ...
-    def eval(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """The BSDF f(wi, wo), 1/sr, without cosine."""
-    def ars(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def ars(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """f |cos theta_o|, 1/sr."""
-    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """Density of ``sample`` at wo, 1/sr."""
-    def sample(self, wi: ArrayLike, u: ArrayLike) -> Samples:
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
         """Draws rays from uniforms u (N, 3) in [0, 1)."""
 
+@final
 class Normals:
     """A density of facet normals on a clear dielectric, one facet at each hit.
 
@@ -56,15 +59,16 @@ class Normals:
     ) -> Normals: ...
     @property
     def ior(self) -> float: ...
-    def eval(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """The BSDF f(wi, wo), 1/sr, without cosine."""
-    def ars(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def ars(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """f |cos theta_o|, 1/sr."""
-    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """Density of ``sample`` at wo, 1/sr."""
-    def sample(self, wi: ArrayLike, u: ArrayLike) -> Samples:
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
         """Draws rays from uniforms u (N, 3) in [0, 1); more, where needed, come from a generator seeded by the row."""
 
+@final
 class Model:
     """A model file of any method.
 
@@ -102,15 +106,16 @@ class Model:
     @property
     def warnings(self) -> list[str]:
         """Why the model should not be trusted, in plain words; empty if there is no reason."""
-    def eval(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> Values:
+    def eval(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
         """The BSDF f(wi, wo), 1/sr, without cosine."""
-    def ars(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> Values:
+    def ars(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
         """f |cos theta_o|, 1/sr."""
-    def pdf(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> Values:
+    def pdf(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
         """Density at wo, 1/sr."""
-    def sample(self, wi: ArrayLike, u: ArrayLike) -> Samples:
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
         """Draws rays from uniforms u (N, 3) in [0, 1); more, where needed, come from a generator seeded by the row."""
 
+@final
 class Table:
     """A table made by ``asperity tabulate`` (.bsdft)."""
 
@@ -127,15 +132,16 @@ class Table:
     @property
     def distance_percent(self) -> float | None:
         """Distance from the model it was made of, eq. (18), %."""
-    def eval(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """The BSDF f(wi, wo), 1/sr, without cosine."""
-    def ars(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def ars(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """f |cos theta_o|, 1/sr."""
-    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> Values:
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
         """Density of the diffuse samples at wo, 1/sr."""
-    def sample(self, wi: ArrayLike, u: ArrayLike) -> Samples:
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
         """Draws rays from uniforms u (N, 3) in [0, 1), coherent ones included."""
 
+@final
 class Scan:
     """Readings over angles; sorted by incidence, then by observation angle.
 
@@ -174,7 +180,7 @@ def fit(
     ior: float | None = None,
     opaque: bool = False,
     law: Literal["gauss", "cauchy"] | None = None,
-    free: Sequence[str] = (),
+    free: Sequence[str] | None = None,
     geometry: Literal["transmission", "reflection"] | None = None,
     rough_side: Literal["source", "detector"] | None = None,
     aperture_deg: float | None = None,
