@@ -94,9 +94,8 @@ def test_a_table_is_near_its_model(program, tmp_path):
     assert table.ior == np.float32(1.49) and table.distance_percent < 1
     wi, wo = directions(5000, 1), directions(5000, 2)
     found, right = table.ars(wi, wo), law.ars(wi, wo)
-    # a table of this size is coarse at grazing incidence, and says so
-    firm = np.abs(wi[:, 2]) > 0.3
-    assert np.abs(found - right)[firm].max() < 0.01 * right[firm].max()
+    # in terms of eq. (18): single values at grazing incidence are coarse in a table of this size
+    assert np.sqrt(np.mean((found - right) ** 2)) < 2e-3 * right.max()
     assert table.eval(wi.astype(np.float32), wo.astype(np.float32)).dtype == np.float32
     u = np.random.default_rng(1).random((50_000, 3))
     wi = np.array([-0.6, 0.0, 0.8])

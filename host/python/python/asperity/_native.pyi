@@ -17,7 +17,7 @@ _Values: TypeAlias = Any
 _Samples: TypeAlias = tuple[NDArray[Any], Any]
 """Directions wo (N, 3) and weights (N,); a lost ray has the weight 0 and NaN for its direction."""
 
-__all__: list[str]
+__all__ = ["Ggx", "Model", "Normals", "Scan", "Table", "__version__", "fit", "read_scan"]
 __version__: str
 
 @final
