@@ -31,6 +31,13 @@ pub(super) fn model_flux(boundary: &Boundary, (side, lobe): (Side, Lobe), cos: f
     }
 }
 
+/// All light of a law, diffuse and coherent, at a cosine of incidence; of some laws more than 1.
+pub(super) fn model_all(boundary: &Boundary, side: Side, cos: f64) -> f64 {
+    let flux = balance(boundary, side, cos.acos().to_degrees(), Rays { count: 1, seed: 0 });
+    flux.reflected + flux.transmitted
+}
+
+/// The direction that light comes from, at a cosine of incidence.
 pub(super) fn incident(side: Side, cos: f64) -> Direction<f64> {
     let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
     Direction::from_unit(-sin, 0.0, if side == Side::Air { cos } else { -cos })

@@ -145,8 +145,9 @@ fn of_storage<S: Storage>(
             if stop.load(std::sync::atomic::Ordering::Relaxed) {
                 return Err(NoTable::Stopped);
             }
-            let mut grid = search::best::<_, S>(b, eta, which, budget);
-            balance::to_model::<S>(&mut grid, |cos| balance::model_flux(boundary, which, cos));
+            let flux = |cos| balance::model_flux(boundary, which, cos);
+            let mut grid = search::best::<_, S>(b, eta, which, budget, flux);
+            balance::to_model::<S>(&mut grid, flux);
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
