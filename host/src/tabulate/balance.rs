@@ -66,15 +66,15 @@ pub(super) fn between(known: &[(f64, f64)], cos: f64) -> f64 {
 }
 
 /// Scales each incidence so that its flux is the model's.
-pub(super) fn to_model<S: Storage>(grid: &mut LobeGrid, model: impl Fn(f64) -> f64 + Sync) {
+pub(super) fn to_model<S: Storage>(grid: &mut LobeGrid, model: impl Fn(f64, &LobeGrid) -> f64 + Sync) {
     let cosines: Vec<f64> =
         (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
     let own = grid.with_table::<f32, _>(|table| {
-        cosines.par_iter().map(|cos| grid.flux(table, *cos)).collect::<Vec<f64>>()
+        cosines.par_iter().map(|cos| grid.flux_of(table, *cos)).collect::<Vec<f64>>()
     });
     let Some(own) = own else { return };
     for (j, (cos, own)) in cosines.iter().zip(own).enumerate() {
-        let wanted = model(*cos);
+        let wanted = model(*cos, grid);
         if own > 0.0 {
             // at grazing incidence sums of either kind are rough: no more than a correction
             let factor = (wanted / own).clamp(0.5, 2.0).sqrt();
@@ -98,7 +98,7 @@ fn dense(grid: &LobeGrid) -> Vec<(usize, f64)> {
 fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
     let of = |grid: &LobeGrid| {
         grid.with_table::<S, _>(|table| {
-            cosines.par_iter().map(|cos| grid.flux(table, *cos)).collect::<Vec<f64>>()
+            cosines.par_iter().map(|cos| grid.flux_of(table, *cos)).collect::<Vec<f64>>()
         })
     };
     grid.and_then(of).unwrap_or_else(|| vec![0.0; cosines.len()])

@@ -145,9 +145,8 @@ fn of_storage<S: Storage>(
             if stop.load(std::sync::atomic::Ordering::Relaxed) {
                 return Err(NoTable::Stopped);
             }
-            let flux = |cos| balance::model_flux(boundary, which, cos);
-            let mut grid = search::best::<_, S>(b, eta, which, budget, flux);
-            balance::to_model::<S>(&mut grid, flux);
+            let mut grid = search::best::<_, S>(b, eta, which, budget);
+            balance::to_model::<S>(&mut grid, |cos, grid| grid.flux_of(b, cos));
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
@@ -203,7 +202,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             if let Some(mut grid) = grid {
                 let known: Vec<(f64, f64)> =
                     fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
-                balance::to_model::<S>(&mut grid, |cos| balance::between(&known, cos));
+                balance::to_model::<S>(&mut grid, |cos, _| balance::between(&known, cos));
                 lobes[2 * at + k] = Some(grid);
             }
         }

@@ -23,7 +23,7 @@ const POINTS: u32 = 48;
 
 /// Cosines of incidence at which the flux of the best shapes is looked at, how many they are, and how far from the best.
 const FLUXES: [f64; 10] = [0.97, 0.92, 0.86, 0.8, 0.74, 0.7, 0.65, 0.55, 0.4, 0.2];
-const FINALISTS: usize = 12;
+const FINALISTS: usize = 6;
 const NEAR: f64 = 3.0;
 
 /// A pair of directions, the value there, and how much of a line it stands for.
@@ -49,7 +49,6 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     eta: f64,
     which: (Side, Lobe),
     bytes: usize,
-    flux: impl Fn(f64) -> f64 + Sync,
 ) -> LobeGrid {
     let median = median_slope(law, eta, which);
     let probes = probes(law, eta, which, median);
@@ -99,7 +98,6 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     // of those that err little, the one whose flux errs least between its nodes
     let judged = judge(shapes);
     let most = judged.first().map_or(0.0, |best| NEAR * best.0);
-    let wanted: Vec<(f64, f64)> = FLUXES.iter().map(|c| (*c, flux(*c))).collect();
     let shaped = judged
         .into_iter()
         .filter(|j| j.0 <= most)
@@ -107,8 +105,8 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         .map(|(_, header)| {
             let mut grid = LobeGrid::new(eta, which, header);
             grid.fill(law);
-            super::balance::to_model::<S>(&mut grid, &flux);
-            (flux_error::<S>(&grid, &wanted), header)
+            super::balance::to_model::<S>(&mut grid, |cos, grid| grid.flux_of(law, cos));
+            (flux_error::<_, S>(&grid, law), header)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or(start, |best| best.1);
@@ -120,10 +118,10 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
 }
 
 /// Largest error of the flux at some cosines of incidence.
-fn flux_error<S: Storage>(grid: &LobeGrid, wanted: &[(f64, f64)]) -> f64 {
+fn flux_error<B: Bsdf<f64> + Sync, S: Storage>(grid: &LobeGrid, law: &B) -> f64 {
     let off = grid.with_table::<S, _>(|table| {
-        let one = |(cos, flux): &(f64, f64)| (grid.flux(table, *cos) - flux).abs();
-        wanted.par_iter().map(one).reduce(|| 0.0, f64::max)
+        let one = |cos: &f64| (grid.flux_of(table, *cos) - grid.flux_of(law, *cos)).abs();
+        FLUXES.par_iter().map(one).reduce(|| 0.0, f64::max)
     });
     off.unwrap_or(f64::INFINITY)
 }
@@ -150,7 +148,7 @@ fn median_slope<B: Bsdf<f64>>(law: &B, eta: f64, (side, lobe): (Side, Lobe)) -> 
     for k in 0..COUNT {
         let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
-        if let Some((_, s, _)) = super::facet::between(eta, wi, ray.wo).filter(|f| f.1 > 1e-7) {
+        if let Some((_, s, _)) = super::facet::between(eta, [1.0, 0.0], wi, ray.wo).filter(|f| f.1 > 1e-7) {
             slopes.push((s, ray.weight));
         }
     }
