@@ -20,11 +20,8 @@ const MAY_IMPORT: [(&str, &[&str]); 5] = [
 
 /// The only places for `unsafe`: the hardware square root, the registers of the firmware's board, and the
 /// functions that C calls.
-const MAY_BE_UNSAFE: [&str; 3] = [
-    "core/src/math/hardware.rs",
-    "firmware-sim/src/bin/qemu/board.rs",
-    "host/capi/src/abi/",
-];
+const MAY_BE_UNSAFE: [&str; 3] =
+    ["core/src/math/hardware.rs", "firmware-sim/src/bin/qemu/board.rs", "host/capi/src/abi/"];
 
 /// Lines of a source file, without its tests, beyond which it holds more than one concept.
 const MOST_LINES: usize = 600;

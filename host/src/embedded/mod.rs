@@ -81,7 +81,8 @@ impl EmbeddedTable {
         Arrays { gains, values, quantiles, leans, fluxes }
     }
 
-    pub(crate) fn view<'a, S: Storage>(&'a self, values: &'a [S]) -> Option<BsdfTableRef<'a, S>> {
+    /// The evaluator of values that are this table's own.
+    pub fn view<'a, S: Storage>(&'a self, values: &'a [S]) -> Option<BsdfTableRef<'a, S>> {
         self.header.view(self.arrays(values))
     }
 

@@ -31,6 +31,13 @@ pub(super) fn model_flux(boundary: &Boundary, (side, lobe): (Side, Lobe), cos: f
     }
 }
 
+/// All light of a law, diffuse and coherent, at a cosine of incidence; of some laws more than 1.
+pub(super) fn model_all(boundary: &Boundary, side: Side, cos: f64) -> f64 {
+    let flux = balance(boundary, side, cos.acos().to_degrees(), Rays { count: 1, seed: 0 });
+    flux.reflected + flux.transmitted
+}
+
+/// The direction that light comes from, at a cosine of incidence.
 pub(super) fn incident(side: Side, cos: f64) -> Direction<f64> {
     let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
     Direction::from_unit(-sin, 0.0, if side == Side::Air { cos } else { -cos })
@@ -43,10 +50,8 @@ pub(super) fn coherent(boundary: &Boundary, side: Side, cos: f64) -> [f64; 4] {
     let beyond = if side == Side::Air { eta } else { 1.0 / eta };
     let fresnel = asperity_core::fresnel::dielectric(cos, beyond);
     let share = |part: f64, of: f64| if of > 0.0 { (part / of).clamp(0.0, 1.0) } else { 0.0 };
-    let shares = [
-        share(flux.reflected, fresnel.reflected),
-        share(flux.transmitted, fresnel.transmitted),
-    ];
+    let shares =
+        [share(flux.reflected, fresnel.reflected), share(flux.transmitted, fresnel.transmitted)];
     [flux.reflected, flux.transmitted, shares[0], shares[1]]
 }
 
@@ -59,15 +64,18 @@ pub(super) fn between(known: &[(f64, f64)], cos: f64) -> f64 {
 }
 
 /// Scales each incidence so that its flux is the model's.
-pub(super) fn to_model<S: Storage>(grid: &mut LobeGrid, model: impl Fn(f64) -> f64 + Sync) {
+pub(super) fn to_model<S: Storage>(
+    grid: &mut LobeGrid,
+    model: impl Fn(f64, &LobeGrid) -> f64 + Sync,
+) {
     let cosines: Vec<f64> =
         (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
     let own = grid.with_table::<f32, _>(|table| {
-        cosines.par_iter().map(|cos| grid.flux(table, *cos)).collect::<Vec<f64>>()
+        cosines.par_iter().map(|cos| grid.flux_of(table, *cos)).collect::<Vec<f64>>()
     });
     let Some(own) = own else { return };
     for (j, (cos, own)) in cosines.iter().zip(own).enumerate() {
-        let wanted = model(*cos);
+        let wanted = model(*cos, grid);
         if own > 0.0 {
             // at grazing incidence sums of either kind are rough: no more than a correction
             let factor = (wanted / own).clamp(0.5, 2.0).sqrt();
@@ -91,7 +99,7 @@ fn dense(grid: &LobeGrid) -> Vec<(usize, f64)> {
 fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
     let of = |grid: &LobeGrid| {
         grid.with_table::<S, _>(|table| {
-            cosines.par_iter().map(|cos| grid.flux(table, *cos)).collect::<Vec<f64>>()
+            cosines.par_iter().map(|cos| grid.flux_of(table, *cos)).collect::<Vec<f64>>()
         })
     };
     grid.and_then(of).unwrap_or_else(|| vec![0.0; cosines.len()])
@@ -111,8 +119,8 @@ pub(super) fn lower<'a, S: Storage>(
         let r = fluxes::<S>(reflection.as_deref(), &cosines);
         let t = fluxes::<S>(transmission.as_deref(), &cosines);
         let mut lowered = false;
-        let mut factors: [Vec<f64>; 2] =
-            [&reflection, &transmission].map(|g| vec![1.0; g.as_ref().map_or(0, |g| usize::from(g.header.shape.incidences))]);
+        let mut factors: [Vec<f64>; 2] = [&reflection, &transmission]
+            .map(|g| vec![1.0; g.as_ref().map_or(0, |g| usize::from(g.header.shape.incidences))]);
         for ((cos, r), t) in cosines.iter().zip(&r).zip(&t) {
             let [cr, ct, ..] = coherent(*cos);
             let room = (1.0 - MARGIN - cr - ct).max(0.0);

@@ -90,9 +90,11 @@ pub(super) fn tail(fall: Fall, s: f64, s0: f64) -> f64 {
     }
 }
 
-/// Slope and azimuth's cosine of the facet between two directions, for light in any azimuth.
+/// Lobe, slope and azimuth's cosine of the facet between two directions; `towards` is the azimuth of the mirror direction,
+/// which at normal incidence `wi` does not tell.
 pub(super) fn between(
     eta: f64,
+    towards: [f64; 2],
     wi: Direction<f64>,
     wo: Direction<f64>,
 ) -> Option<(Lobe, f64, f64)> {
@@ -101,14 +103,9 @@ pub(super) fn between(
     let (n_i, n_o) = (index(iz), index(oz));
     let h = [n_i * ix + n_o * ox, n_i * iy + n_o * oy, n_i * iz + n_o * oz];
     let lobe = if (iz > 0.0) == (oz > 0.0) { Lobe::Reflection } else { Lobe::Transmission };
-    let sign = 1.0_f64.copysign(h[2]);
     let across = h[0].hypot(h[1]);
+    let along = (towards[0] * h[0] + towards[1] * h[1]) * 1.0_f64.copysign(h[2]);
+    let p = if across > 0.0 { (along / across).clamp(-1.0, 1.0) } else { 1.0 };
     let s = across / h[2].abs();
-    let sin = ix.hypot(iy);
-    let p = if sin * across > 1e-15 {
-        (-sign * (ix * h[0] + iy * h[1]) / (sin * across)).clamp(-1.0, 1.0)
-    } else {
-        0.0
-    };
     s.is_finite().then_some((lobe, s, p))
 }

@@ -114,12 +114,12 @@ impl LobeGrid {
         BsdfTableRef::new(eta, scale, sides[0], sides[1]).ok().map(|table| run(&table))
     }
 
-    /// Flux of the lobe as a table gives it, at a cosine of incidence.
-    pub(super) fn flux<S: Storage>(&self, table: &BsdfTableRef<'_, S>, cos: f64) -> f64 {
+    /// Flux of the lobe of a law, at a cosine of incidence.
+    pub(super) fn flux_of<B: Bsdf<f64>>(&self, law: &B, cos: f64) -> f64 {
         let beam = self.beam(cos);
         let mut sum = 0.0;
         self.over_facets(&beam, |spot| {
-            sum += table.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
+            sum += law.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
         });
         sum
     }

@@ -35,35 +35,43 @@ impl LobeGrid {
         }
     }
 
-    /// `v` over the radii at one azimuth; beyond the last facet that sends light into the lobe it goes on as there.
+    /// `v` over the radii at one azimuth. Facets that send light into the lobe lie between two slopes (those beyond send it into
+    /// the surface, those before may reflect it totally); outside it goes on as at these edges.
     fn row<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, p: f64) -> Option<Vec<f64>> {
         let count = self.header.shape.radii;
-        let mut row = Vec::with_capacity(usize::from(count));
-        let mut last: Option<(f64, f64)> = None;
-        let mut beyond: Option<f64> = None;
-        for k in 0..usize::from(count) {
-            let r = node(k, count);
-            if let (Some(v), None) = (self.value(law, beam, r, p), beyond) {
-                last = Some((r, v));
-                row.push(v);
-            } else if let Some(v) = beyond {
-                row.push(v);
-            } else {
-                let (from, v) = last?;
-                let (mut low, mut high, mut edge) = (from, r, v);
-                for _ in 0..STEPS {
-                    let middle = 0.5 * (low + high);
-                    match self.value(law, beam, middle, p) {
-                        Some(v) => (low, edge) = (middle, v),
-                        None => high = middle,
-                    }
-                }
-                let _ = low;
-                beyond = Some(edge);
-                row.push(edge);
+        let at = |k: usize| node(k, count);
+        let mut row: Vec<Option<f64>> =
+            (0..usize::from(count)).map(|k| self.value(law, beam, at(k), p)).collect();
+        let first = row.iter().position(Option::is_some)?;
+        let last = row.iter().rposition(Option::is_some)?;
+        if first > 0 {
+            let edge = self.edge(law, beam, p, [at(first), at(first - 1)]);
+            row[..first].fill(edge);
+        }
+        if last + 1 < row.len() {
+            let edge = self.edge(law, beam, p, [at(last), at(last + 1)]);
+            row[last + 1..].fill(edge);
+        }
+        let mut before = 0.0;
+        let keep = |v: Option<f64>| {
+            before = v.unwrap_or(before);
+            before
+        };
+        Some(row.into_iter().map(keep).collect())
+    }
+
+    /// The value at the last facet between one that sends light into the lobe and one that does not.
+    fn edge<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, p: f64, ends: [f64; 2]) -> Option<f64> {
+        let [mut inside, mut outside] = ends;
+        let mut edge = self.value(law, beam, inside, p);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (inside + outside);
+            match self.value(law, beam, middle, p) {
+                Some(v) => (inside, edge) = (middle, Some(v)),
+                None => outside = middle,
             }
         }
-        Some(row)
+        edge
     }
 
     fn value<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, r: f64, p: f64) -> Option<f64> {

@@ -111,13 +111,18 @@ pub fn tabulate(
         Kept::F32 => of_storage::<f32>(boundary, plan, (eta, wanted), stop, progress),
     };
     let (lobes, slope) = made?;
-    let fluxes = if plan.bytes < WIDE { 17 } else { 33 };
+    let fluxes = flux_nodes(plan.bytes);
     let done = match kept {
         Kept::U8 => finish::<u8>(boundary, lobes, (index, slope, fluxes), Values::U8),
         Kept::U16 => finish::<u16>(boundary, lobes, (index, slope, fluxes), Values::U16),
         Kept::F32 => finish::<f32>(boundary, lobes, (index, slope, fluxes), Values::F32),
     };
     done.ok_or(NoTable::Values)
+}
+
+/// Incidences of the fluxes of each side.
+fn flux_nodes(bytes: usize) -> u16 {
+    if bytes < WIDE { 25 } else { 65 }
 }
 
 /// Lobes with the flux of the model at their nodes.
@@ -131,7 +136,7 @@ fn of_storage<S: Storage>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Lobes, f64), NoTable> {
     let count = wanted.iter().filter(|w| **w).count();
-    let budget = (plan.bytes - 33 * 16) / count;
+    let budget = (plan.bytes - 16 * usize::from(flux_nodes(plan.bytes))) / count;
     with_boundary!(boundary,
     b => {
         let mut lobes: Lobes = [const { None }; 4];
@@ -141,7 +146,7 @@ fn of_storage<S: Storage>(
                 return Err(NoTable::Stopped);
             }
             let mut grid = search::best::<_, S>(b, eta, which, budget);
-            balance::to_model::<S>(&mut grid, |cos| balance::model_flux(boundary, which, cos));
+            balance::to_model::<S>(&mut grid, |cos, grid| grid.flux_of(b, cos));
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
@@ -197,7 +202,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             if let Some(mut grid) = grid {
                 let known: Vec<(f64, f64)> =
                     fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
-                balance::to_model::<S>(&mut grid, |cos| balance::between(&known, cos));
+                balance::to_model::<S>(&mut grid, |cos, _| balance::between(&known, cos));
                 lobes[2 * at + k] = Some(grid);
             }
         }
@@ -212,7 +217,8 @@ fn finish<S: Storage>(
     (eta, slope, fluxes): (RelativeIor<f32>, f64, u16),
     kept: impl Fn(Vec<S>) -> Values,
 ) -> Option<EmbeddedTable> {
-    const GRAZING: f32 = 1.0;
+    // from the dielectric fluxes change most about the critical angle, not at grazing incidence
+    const GRAZING: [f32; 2] = [1.0, 0.0];
     let mut rest = Rest::default();
     let mut rows = [0; 2];
     for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
@@ -222,7 +228,7 @@ fn finish<S: Storage>(
         if reflection.is_some() || transmission.is_some() {
             rows[k] = fluxes;
             let both = [reflection.as_ref(), transmission.as_ref()];
-            rest.fluxes.extend(balance::stored::<S>(both, &coherent, (fluxes, GRAZING)));
+            rest.fluxes.extend(balance::stored::<S>(both, &coherent, (fluxes, GRAZING[k])));
         }
     }
     let mut values = Vec::new();
@@ -239,7 +245,7 @@ fn finish<S: Storage>(
         slope: slope as f32,
         lobes: lobes.map(|grid| grid.map(|g| g.header)),
         fluxes: rows,
-        grazing: [GRAZING; 2],
+        grazing: GRAZING,
     };
     EmbeddedTable::new(header, kept(values), rest).ok()
 }

@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use asperity_core::bsdf::{Lobe, Scatter};
+use asperity_core::bsdf::{Lobe, Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Place, radius};
 use rayon::prelude::*;
@@ -21,6 +21,8 @@ use crate::forward::{Rays, Tiles, mix};
 const PARTS: u64 = 64;
 /// Successive azimuths of the light.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Rays that weigh as much as a neighbour.
+const FEW: f64 = 10.0;
 /// Rounds of sharpening.
 const ROUNDS: u32 = 4;
 
@@ -55,7 +57,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         for (grid, nodes) in [&mut reflection, &mut transmission].into_iter().zip(&found.nodes) {
             if let Some(grid) = grid {
                 let wanted: Vec<f64> = nodes.iter().map(|w| w / found.rays).collect();
-                sharpen(grid, j, &wanted);
+                sharpen(grid, j, &wanted, found.rays);
             }
         }
         progress();
@@ -70,7 +72,8 @@ fn gather<S: Scatter<f64> + Sync>(
     rays: Rays,
 ) -> Gathered {
     let any = lobes.iter().flatten().next();
-    let (side, cos, eta) = any.map_or((Side::Air, 1.0, 1.5), |g| (g.side, g.cosine(incidence), g.eta));
+    let (side, cos, eta) =
+        any.map_or((Side::Air, 1.0, 1.5), |g| (g.side, g.cosine(incidence), g.eta));
     let seed = mix(rays.seed, if side == Side::Air { 11 } else { 12 });
     let tiles = Rays { seed, ..rays }.tiles(cos);
     let part = |number: u64| {
@@ -126,7 +129,7 @@ fn trace<S: Scatter<f64>>(
     let Some(ray) = boundary.sample(wi, &mut || uniforms.next()) else { return };
     let Some(to) = ray.wo.side() else { return };
     let lobe = if to == side { Lobe::Reflection } else { Lobe::Transmission };
-    let facet = between(eta, wi, ray.wo);
+    let facet = between(eta, [cos_a, sin_a], wi, ray.wo);
     found(lobe, facet.map(|f| f.1), facet.map(|f| f.2), ray.weight);
 }
 
@@ -147,7 +150,7 @@ fn corners(grid: &LobeGrid, s: f64, p: f64) -> [(usize, f64); 4] {
 }
 
 /// Finds values whose means about the nodes are those wanted.
-fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64]) {
+fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64) {
     let cos = grid.cosine(incidence);
     let beam: Beam = grid.beam(cos);
     let (form, fall, s0) = (grid.header.form, grid.header.fall, f64::from(grid.header.scale));
@@ -183,17 +186,30 @@ fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64]) {
             v[k] *= if round == 0 { factor } else { factor.clamp(0.7, 1.4) };
         }
     }
-    // what no facet leads to goes on as the last that one does
     let reached = means(&vec![1.0; v.len()]);
-    for row in 0..v.len() / radii {
-        for k in 1..radii {
-            let at = row * radii + k;
-            if reached[at] <= 0.0 {
-                v[at] = v[at - 1];
+    spread(&mut v, radii, |at| if reached[at] > 0.0 { wanted[at] * rays } else { 0.0 });
+    grid.plane(incidence).copy_from_slice(&v);
+}
+
+/// Where hardly a ray or no facet leads, values go on as at the next facets that are known: outwards, towards the pole, and
+/// from one azimuth to those farther from the mirror's.
+fn spread(v: &mut [f64], radii: usize, count: impl Fn(usize) -> f64) {
+    let rows = v.len() / radii;
+    for row in (0..rows).rev() {
+        let start = row * radii;
+        let Some(first) = (0..radii).find(|k| count(start + k) >= FEW) else {
+            if row + 1 < rows {
+                v.copy_within(start + radii..start + 2 * radii, start);
             }
+            continue;
+        };
+        let known = v[start + first];
+        v[start..start + first].fill(known);
+        for at in start + first + 1..start + radii {
+            let count = count(at);
+            v[at] = (count * v[at] + FEW * v[at - 1]) / (count + FEW);
         }
     }
-    grid.plane(incidence).copy_from_slice(&v);
 }
 
 /// Median slopes of the facets of both lobes for light at a cosine, from some rays.
@@ -219,4 +235,31 @@ pub(super) fn median_slopes<S: Scatter<f64> + Sync>(
         list.sort_by(f64::total_cmp);
         list.get(list.len() / 2).copied().filter(|s| *s > 0.0)
     })
+}
+
+/// A boundary turned by an angle of chance for each ray: the mean over all azimuths, which is what a table holds.
+#[derive(Debug)]
+pub(super) struct Turning<'a, S>(pub(super) &'a S);
+
+impl<S: Scatter<f64>> Scatter<f64> for Turning<'_, S> {
+    fn sample(
+        &self,
+        wi: Direction<f64>,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Scattered<f64>> {
+        // the first two numbers say where a ray starts and are spread evenly: they stay the first two
+        let first = [uniform(), uniform()];
+        let (s, c) = (TAU * uniform()).sin_cos();
+        let mut taken = 0;
+        let mut replayed = || {
+            taken += 1;
+            first.get(taken - 1).copied().unwrap_or_else(&mut *uniform)
+        };
+        let turn = |w: Direction<f64>, s: f64| {
+            let [x, y, z] = w.xyz();
+            Direction::from_unit(x * c - y * s, y * c + x * s, z)
+        };
+        let ray = self.0.sample(turn(wi, s), &mut replayed)?;
+        Some(Scattered { wo: turn(ray.wo, -s), ..ray })
+    }
 }

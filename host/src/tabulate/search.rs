@@ -21,6 +21,11 @@ const ANGLES: [f64; 13] =
 /// Facets along a line through the lobe.
 const POINTS: u32 = 48;
 
+/// Cosines of incidence at which the flux of the best shapes is looked at, how many they are, and how far from the best.
+const FLUXES: [f64; 10] = [0.97, 0.92, 0.86, 0.8, 0.74, 0.7, 0.65, 0.55, 0.4, 0.2];
+const FINALISTS: usize = 6;
+const NEAR: f64 = 3.0;
+
 /// A pair of directions, the value there, and how much of a line it stands for.
 struct Probe {
     wi: Direction<f64>,
@@ -48,14 +53,17 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     let median = median_slope(law, eta, which);
     let probes = probes(law, eta, which, median);
     let start = LobeHeader {
-        shape: Shape { radii: 40.min(fitted::<S>(9, 5, bytes).radii.max(16)), ..fitted::<S>(9, 5, bytes) },
+        shape: Shape {
+            radii: 40.min(fitted::<S>(9, 5, bytes).radii.max(16)),
+            ..fitted::<S>(9, 5, bytes)
+        },
         form: Form::Masked,
         fall: Fall::Fourth,
         scale: median as f32,
         grazing: 1.0,
     };
-    let least = |candidates: Vec<LobeHeader>| -> LobeHeader {
-        let judged: Vec<(f64, LobeHeader)> = candidates
+    let judge = |candidates: Vec<LobeHeader>| -> Vec<(f64, LobeHeader)> {
+        let mut judged: Vec<(f64, LobeHeader)> = candidates
             .into_par_iter()
             .map(|header| {
                 let mut grid = LobeGrid::new(eta, which, header);
@@ -63,8 +71,10 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
                 (error::<S>(&grid, &probes), header)
             })
             .collect();
-        judged.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |best| best.1)
+        judged.sort_by(|a, b| a.0.total_cmp(&b.0));
+        judged
     };
+    let least = |candidates| judge(candidates).first().map_or(start, |best| best.1);
     let mut kinds = Vec::new();
     for form in FORMS {
         for fall in FALLS {
@@ -88,12 +98,35 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     if shapes.is_empty() {
         shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
     }
-    let shaped = least(shapes);
+    // of those that err little, the one whose flux errs least between its nodes
+    let judged = judge(shapes);
+    let most = judged.first().map_or(0.0, |best| NEAR * best.0);
+    let shaped = judged
+        .into_iter()
+        .filter(|j| j.0 <= most)
+        .take(FINALISTS)
+        .map(|(_, header)| {
+            let mut grid = LobeGrid::new(eta, which, header);
+            grid.fill(law);
+            super::balance::to_model::<S>(&mut grid, |cos, grid| grid.flux_of(law, cos));
+            (flux_error::<_, S>(&grid, law), header)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(start, |best| best.1);
     let scales = [0.6, 0.8, 1.0, 1.25, 1.6];
     let finer = least(scales.map(|f| LobeHeader { scale: shaped.scale * f, ..shaped }).into());
     let mut grid = LobeGrid::new(eta, which, finer);
     grid.fill(law);
     grid
+}
+
+/// Largest error of the flux at some cosines of incidence.
+fn flux_error<B: Bsdf<f64> + Sync, S: Storage>(grid: &LobeGrid, law: &B) -> f64 {
+    let off = grid.with_table::<S, _>(|table| {
+        let one = |cos: &f64| (grid.flux_of(table, *cos) - grid.flux_of(law, *cos)).abs();
+        FLUXES.par_iter().map(one).reduce(|| 0.0, f64::max)
+    });
+    off.unwrap_or(f64::INFINITY)
 }
 
 /// Root mean square error of the probes over the largest value.
@@ -118,7 +151,9 @@ fn median_slope<B: Bsdf<f64>>(law: &B, eta: f64, (side, lobe): (Side, Lobe)) -> 
     for k in 0..COUNT {
         let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
-        if let Some((_, s, _)) = super::facet::between(eta, wi, ray.wo).filter(|f| f.1 > 1e-7) {
+        if let Some((_, s, _)) =
+            super::facet::between(eta, [1.0, 0.0], wi, ray.wo).filter(|f| f.1 > 1e-7)
+        {
             slopes.push((s, ray.weight));
         }
     }
