@@ -36,10 +36,8 @@ table! {
         "the direct sums leave out internal passes, some 0.2 %; the method promises 1 %";
     SCALE_OF_MAP = 0.02, "vertical scale fitted to the scan of the very map, absolute",
         "what the method promises; 0.002 was seen with ten times the rays";
-<<<<<<< HEAD
     ACQUIRED_ALPHA = 0.02, "width fitted to an acquired scan against the instrument's own, relative",
         "what acquisition promises; 3e5 rays an incidence leave some 0.4 % of noise";
-=======
     TABLE_8_KIB = 1.0, "eq. (18) of a table for a microcontroller of 8 KiB against its model, %",
         "what the table promises; 0.3 was seen at alpha 2, 0.02 to 0.1 elsewhere";
     TABLE_32_KIB = 0.3, "eq. (18) of a table of 32 KiB against its model, %",
@@ -50,7 +48,6 @@ table! {
         "the table is lowered to 0.9998 by sums over facets; a lattice of 1597 samples errs by more";
     TABLE_RECIPROCITY = 0.02, "mean difference of a table and itself the other way, relative",
         "both lobes are interpolated from nodes of their own";
->>>>>>> ee0027ba101d83c1b7c71fa516bfd1836b25df53
     GAMMA = 2e-11, "incomplete gamma function, relative",
         "cancellation of a ln x - x - ln gamma(a) at a = 500, and known values given to 12 digits";
     SIGNIFICANCE = 0.01, "chance that a right sampler fails any of a family of tests",
