@@ -114,8 +114,11 @@ impl Header {
         for (((side, [r, t]), rows), grazing) in
             sides.iter_mut().zip(lobes).zip(self.fluxes).zip(self.grazing)
         {
-            side.reflection = next_lobe(r, &mut arrays)?;
-            side.transmission = next_lobe(t, &mut arrays)?;
+            for (place, lobe) in [(&mut side.reflection, r), (&mut side.transmission, t)] {
+                if let Some(header) = lobe {
+                    *place = Some(next_lobe(header, &mut arrays)?);
+                }
+            }
             side.fluxes = take(&mut arrays.fluxes, usize::from(rows))?;
             side.grazing = grazing;
         }
@@ -124,11 +127,11 @@ impl Header {
 }
 
 fn next_lobe<'a, S: Storage>(
-    header: Option<LobeHeader>,
+    header: LobeHeader,
     from: &mut Arrays<'a, S>,
-) -> Option<Option<LobeTable<'a, S>>> {
-    let Some(LobeHeader { shape, form, fall, scale, grazing }) = header else { return Some(None) };
-    Some(Some(LobeTable {
+) -> Option<LobeTable<'a, S>> {
+    let LobeHeader { shape, form, fall, scale, grazing } = header;
+    Some(LobeTable {
         shape,
         form,
         fall,
@@ -138,7 +141,7 @@ fn next_lobe<'a, S: Storage>(
         values: take(&mut from.values, shape.values())?,
         quantiles: take(&mut from.quantiles, shape.quantiles())?,
         leans: take(&mut from.leans, shape.leans())?,
-    }))
+    })
 }
 
 fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {
