@@ -495,7 +495,8 @@ fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
 fn tabulate_makes_a_table_and_its_sources() {
     let folder = Folder::new();
     folder.run(&format!("{GGX} -o m.json")).ok();
-    let answer = folder.run("tabulate m.json --bytes 8192 -o t.bsdft --rust t.rs --c t.h --json").json();
+    let answer =
+        folder.run("tabulate m.json --bytes 8192 -o t.bsdft --rust t.rs --c t.h --json").json();
     assert_eq!((&answer["asperity"], &answer["storage"]), (&1.into(), &"u8".into()));
     assert!(answer["bytes"].as_u64().unwrap() <= 8192);
     assert!(answer["distance_percent"].as_f64().unwrap() < 1.0, "{answer}");
@@ -506,9 +507,13 @@ fn tabulate_makes_a_table_and_its_sources() {
     let line = bytes.iter().position(|b| *b == b'\n').unwrap();
     let header: Value = serde_json::from_slice(&bytes[..line]).unwrap();
     assert_eq!(header["payload_bytes"], bytes.len() - line - 1);
-    let one = folder.run("tabulate m.json --side air --lobe transmission --max-error 0.3 -o s.bsdft").ok();
+    let one = folder
+        .run("tabulate m.json --side air --lobe transmission --max-error 0.3 -o s.bsdft")
+        .ok();
     assert!(one.contains("air, transmission") && !one.contains("reflection"), "{one}");
-    assert!(folder.run("tabulate m.json --bytes 100 -o u.bsdft").with_code(2).err.contains("too few"));
+    assert!(
+        folder.run("tabulate m.json --bytes 100 -o u.bsdft").with_code(2).err.contains("too few")
+    );
     folder.run("tabulate m.json --max-error 1e-9 -o u.bsdft").with_code(1);
     assert!(!folder.path("u.bsdft").exists());
 }

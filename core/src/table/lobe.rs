@@ -204,9 +204,16 @@ impl<'a, S: Storage> LobeTable<'a, S> {
         let inverse = T::ONE / (x * x + z * z).sqrt();
         let (sin_m, cos_m) = (x * inverse, z * inverse);
         // dt = 2 r dr, d omega = s ds cos^3, ds = s0 / (1 - r)^2 dr
-        let width = whole::<T>(self.shape.intervals) * (b - a) * s0 * s0 * inverse * inverse * inverse;
+        let width =
+            whole::<T>(self.shape.intervals) * (b - a) * s0 * s0 * inverse * inverse * inverse;
         let q = s0 / (s0 * s0 * cos_m * cos_m + sin_m * sin_m);
-        Some(Drawn { m: [sin_m * p, sin_m * sin, cos_m], p, r, q, density: T::TWO * around / width })
+        Some(Drawn {
+            m: [sin_m * p, sin_m * sin, cos_m],
+            p,
+            r,
+            q,
+            density: T::TWO * around / width,
+        })
     }
 
     /// Density of [`Self::draw`] per solid angle, for a facet of radius `r`, azimuth's cosine `p` and polar cosine `cos_m`.
@@ -226,7 +233,8 @@ impl<'a, S: Storage> LobeTable<'a, S> {
             return T::ZERO;
         };
         let (plus, minus) = (T::ONE + lean * lean, T::ONE - lean * lean);
-        let around = minus / (plus - T::TWO * lean * p) * T::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        let around =
+            minus / (plus - T::TWO * lean * p) * T::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
         let s0: T = real(self.scale);
         let ratio = (T::ONE - r) / cos_m;
         T::TWO * around * ratio * ratio * ratio

@@ -26,8 +26,8 @@ mod owned;
 mod tests;
 
 pub use axes::{Place, incidence_cosine, incidence_place, radius, slope};
-pub use lobe::{Fall, Form, LobeTable, Shape};
 pub use header::{Arrays, Header, LobeHeader};
+pub use lobe::{Fall, Form, LobeTable, Shape};
 pub use owned::BsdfTable;
 pub use side::{Fluxes, SideTable};
 pub use storage::Storage;

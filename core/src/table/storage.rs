@@ -12,7 +12,9 @@ mod sealed {
 }
 
 /// A stored number of a table; what it counts in is up to the gain of its incidence.
-pub trait Storage: sealed::Sealed + Copy + Debug + Default + PartialEq + Send + Sync + 'static {
+pub trait Storage:
+    sealed::Sealed + Copy + Debug + Default + PartialEq + Send + Sync + 'static
+{
     /// Name in files.
     const NAME: &'static str;
     /// Bytes of one.

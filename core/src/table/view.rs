@@ -144,7 +144,8 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     pub fn coherent<T: Real>(&self, wi: Direction<T>) -> Option<Coherent<T>> {
         let side = wi.side()?;
         let fluxes = self.side(side).at(wi.z().abs());
-        let Fresnel { reflected, transmitted } = fresnel::dielectric(wi.z().abs(), self.beyond(side));
+        let Fresnel { reflected, transmitted } =
+            fresnel::dielectric(wi.z().abs(), self.beyond(side));
         let [x, y, z] = wi.xyz();
         let mirror = Direction::from_unit(-x, -y, z);
         let through = wi.refract(Direction::normal(), self.beyond(side));
@@ -299,8 +300,7 @@ impl<T: Real, S: Storage> Scatter<T> for BsdfTableRef<'_, S> {
             let ray = self.specular(wi, lobe)?;
             return (all > T::ZERO).then_some(Scattered { weight: all, ..ray });
         }
-        let (which, share) =
-            if at < r { (Lobe::Reflection, r) } else { (Lobe::Transmission, t) };
+        let (which, share) = if at < r { (Lobe::Reflection, r) } else { (Lobe::Transmission, t) };
         let ray = self.draw(self.lobe(side, which)?, which, wi, u)?;
         Some(Scattered { weight: ray.weight * all / share, ..ray })
     }
@@ -320,7 +320,8 @@ impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
 
     /// Of the diffuse samples.
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        let (Some(side), Some(Found { lobe, half, y, p, r })) = (wi.side(), self.find(wi, wo)) else {
+        let (Some(side), Some(Found { lobe, half, y, p, r })) = (wi.side(), self.find(wi, wo))
+        else {
             return T::ZERO;
         };
         let [reflected, transmitted, cr, ct] = self.shares(wi, side);

@@ -170,7 +170,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn human(answer: &Answer) -> String {
-    let lobes = ["air, reflection", "air, transmission", "dielectric, reflection", "dielectric, transmission"];
+    let lobes = [
+        "air, reflection",
+        "air, transmission",
+        "dielectric, reflection",
+        "dielectric, transmission",
+    ];
     let mut text = format!("{} bytes, {} values\n", answer.bytes, answer.storage);
     for (name, nodes) in lobes.iter().zip(&answer.nodes) {
         if let Some([i, a, r]) = nodes {

@@ -245,7 +245,10 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
 }
 
 /// The next `count` numbers of `N` bytes.
-fn take<'a, const N: usize>(from: &mut &'a [u8], count: usize) -> impl Iterator<Item = [u8; N]> + 'a {
+fn take<'a, const N: usize>(
+    from: &mut &'a [u8],
+    count: usize,
+) -> impl Iterator<Item = [u8; N]> + 'a {
     let (head, rest) = from.split_at((count * N).min(from.len()));
     *from = rest;
     head.as_chunks::<N>().0.iter().copied()

@@ -19,19 +19,30 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
         table.bytes()
     );
     let name = table.storage();
-    rust_array(&mut text, "GAINS", "f32", &table.gains.iter().map(|g| format!("{g:e}")).collect::<Vec<_>>());
+    rust_array(
+        &mut text,
+        "GAINS",
+        "f32",
+        &table.gains.iter().map(|g| format!("{g:e}")).collect::<Vec<_>>(),
+    );
     match &table.values {
         Values::U8(v) => rust_array(&mut text, "VALUES", name, v),
         Values::U16(v) => rust_array(&mut text, "VALUES", name, v),
         Values::F32(v) => {
-            rust_array(&mut text, "VALUES", name, &v.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>());
+            rust_array(
+                &mut text,
+                "VALUES",
+                name,
+                &v.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>(),
+            );
         }
     }
     rust_array(&mut text, "QUANTILES", "u16", &table.quantiles);
     rust_array(&mut text, "LEANS", "i8", &table.leans);
     let rows: Vec<String> = table.fluxes.iter().map(|row| format!("{row:?}")).collect();
     rust_array(&mut text, "FLUXES", "[u16; 4]", &rows);
-    let lobes: Vec<String> = header.lobes.iter().map(|l| l.as_ref().map_or("None".into(), rust_lobe)).collect();
+    let lobes: Vec<String> =
+        header.lobes.iter().map(|l| l.as_ref().map_or("None".into(), rust_lobe)).collect();
     // Writing to a string cannot fail.
     let _ = write!(
         text,
@@ -76,8 +87,10 @@ fn rust_lobe(l: &LobeHeader) -> String {
 
 /// A C header with the arrays and their sizes; `name` becomes the prefix of all names.
 pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
-    let prefix: String =
-        name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect();
+    let prefix: String = name
+        .chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
+        .collect();
     let prefix = format!("bsdf_{prefix}");
     let guard = format!("{}_H", prefix.to_uppercase());
     let header = table.header();
@@ -92,17 +105,33 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
         c_float(header.slope),
     );
     text.push_str("\n/* incidences, azimuths, radii, intervals, form (0 masked, 1 unmasked, 2 drawn), fall; 0 of a lobe left out */\n");
-    let rows: Vec<String> = header.lobes.iter().map(|l| l.map_or("{ 0, 0, 0, 0, 0, 0 }".into(), |l| c_lobe(&l))).collect();
-    let _ = writeln!(text, "static const uint16_t {prefix}_lobes[4][6] = {{ {} }};", rows.join(", "));
+    let rows: Vec<String> = header
+        .lobes
+        .iter()
+        .map(|l| l.map_or("{ 0, 0, 0, 0, 0, 0 }".into(), |l| c_lobe(&l)))
+        .collect();
+    let _ =
+        writeln!(text, "static const uint16_t {prefix}_lobes[4][6] = {{ {} }};", rows.join(", "));
     let numbers: Vec<String> = header
         .lobes
         .iter()
-        .map(|l| l.map_or("{ 0.0f, 0.0f }".into(), |l| format!("{{ {}f, {}f }}", c_float(l.scale), c_float(l.grazing))))
+        .map(|l| {
+            l.map_or("{ 0.0f, 0.0f }".into(), |l| {
+                format!("{{ {}f, {}f }}", c_float(l.scale), c_float(l.grazing))
+            })
+        })
         .collect();
-    let _ = writeln!(text, "/* scale of slopes, crowding of incidences */\nstatic const float {prefix}_scales[4][2] = {{ {} }};", numbers.join(", "));
+    let _ = writeln!(
+        text,
+        "/* scale of slopes, crowding of incidences */\nstatic const float {prefix}_scales[4][2] = {{ {} }};",
+        numbers.join(", ")
+    );
     let [a, b] = header.fluxes;
     let [k, l] = header.grazing.map(c_float);
-    let _ = writeln!(text, "static const uint16_t {prefix}_flux_incidences[2] = {{ {a}, {b} }};\nstatic const float {prefix}_flux_grazing[2] = {{ {k}f, {l}f }};\n");
+    let _ = writeln!(
+        text,
+        "static const uint16_t {prefix}_flux_incidences[2] = {{ {a}, {b} }};\nstatic const float {prefix}_flux_grazing[2] = {{ {k}f, {l}f }};\n"
+    );
     let floats = |v: &[f32]| v.iter().map(|x| format!("{}f", c_float(*x))).collect::<Vec<_>>();
     c_array(&mut text, &prefix, "gains", "float", &floats(&table.gains));
     match &table.values {

@@ -50,10 +50,8 @@ pub(super) fn coherent(boundary: &Boundary, side: Side, cos: f64) -> [f64; 4] {
     let beyond = if side == Side::Air { eta } else { 1.0 / eta };
     let fresnel = asperity_core::fresnel::dielectric(cos, beyond);
     let share = |part: f64, of: f64| if of > 0.0 { (part / of).clamp(0.0, 1.0) } else { 0.0 };
-    let shares = [
-        share(flux.reflected, fresnel.reflected),
-        share(flux.transmitted, fresnel.transmitted),
-    ];
+    let shares =
+        [share(flux.reflected, fresnel.reflected), share(flux.transmitted, fresnel.transmitted)];
     [flux.reflected, flux.transmitted, shares[0], shares[1]]
 }
 
@@ -66,7 +64,10 @@ pub(super) fn between(known: &[(f64, f64)], cos: f64) -> f64 {
 }
 
 /// Scales each incidence so that its flux is the model's.
-pub(super) fn to_model<S: Storage>(grid: &mut LobeGrid, model: impl Fn(f64, &LobeGrid) -> f64 + Sync) {
+pub(super) fn to_model<S: Storage>(
+    grid: &mut LobeGrid,
+    model: impl Fn(f64, &LobeGrid) -> f64 + Sync,
+) {
     let cosines: Vec<f64> =
         (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
     let own = grid.with_table::<f32, _>(|table| {
@@ -118,8 +119,8 @@ pub(super) fn lower<'a, S: Storage>(
         let r = fluxes::<S>(reflection.as_deref(), &cosines);
         let t = fluxes::<S>(transmission.as_deref(), &cosines);
         let mut lowered = false;
-        let mut factors: [Vec<f64>; 2] =
-            [&reflection, &transmission].map(|g| vec![1.0; g.as_ref().map_or(0, |g| usize::from(g.header.shape.incidences))]);
+        let mut factors: [Vec<f64>; 2] = [&reflection, &transmission]
+            .map(|g| vec![1.0; g.as_ref().map_or(0, |g| usize::from(g.header.shape.incidences))]);
         for ((cos, r), t) in cosines.iter().zip(&r).zip(&t) {
             let [cr, ct, ..] = coherent(*cos);
             let room = (1.0 - MARGIN - cr - ct).max(0.0);

@@ -36,8 +36,7 @@ pub fn distance_percent(
 ) -> Option<f64> {
     let lobes = table.header().lobes;
     let full = lobes.iter().all(Option::is_some);
-    let geometry =
-        if lobes[1].is_some() { Geometry::Transmission } else { Geometry::Reflection };
+    let geometry = if lobes[1].is_some() { Geometry::Transmission } else { Geometry::Reflection };
     let sample = match boundary.eta() {
         Some(eta) => Sample::Plate {
             eta: RelativeIor::new(eta).ok()?,
@@ -59,7 +58,8 @@ pub fn distance_percent(
     let thetas: Vec<f64> = (0..=count).map(|k| -90.0 + f64::from(k) * step_deg).collect();
     let plan = forward::Plan::product(&SIGMAS, &thetas);
     let effort = if full { Effort::Full } else { Effort::Draft };
-    let of_table = with_view!(table, view => quadrature(&view, &setup, &plan, effort).values, else Vec::new());
+    let of_table =
+        with_view!(table, view => quadrature(&view, &setup, &plan, effort).values, else Vec::new());
     with_boundary!(boundary,
     b => rmsd_percent(&quadrature(b, &setup, &plan, effort).values, &of_table),
     traced t => {
@@ -113,11 +113,7 @@ pub fn energy_error(boundary: &Boundary, table: &EmbeddedTable) -> Option<f64> {
 fn summed(table: &EmbeddedTable, (side, lobe): (Side, Lobe), cos: f64) -> f64 {
     const POINTS: u32 = 46_368;
     const STEP: u32 = 28_657;
-    fn of<S: Storage>(
-        view: &BsdfTableRef<'_, S>,
-        (side, lobe): (Side, Lobe),
-        cos: f64,
-    ) -> f64 {
+    fn of<S: Storage>(view: &BsdfTableRef<'_, S>, (side, lobe): (Side, Lobe), cos: f64) -> f64 {
         let wi = balance::incident(side, cos);
         let coherent = view.coherent(wi).map_or(0.0, |c| match lobe {
             Lobe::Reflection => c.reflected.weight,

@@ -53,7 +53,10 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     let median = median_slope(law, eta, which);
     let probes = probes(law, eta, which, median);
     let start = LobeHeader {
-        shape: Shape { radii: 40.min(fitted::<S>(9, 5, bytes).radii.max(16)), ..fitted::<S>(9, 5, bytes) },
+        shape: Shape {
+            radii: 40.min(fitted::<S>(9, 5, bytes).radii.max(16)),
+            ..fitted::<S>(9, 5, bytes)
+        },
         form: Form::Masked,
         fall: Fall::Fourth,
         scale: median as f32,
@@ -148,7 +151,9 @@ fn median_slope<B: Bsdf<f64>>(law: &B, eta: f64, (side, lobe): (Side, Lobe)) -> 
     for k in 0..COUNT {
         let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
-        if let Some((_, s, _)) = super::facet::between(eta, [1.0, 0.0], wi, ray.wo).filter(|f| f.1 > 1e-7) {
+        if let Some((_, s, _)) =
+            super::facet::between(eta, [1.0, 0.0], wi, ray.wo).filter(|f| f.1 > 1e-7)
+        {
             slopes.push((s, ray.weight));
         }
     }
