@@ -167,7 +167,8 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
 ) -> Result<(Lobes, f64), NoTable> {
     let mut lobes: Lobes = [const { None }; 4];
     let pilot = Rays { count: plan.rays.count.min(100_000), ..plan.rays };
-    let (incidences, azimuths) = if budget < 4096 { (8, 3) } else { (12, 5) };
+    let (incidences, azimuths) = if budget < 4096 { (12, 4) } else { (16, 5) };
+    let most = if S::BYTES == 1 { 4.0 } else { 16.0 };
     let sides = [Side::Air, Side::Dielectric];
     let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
     let (mut done, mut slope) = (0, None);
@@ -196,7 +197,8 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             progress(step.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
         };
         let both = [reflection.as_mut(), transmission.as_mut()];
-        let fluxes = rays::fill(boundary, both, plan.rays, stop, &tick).ok_or(NoTable::Stopped)?;
+        let fluxes =
+            rays::fill(boundary, both, (plan.rays, most), stop, &tick).ok_or(NoTable::Stopped)?;
         done += usize::from(incidences);
         for (k, grid) in [reflection, transmission].into_iter().enumerate() {
             if let Some(mut grid) = grid {

@@ -35,12 +35,14 @@ struct Gathered {
     rays: f64,
 }
 
-/// Fills both lobes of a side; their incidences must be the same. Fluxes at the nodes of incidence, reflected and transmitted;
+/// Fills both lobes of a side; their incidences must be the same. Values are at most `most` times their mean.
+///
+/// Fluxes at the nodes of incidence, reflected and transmitted;
 /// `None` if `stop` was set.
 pub(super) fn fill<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&mut LobeGrid>; 2],
-    rays: Rays,
+    (rays, most): (Rays, f64),
     stop: &AtomicBool,
     progress: &(dyn Fn() + Sync),
 ) -> Option<Vec<[f64; 2]>> {
@@ -57,7 +59,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         for (grid, nodes) in [&mut reflection, &mut transmission].into_iter().zip(&found.nodes) {
             if let Some(grid) = grid {
                 let wanted: Vec<f64> = nodes.iter().map(|w| w / found.rays).collect();
-                sharpen(grid, j, &wanted, found.rays);
+                sharpen(grid, j, &wanted, found.rays, most);
             }
         }
         progress();
@@ -150,7 +152,7 @@ fn corners(grid: &LobeGrid, s: f64, p: f64) -> [(usize, f64); 4] {
 }
 
 /// Finds values whose means about the nodes are those wanted.
-fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64) {
+fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64, most: f64) {
     let cos = grid.cosine(incidence);
     let beam: Beam = grid.beam(cos);
     let (form, fall, s0) = (grid.header.form, grid.header.fall, f64::from(grid.header.scale));
@@ -188,6 +190,12 @@ fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64) {
     }
     let reached = means(&vec![1.0; v.len()]);
     spread(&mut v, radii, |at| if reached[at] > 0.0 { wanted[at] * rays } else { 0.0 });
+    // light of several bounces may lie where a single facet sends next to none; it must not cost all others their digits
+    let all: f64 = wanted.iter().sum();
+    let mean: f64 = wanted.iter().zip(&v).map(|(w, v)| w * v).sum::<f64>() / all.max(1e-300);
+    for v in &mut v {
+        *v = v.min(most * mean);
+    }
     grid.plane(incidence).copy_from_slice(&v);
 }
 
