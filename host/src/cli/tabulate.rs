@@ -1,5 +1,6 @@
 //! `tabulate`: the table of a model for a microcontroller.
 
+use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use asperity_core::bsdf::Lobe;
@@ -179,15 +180,17 @@ fn human(answer: &Answer) -> String {
     let mut text = format!("{} bytes, {} values\n", answer.bytes, answer.storage);
     for (name, nodes) in lobes.iter().zip(&answer.nodes) {
         if let Some([i, a, r]) = nodes {
-            text += &format!("  {name}: {i} incidences, {a} azimuths, {r} slopes\n");
+            let _ = writeln!(text, "  {name}: {i} incidences, {a} azimuths, {r} slopes");
         }
     }
     match answer.distance_percent {
-        Some(d) => text += &format!("distance from the model, eq. (18): {d:.3} %\n"),
+        Some(d) => {
+            let _ = writeln!(text, "distance from the model, eq. (18): {d:.3} %");
+        }
         None => text += "distance from the model: not known without all lobes of a traced model\n",
     }
     if let Some(e) = answer.energy_error {
-        text += &format!("largest error of the flux of a lobe: {:.3} %\n", 100.0 * e);
+        let _ = writeln!(text, "largest error of the flux of a lobe: {:.3} %", 100.0 * e);
     }
     text
 }

@@ -1,9 +1,9 @@
 //! Makes the table of a boundary for a microcontroller.
 //!
 //! A law that can be evaluated is looked up at the nodes, and what is divided out, the scale of slopes and the numbers of nodes
-//! are those that err least ([`search`]). A boundary that can only be sampled sends rays ([`rays`]). Then the
+//! are those that err least (`search`). A boundary that can only be sampled sends rays (`rays`). Then the
 //! lobes are given the flux of the model at each node of incidence, and where the table would give more than it receives
-//! between nodes, both are lowered ([`balance`]).
+//! between nodes, both are lowered (`balance`).
 
 mod facet;
 mod grid;
@@ -146,7 +146,7 @@ fn of_storage<S: Storage>(
                 return Err(NoTable::Stopped);
             }
             let mut grid = search::best::<_, S>(b, eta, which, budget);
-            balance::to_model::<S>(&mut grid, |cos, grid| grid.flux_of(b, cos));
+            balance::to_model(&mut grid, |cos, grid| grid.flux_of(b, cos));
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
@@ -204,7 +204,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             if let Some(mut grid) = grid {
                 let known: Vec<(f64, f64)> =
                     fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
-                balance::to_model::<S>(&mut grid, |cos, _| balance::between(&known, cos));
+                balance::to_model(&mut grid, |cos, _| balance::between(&known, cos));
                 lobes[2 * at + k] = Some(grid);
             }
         }
