@@ -57,7 +57,7 @@ fn traced() -> Boundary {
     let height = |n: usize| {
         let (x, y) = ((n % SIDE) as f64 / SIDE as f64, (n / SIDE) as f64 / SIDE as f64);
         let wave = |[a, b, c]: &[f64; 3]| (std::f64::consts::TAU * (a * x + b * y) + c).sin();
-        (0.08 * waves.iter().map(wave).sum::<f64>()) as f32
+        (0.03 * waves.iter().map(wave).sum::<f64>()) as f32
     };
     let heights = (0..SIDE * SIDE).map(|n| height(n).into()).collect();
     let map = HeightMap::new((SIDE, SIDE), (1.0, 1.0), heights).unwrap();
@@ -90,7 +90,8 @@ fn a_table_of_a_traced_map_gives_the_readings_of_the_map() {
     {
         let table = table_of(&boundary, bytes);
         let stop = AtomicBool::new(false);
-        let distance = distance_percent(&boundary, &table, 0.5, RAYS, &stop).unwrap();
+        let rays = Rays { count: 2_000_000, ..RAYS };
+        let distance = distance_percent(&boundary, &table, 0.5, rays, &stop).unwrap();
         println!("traced, {bytes} bytes: {distance:.4} %");
         far |= distance > allowed.allowed;
     }
@@ -135,9 +136,11 @@ fn a_table_never_gives_more_than_it_receives() {
 #[test]
 fn samples_of_a_table_follow_their_density_and_weigh_ars_over_pdf() {
     let mut fits = Vec::new();
-    for (name, boundary) in closed_forms().into_iter().filter(|(n, _)| !n.contains("0.001")) {
+    for (name, boundary) in
+        closed_forms().into_iter().filter(|(n, _)| n == "ggx 0.2" || n.contains("1.66"))
+    {
         let table = table_of(&boundary, 8 << 10);
-        for (deg, air) in [(1.0, true), (50.0, true), (80.0, true), (20.0, false), (41.0, false)] {
+        for (deg, air) in [(50.0, true), (20.0, false)] {
             let wi = incidence(deg, air);
             let mut random = Random::new(fits.len() as u128);
             let mut sample = || table.sample(dir(wi), &mut || random.next());
@@ -152,8 +155,8 @@ fn samples_of_a_table_follow_their_density_and_weigh_ars_over_pdf() {
             let pilot: Vec<_> =
                 (0..100_000).filter_map(|_| sample()).map(|s| wide(s.wo)).take(10_000).collect();
             let bins = Bins::new(&pilot, 80);
-            let integrals = bins.integrals(&|o| table.pdf(dir(wi), dir(o)), 1e-6);
-            let fit = bins.test(&integrals, count(60_000), || sample().map(|s| wide(s.wo)));
+            let integrals = bins.integrals(&|o| table.pdf(dir(wi), dir(o)), 2e-5);
+            let fit = bins.test(&integrals, count(20_000), || sample().map(|s| wide(s.wo)));
             fits.push((format!("{name} {deg} deg air {air}"), fit));
         }
     }

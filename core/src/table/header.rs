@@ -114,8 +114,12 @@ impl Header {
         for (((side, [r, t]), rows), grazing) in
             sides.iter_mut().zip(lobes).zip(self.fluxes).zip(self.grazing)
         {
-            side.reflection = next_lobe(r, &mut arrays)?;
-            side.transmission = next_lobe(t, &mut arrays)?;
+            if let Some(header) = r {
+                side.reflection = Some(next_lobe(header, &mut arrays)?);
+            }
+            if let Some(header) = t {
+                side.transmission = Some(next_lobe(header, &mut arrays)?);
+            }
             side.fluxes = take(&mut arrays.fluxes, usize::from(rows))?;
             side.grazing = grazing;
         }
@@ -124,11 +128,11 @@ impl Header {
 }
 
 fn next_lobe<'a, S: Storage>(
-    header: Option<LobeHeader>,
+    header: LobeHeader,
     from: &mut Arrays<'a, S>,
-) -> Option<Option<LobeTable<'a, S>>> {
-    let Some(LobeHeader { shape, form, fall, scale, grazing }) = header else { return Some(None) };
-    Some(Some(LobeTable {
+) -> Option<LobeTable<'a, S>> {
+    let LobeHeader { shape, form, fall, scale, grazing } = header;
+    Some(LobeTable {
         shape,
         form,
         fall,
@@ -138,7 +142,7 @@ fn next_lobe<'a, S: Storage>(
         values: take(&mut from.values, shape.values())?,
         quantiles: take(&mut from.quantiles, shape.quantiles())?,
         leans: take(&mut from.leans, shape.leans())?,
-    }))
+    })
 }
 
 fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {

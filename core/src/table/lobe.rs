@@ -95,7 +95,7 @@ pub(super) struct Drawn<T> {
     pub(super) density: T,
 }
 
-impl<'a, S: Storage> LobeTable<'a, S> {
+impl<S: Storage> LobeTable<'_, S> {
     /// Checks numbers against lengths and domains.
     pub(super) fn check(&self) -> Result<(), TableError> {
         let Shape { incidences, azimuths, radii, intervals } = self.shape;

@@ -64,10 +64,7 @@ pub(super) fn between(known: &[(f64, f64)], cos: f64) -> f64 {
 }
 
 /// Scales each incidence so that its flux is the model's.
-pub(super) fn to_model<S: Storage>(
-    grid: &mut LobeGrid,
-    model: impl Fn(f64, &LobeGrid) -> f64 + Sync,
-) {
+pub(super) fn to_model(grid: &mut LobeGrid, model: impl Fn(f64, &LobeGrid) -> f64 + Sync) {
     let cosines: Vec<f64> =
         (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
     let own = grid.with_table::<f32, _>(|table| {

@@ -146,7 +146,7 @@ fn of_storage<S: Storage>(
                 return Err(NoTable::Stopped);
             }
             let mut grid = search::best::<_, S>(b, eta, which, budget);
-            balance::to_model::<S>(&mut grid, |cos, grid| grid.flux_of(b, cos));
+            balance::to_model(&mut grid, |cos, grid| grid.flux_of(b, cos));
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
@@ -204,7 +204,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             if let Some(mut grid) = grid {
                 let known: Vec<(f64, f64)> =
                     fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
-                balance::to_model::<S>(&mut grid, |cos, _| balance::between(&known, cos));
+                balance::to_model(&mut grid, |cos, _| balance::between(&known, cos));
                 lobes[2 * at + k] = Some(grid);
             }
         }
