@@ -215,3 +215,37 @@ fn single_precision_and_extremes_are_finite() {
         }
     }
 }
+
+#[test]
+fn a_table_file_comes_back_as_it_was_and_damage_is_refused() {
+    use asperity::embedded::{read, write};
+    use asperity::output::AtomicFile;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.bsdft");
+    let table = table_of(&Boundary::Ggx(ggx(0.2, 1.49)), 8 << 10);
+    write(AtomicFile::create(&path).unwrap(), &table, "ggx", Some(0.1)).unwrap();
+    let (again, record) = read(&path).unwrap();
+    assert_eq!((&again, &*record.method), (&table, "ggx"));
+    let bytes = std::fs::read(&path).unwrap();
+    let refused = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        read(&path).unwrap_err().to_string()
+    };
+    assert!(refused(&bytes[..bytes.len() - 1]).contains("cut or damaged"));
+    assert!(refused(b"{}").contains("is no table") && refused(b"").contains("is no table"));
+    let huge = String::from_utf8_lossy(&bytes[..bytes.iter().position(|b| *b == b'\n').unwrap()])
+        .replacen("\"radii\":", "\"radii\":6", 1);
+    assert!(!refused(format!("{huge}\n").as_bytes()).is_empty());
+    // any byte may be wrong: an error or a table, never a panic
+    let mut random = Random::new(8);
+    for _ in 0..300 {
+        let mut bad = bytes.clone();
+        let at = random.between(0.0, bad.len() as f64) as usize;
+        bad[at] ^= 1 << (at % 8);
+        std::fs::write(&path, &bad).unwrap();
+        if let Ok((table, _)) = read(&path) {
+            let wi = dir(incidence(30.0, true));
+            assert!(table.eval(wi, wi).is_finite());
+        }
+    }
+}
