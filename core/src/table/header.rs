@@ -114,10 +114,11 @@ impl Header {
         for (((side, [r, t]), rows), grazing) in
             sides.iter_mut().zip(lobes).zip(self.fluxes).zip(self.grazing)
         {
-            for (place, lobe) in [(&mut side.reflection, r), (&mut side.transmission, t)] {
-                if let Some(header) = lobe {
-                    *place = Some(next_lobe(header, &mut arrays)?);
-                }
+            if let Some(header) = r {
+                side.reflection = Some(next_lobe(header, &mut arrays)?);
+            }
+            if let Some(header) = t {
+                side.transmission = Some(next_lobe(header, &mut arrays)?);
             }
             side.fluxes = take(&mut arrays.fluxes, usize::from(rows))?;
             side.grazing = grazing;

@@ -244,7 +244,8 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
             Form::Drawn => facets,
         };
         let weight = ars / density;
-        (weight > T::ZERO && weight.is_finite()).then_some(Scattered { wo, weight })
+        // a weight of 0 is a draw as any other: the density counts it
+        (weight >= T::ZERO && weight.is_finite()).then_some(Scattered { wo, weight })
     }
 
     /// Shares of the samples: diffuse reflection and transmission, coherent reflection and transmission.

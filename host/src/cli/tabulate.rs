@@ -1,6 +1,5 @@
 //! `tabulate`: the table of a model for a microcontroller.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use asperity_core::bsdf::Lobe;
@@ -180,19 +179,22 @@ fn human(answer: &Answer) -> String {
     let mut text = format!("{} bytes, {} values\n", answer.bytes, answer.storage);
     for (name, nodes) in lobes.iter().zip(&answer.nodes) {
         if let Some([i, a, r]) = nodes {
-            let _ = writeln!(text, "  {name}: {i} incidences, {a} azimuths, {r} slopes");
+            push(&mut text, format_args!("  {name}: {i} incidences, {a} azimuths, {r} slopes\n"));
         }
     }
     match answer.distance_percent {
-        Some(d) => {
-            let _ = writeln!(text, "distance from the model, eq. (18): {d:.3} %");
-        }
+        Some(d) => push(&mut text, format_args!("distance from the model, eq. (18): {d:.3} %\n")),
         None => text += "distance from the model: not known without all lobes of a traced model\n",
     }
     if let Some(e) = answer.energy_error {
-        let _ = writeln!(text, "largest error of the flux of a lobe: {:.3} %", 100.0 * e);
+        push(&mut text, format_args!("largest error of the flux of a lobe: {:.3} %\n", 100.0 * e));
     }
     text
+}
+
+fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
+    // writing to a string cannot fail
+    let _ = std::fmt::Write::write_fmt(text, line);
 }
 
 fn made(

@@ -15,6 +15,8 @@ const SCALES: [f64; 6] = [0.35, 0.6, 1.0, 1.7, 3.0, 5.0];
 const GRAZING: [f32; 4] = [0.0, 1.0, 3.0, 8.0];
 const INCIDENCES: [u16; 7] = [5, 7, 9, 12, 16, 20, 26];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
+/// Values beyond which a lobe need not use up its bytes.
+const MANY: usize = 24_000;
 /// Incidences at which errors are looked at, degrees: those of the instrument and between them.
 const ANGLES: [f64; 13] =
     [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 84.0];
@@ -88,7 +90,8 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     for incidences in INCIDENCES {
         for azimuths in AZIMUTHS {
             let shape = fitted::<S>(incidences, azimuths, bytes);
-            if shape.radii >= 12 {
+            let used = shape.values() * S::BYTES;
+            if shape.radii >= 12 && (2 * used > bytes || shape.values() >= MANY) {
                 for grazing in GRAZING {
                     shapes.push(LobeHeader { shape, grazing, ..kind });
                 }
@@ -96,6 +99,7 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         }
     }
     if shapes.is_empty() {
+        // too few bytes for any of them
         shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
     }
     // of those that err little, the one whose flux errs least between its nodes
