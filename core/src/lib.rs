@@ -21,6 +21,7 @@ pub mod sampling;
 pub mod fresnel;
 pub mod ndf;
 pub mod bsdf;
+pub mod table;
 pub mod plate;
 pub mod gonio;
 pub mod metric;

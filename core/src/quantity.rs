@@ -101,6 +101,15 @@ impl<T: Real> RelativeIor<T> {
         self.inverse
     }
 
+    /// The same index in another precision, each number rounded once.
+    #[inline(always)]
+    pub fn cast<U: Real>(self) -> RelativeIor<U> {
+        RelativeIor {
+            value: U::from_f64(self.value.to_f64()),
+            inverse: U::from_f64(self.inverse.to_f64()),
+        }
+    }
+
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.
     #[inline(always)]
     pub fn is_matched(self) -> bool {

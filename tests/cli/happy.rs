@@ -490,3 +490,31 @@ fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
     // the scan is a scan like any other
     folder.run("fit new/results/scan.csv --method ggx --sigma-range 0:15").ok();
 }
+
+#[test]
+fn tabulate_makes_a_table_and_its_sources() {
+    let folder = Folder::new();
+    folder.run(&format!("{GGX} -o m.json")).ok();
+    let answer =
+        folder.run("tabulate m.json --bytes 8192 -o t.bsdft --rust t.rs --c t.h --json").json();
+    assert_eq!((&answer["asperity"], &answer["storage"]), (&1.into(), &"u8".into()));
+    assert!(answer["bytes"].as_u64().unwrap() <= 8192);
+    assert!(answer["distance_percent"].as_f64().unwrap() < 1.0, "{answer}");
+    let (rust, c) = (folder.text("t.rs"), folder.text("t.h"));
+    assert!(rust.contains("static VALUES: [u8; ") && rust.contains("pub fn table()"));
+    assert!(c.contains("static const uint8_t bsdf_t_values[") && c.contains("#endif"));
+    let bytes = std::fs::read(folder.path("t.bsdft")).unwrap();
+    let line = bytes.iter().position(|b| *b == b'\n').unwrap();
+    let header: Value = serde_json::from_slice(&bytes[..line]).unwrap();
+    assert_eq!(header["payload_bytes"], bytes.len() - line - 1);
+    let one = folder
+        .run("tabulate m.json --side air --lobe transmission --max-error 0.3 -o s.bsdft")
+        .ok();
+    assert!(one.contains("air, transmission") && !one.contains("reflection"), "{one}");
+    assert!(
+        folder.run("tabulate m.json --bytes 100 -o u.bsdft").with_code(2).err.contains("too few")
+    );
+    let line = "tabulate m.json --side air --lobe reflection --max-error 1e-9 -o u.bsdft";
+    folder.run(line).with_code(1);
+    assert!(!folder.path("u.bsdft").exists());
+}

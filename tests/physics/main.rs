@@ -19,3 +19,4 @@ mod sampling;
 mod extremes;
 mod plate;
 mod table;
+mod embedded_table;

@@ -15,25 +15,30 @@ use crate::quantity::RelativeIor;
 
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HalfVector<T> {
+pub(crate) struct HalfVector<T> {
     /// Whether there is one: no direction in the surface, no facet turned away, no matched media, no NaN.
     /// If not, the other fields mean nothing, and may be infinite or NaN.
-    pub(super) possible: bool,
+    pub(crate) possible: bool,
     /// `h_x^2 + h_y^2`.
-    pub(super) xy2: T,
+    pub(crate) xy2: T,
     /// `h_z^2`.
-    pub(super) z2: T,
+    pub(crate) z2: T,
     /// `|wi . h|`.
-    pub(super) ih: T,
+    pub(crate) ih: T,
+    /// `wi_x m_x + wi_y m_y` times `|h|`, for `wi` seen from its side of the facet: negative where the facet is turned
+    /// towards the mirror direction.
+    pub(crate) along: T,
+    /// `|wi . m| J`, dimensionless: `share` without Fresnel's factor.
+    pub(crate) turn: T,
     /// `|wi . m| * J * (F or 1 - F)`, dimensionless, where `J = d omega_m / d omega_o`:
     /// `F / 4` in reflection \[Walter2007, eq. 14\], eq. 17 times `|wi . m| (1 - F)` in transmission.
-    pub(super) share: T,
+    pub(crate) share: T,
 }
 
 impl<T: Real> HalfVector<T> {
     /// The facet between two directions, on any sides.
     #[inline(always)]
-    pub(super) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
+    pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
         let [ix, iy, iz] = wi.xyz();
         let [ox, oy, oz] = wo.xyz();
         let sign_i = T::ONE.copysign(iz);
@@ -80,6 +85,8 @@ impl<T: Real> HalfVector<T> {
             xy2,
             z2,
             ih: c,
+            along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
+            turn: choose(mirrored, || T::from_f64(0.25), || (n * c / hh) * (g / hh)),
             share: choose(
                 mirrored,
                 || reflected() * T::from_f64(0.25),

@@ -15,6 +15,8 @@ pub use normals::Normals;
 pub use opaque::OpaqueGgx;
 pub use smooth::Smooth;
 
+pub(crate) use half::HalfVector;
+
 use crate::direction::Direction;
 use crate::math::Real;
 

@@ -17,6 +17,7 @@ mod device {
     use asperity_core::ndf::law::{Law, Profile};
     use asperity_core::ndf::normals::NormalDensity;
     use asperity_core::quantity::{Alpha, RelativeIor};
+    use asperity_core::table::{Arrays, Fall, Form, Header, LobeHeader, Shape, Storage};
     use cortex_m_rt::entry;
     use cortex_m_semihosting::hprintln;
     use panic_semihosting as _;
@@ -83,6 +84,9 @@ mod device {
         let raw = pairs();
         laws::<f32>("exact", &raw)?;
         laws::<Fast<f32>>("fast", &raw)?;
+        table::<u8>("table-u8", 140, &raw)?;
+        table::<u16>("table-u16", 36_000, &raw)?;
+        table::<f32>("table-f32", 0.55, &raw)?;
         hprintln!("ok");
         Some(())
     }
@@ -94,6 +98,42 @@ mod device {
         let normals: Normals<T, 64> = Normals::new(NormalDensity::new(profile), eta);
         law(tier, "ggx", &ggx, raw);
         law(tier, "normals", &normals, raw);
+        Some(())
+    }
+
+    /// Four lobes of one value: what a call costs does not depend on what it finds.
+    fn table<S: Storage>(name: &str, value: S, raw: &[Pair; PAIRS]) -> Option<()>
+    where
+        for<'a> asperity_core::table::BsdfTableRef<'a, S>: Bsdf<Fast<f32>>,
+    {
+        const SHAPE: Shape = Shape { incidences: 6, azimuths: 4, radii: 16, intervals: 8 };
+        let lobe = LobeHeader {
+            shape: SHAPE,
+            form: Form::Masked,
+            fall: Fall::Fourth,
+            scale: 0.3,
+            grazing: 1.0,
+        };
+        let header = Header {
+            eta: RelativeIor::new(1.49).ok()?,
+            slope: 0.3,
+            lobes: [Some(lobe); 4],
+            fluxes: [8; 2],
+            grazing: [1.0; 2],
+        };
+        let values = [value; 4 * SHAPE.values()];
+        let mut quantiles = [0; 4 * SHAPE.quantiles()];
+        for (k, q) in quantiles.iter_mut().enumerate() {
+            *q = 7000 * (k % 9) as u16;
+        }
+        let table = header.table(Arrays {
+            gains: &[2.0 / S::FULL; 4 * SHAPE.incidences as usize],
+            values: &values,
+            quantiles: &quantiles,
+            leans: &[20; 4 * SHAPE.leans()],
+            fluxes: &[[6000, 50_000, 0, 0]; 16],
+        });
+        law::<Fast<f32>, _>("fast", name, &table.ok()?, raw);
         Some(())
     }
 

@@ -31,6 +31,7 @@ mod port;
 mod planning;
 mod acquire;
 mod instrument;
+mod tabulate;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -62,6 +63,7 @@ Examples:
   asperity eval m.json < pairs.csv                     values of the BSDF
   asperity stats map.x3p                               roughness of a height map
   asperity acquire --port /dev/ttyUSB0 -o scan.csv     measure on a goniophotometer
+  asperity tabulate m.json --bytes 8192 -o m.bsdft     a table for a microcontroller
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no or the instrument fails,
 2 bad usage or bad input.";
@@ -78,6 +80,7 @@ enum Verb {
     Stats(stats::Args),
     Acquire(acquire::Args),
     Instrument(instrument::Args),
+    Tabulate(tabulate::Args),
     Completions(completions::Args),
 }
 
@@ -103,6 +106,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Stats(a) => stats::run(&a),
         Verb::Acquire(a) => acquire::run(&a),
         Verb::Instrument(a) => instrument::run(&a),
+        Verb::Tabulate(a) => tabulate::run(&a),
         Verb::Completions(a) => completions::run(&a),
     };
     match done {

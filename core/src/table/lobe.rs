@@ -1,0 +1,243 @@
+//! One lobe from one side: its values, and the quantiles it is sampled with.
+
+use super::axes::{Place, real, whole};
+use super::storage::Storage;
+use super::view::TableError;
+use crate::math::Real;
+
+/// What is divided out of a lobe. `S = |wi.m| J F` is the exact share of one facet: its Fresnel factor
+/// (reflected or transmitted), its Jacobian `J = d omega_m / d omega_o` and its projection on `wi`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `f = Q S`: facets that shadow each other, whose `Q` stays finite at the horizon (GGX; traced maps).
+    Masked,
+    /// `f = Q S / |cos_i cos_o|`: facets met in proportion to their projected area (Kirchhoff's waves).
+    Unmasked,
+    /// `f = Q S / (|wi.m| |cos_o|)`: facets met in proportion to their number (the method `normals`).
+    Drawn,
+}
+
+/// How the tail of `Q` falls: `Q = v^2 q^n` with `q = s0 / (s0^2 cos^2 + sin^2)` of the facet's polar angle,
+/// so `v` is constant for GGX facets (`n` = 2), `1/s^2` tails (`n` = 1), or as `Q` itself (`n` = 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fall {
+    /// `n` = 0.
+    Flat,
+    /// `n` = 1.
+    Second,
+    /// `n` = 2.
+    Fourth,
+}
+
+/// Numbers of nodes; each at least 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Of the cosine of incidence.
+    pub incidences: u16,
+    /// Of the azimuth's cosine.
+    pub azimuths: u16,
+    /// Of the radius.
+    pub radii: u16,
+    /// Intervals of equal probability that samples are drawn from; at least 1.
+    pub intervals: u16,
+}
+
+impl Shape {
+    /// Number of values.
+    pub const fn values(self) -> usize {
+        self.incidences as usize * self.azimuths as usize * self.radii as usize
+    }
+    /// Number of quantiles.
+    pub const fn quantiles(self) -> usize {
+        self.incidences as usize * (self.intervals as usize + 1)
+    }
+    /// Number of leans.
+    pub const fn leans(self) -> usize {
+        self.incidences as usize * self.intervals as usize
+    }
+}
+
+/// A lobe; a view of arrays that may lie in flash.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LobeTable<'a, S> {
+    /// Numbers of nodes.
+    pub shape: Shape,
+    /// What is divided out.
+    pub form: Form,
+    /// How the tail falls.
+    pub fall: Fall,
+    /// `s0`, the scale of slopes.
+    pub scale: f32,
+    /// `k`, by which nodes of incidence crowd towards grazing.
+    pub grazing: f32,
+    /// What one unit of the stored values is worth, one an incidence.
+    pub gains: &'a [f32],
+    /// `v`: radii run fastest, then azimuths, then incidences.
+    pub values: &'a [S],
+    /// `r^2` in units of 1/65536, strictly ascending from 0 within each incidence.
+    pub quantiles: &'a [u16],
+    /// Mean of the azimuth's cosine in each interval, in units of 1/128.
+    pub leans: &'a [i8],
+}
+
+/// A facet drawn from a lobe, about the z axis with the mirror direction on the side of +x.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drawn<T> {
+    /// Unit normal.
+    pub(super) m: [T; 3],
+    /// Cosine of its azimuth.
+    pub(super) p: T,
+    /// `r`.
+    pub(super) r: T,
+    /// `q` of [`Fall`].
+    pub(super) q: T,
+    /// Density per solid angle of the normal.
+    pub(super) density: T,
+}
+
+impl<S: Storage> LobeTable<'_, S> {
+    /// Checks numbers against lengths and domains.
+    pub(super) fn check(&self) -> Result<(), TableError> {
+        let Shape { incidences, azimuths, radii, intervals } = self.shape;
+        if incidences < 2 || azimuths < 2 || radii < 2 || intervals < 1 {
+            return Err(TableError::Shape);
+        }
+        let lengths = self.gains.len() == usize::from(incidences)
+            && self.values.len() == self.shape.values()
+            && self.quantiles.len() == self.shape.quantiles()
+            && self.leans.len() == self.shape.leans();
+        if !lengths {
+            return Err(TableError::Length);
+        }
+        let fine = |x: f32, least: f32, most: f32| (least..=most).contains(&x);
+        let numbers = fine(self.scale, 1e-7, 1e4)
+            && fine(self.grazing, 0.0, 100.0)
+            && self.gains.iter().all(|&g| fine(g, 0.0, 1e15))
+            && self.values.iter().all(|v| fine(v.get::<f32>(), 0.0, S::FULL));
+        if !numbers {
+            return Err(TableError::Number);
+        }
+        let row = usize::from(intervals) + 1;
+        let ascends = |row: &[u16]| {
+            row.first() == Some(&0) && row.windows(2).all(|w| matches!(w, [a, b] if a < b))
+        };
+        let leans = self.leans.iter().all(|l| l.unsigned_abs() <= 125);
+        if self.quantiles.chunks(row).all(ascends) && leans {
+            Ok(())
+        } else {
+            Err(TableError::Quantiles)
+        }
+    }
+
+    /// Where a cosine of incidence lies.
+    #[inline(always)]
+    pub(super) fn incidence<T: Real>(&self, c: T) -> Place<T> {
+        Place::of(super::axes::incidence_place(c, real(self.grazing)), self.shape.incidences)
+    }
+
+    /// `v` at an incidence, an azimuth's cosine and a radius.
+    #[inline(always)]
+    pub(super) fn value<T: Real>(&self, y: Place<T>, p: T, r: T) -> T {
+        let Shape { azimuths, radii, .. } = self.shape;
+        let p = Place::of(T::HALF + T::HALF * p, azimuths);
+        let r = Place::of(r, radii);
+        let (rows, columns) = (usize::from(azimuths), usize::from(radii));
+        let at = (y.cell * rows + p.cell) * columns + r.cell;
+        let beyond = at + rows * columns;
+        let pair = |from: usize| -> Option<T> {
+            let &[a, b] = self.values.get(from..from + 2)?.first_chunk()?;
+            Some(r.mix(a.get(), b.get()))
+        };
+        let plane = |from: usize| Some(p.mix(pair(from)?, pair(from + columns)?));
+        let Some(&[low, high]) = self.gains.get(y.cell..).and_then(|g| g.first_chunk()) else {
+            return T::ZERO;
+        };
+        match (plane(at), plane(beyond)) {
+            (Some(a), Some(b)) => y.mix(a * real(low), b * real(high)),
+            _ => T::ZERO,
+        }
+    }
+
+    /// `Q` from `v` and `q`.
+    #[inline(always)]
+    pub(super) fn shaped<T: Real>(&self, v: T, q: T) -> T {
+        match self.fall {
+            Fall::Flat => v * v,
+            Fall::Second => v * v * q,
+            Fall::Fourth => (v * q) * (v * q),
+        }
+    }
+
+    /// Ends of interval `k` in `r^2`, and its lean.
+    #[inline(always)]
+    fn interval<T: Real>(&self, y: Place<T>, k: usize) -> Option<(T, T, T)> {
+        let count = usize::from(self.shape.intervals);
+        let unit = T::from_f64(1.0 / 65536.0);
+        let ends = |row: usize| -> Option<&[u16; 2]> {
+            self.quantiles.get(row * (count + 1) + k..)?.first_chunk()
+        };
+        let (&[a, b], &[c, d]) = (ends(y.cell)?, ends(y.cell + 1)?);
+        let lean = |row: usize| -> Option<T> {
+            self.leans.get(row * count + k).map(|&l| T::from_f64(f64::from(l)))
+        };
+        let lean = y.mix(lean(y.cell)?, lean(y.cell + 1)?) * T::from_f64(1.0 / 128.0);
+        Some((y.mix(whole(a), whole(c)) * unit, y.mix(whole(b), whole(d)) * unit, lean))
+    }
+
+    /// A facet from two uniforms: `u[0]` its azimuth, `u[1]` its slope.
+    #[inline(always)]
+    pub(super) fn draw<T: Real>(&self, y: Place<T>, u: [T; 2]) -> Option<Drawn<T>> {
+        let scaled = u[1] * whole(self.shape.intervals);
+        let k = scaled.to_index().min(usize::from(self.shape.intervals) - 1);
+        let (a, b, lean) = self.interval(y, k)?;
+        let t = a + (scaled - whole(k as u16)).min(T::ONE) * (b - a);
+        let r = t.sqrt_positive();
+        // A circle turned into itself by a Moebius map: the wrapped Cauchy law, whose mean cosine is `lean`.
+        let (s, c) = (T::TWO * T::PI * u[0]).sin_cos();
+        let (plus, minus) = (T::ONE + lean * lean, T::ONE - lean * lean);
+        let d = plus + T::TWO * lean * c;
+        let over = T::ONE / (d * minus);
+        let (p, sin) = ((c * plus + T::TWO * lean) * over * minus, s * minus * over * minus);
+        let around = d * d * over * T::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        let s0: T = real(self.scale);
+        let (x, z) = (s0 * r, T::ONE - r);
+        let inverse = T::ONE / (x * x + z * z).sqrt();
+        let (sin_m, cos_m) = (x * inverse, z * inverse);
+        // dt = 2 r dr, d omega = s ds cos^3, ds = s0 / (1 - r)^2 dr
+        let width =
+            whole::<T>(self.shape.intervals) * (b - a) * s0 * s0 * inverse * inverse * inverse;
+        let q = s0 / (s0 * s0 * cos_m * cos_m + sin_m * sin_m);
+        Some(Drawn {
+            m: [sin_m * p, sin_m * sin, cos_m],
+            p,
+            r,
+            q,
+            density: T::TWO * around / width,
+        })
+    }
+
+    /// Density of [`Self::draw`] per solid angle, for a facet of radius `r`, azimuth's cosine `p` and polar cosine `cos_m`.
+    pub(super) fn density<T: Real>(&self, y: Place<T>, p: T, r: T, cos_m: T) -> T {
+        let t = r * r;
+        let count = usize::from(self.shape.intervals);
+        // bisection: the last interval that starts at or below t
+        let (mut low, mut high) = (0, count);
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            match self.interval(y, middle) {
+                Some((a, _, _)) if a <= t => low = middle,
+                _ => high = middle,
+            }
+        }
+        let Some((a, b, lean)) = self.interval(y, low).filter(|i| t < i.1) else {
+            return T::ZERO;
+        };
+        let (plus, minus) = (T::ONE + lean * lean, T::ONE - lean * lean);
+        let around =
+            minus / (plus - T::TWO * lean * p) * T::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        let s0: T = real(self.scale);
+        let ratio = (T::ONE - r) / cos_m;
+        T::TWO * around * ratio * ratio * ratio
+            / (whole::<T>(self.shape.intervals) * (b - a) * s0 * s0)
+    }
+}

@@ -1,0 +1,61 @@
+//! A table that owns its arrays, of sizes known when the program is built.
+
+use super::header::{Arrays, Header};
+use super::side::SideTable;
+use super::storage::Storage;
+use super::view::{BsdfTableRef, TableError};
+
+/// Room for `V` values, `Q` quantiles (and leans), and `N` incidences of lobes and of fluxes.
+///
+/// All the work is done by the [view](Self::view), once for every storage and not once for every size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BsdfTable<S, const V: usize, const Q: usize, const N: usize> {
+    header: Header,
+    gains: [f32; N],
+    values: [S; V],
+    quantiles: [u16; Q],
+    leans: [i8; Q],
+    fluxes: [[u16; 4]; N],
+}
+
+impl<S: Storage, const V: usize, const Q: usize, const N: usize> BsdfTable<S, V, Q, N> {
+    /// Copies and checks arrays of exactly the lengths of the header.
+    ///
+    /// # Errors
+    /// [`TableError::Length`] without room, else those of [`Header::table`].
+    pub fn new(header: Header, arrays: Arrays<'_, S>) -> Result<Self, TableError> {
+        header.table(arrays)?;
+        let mut table = Self {
+            header,
+            gains: [0.0; N],
+            values: [S::default(); V],
+            quantiles: [0; Q],
+            leans: [0; Q],
+            fluxes: [[0; 4]; N],
+        };
+        copy(&mut table.gains, arrays.gains)?;
+        copy(&mut table.values, arrays.values)?;
+        copy(&mut table.quantiles, arrays.quantiles)?;
+        copy(&mut table.leans, arrays.leans)?;
+        copy(&mut table.fluxes, arrays.fluxes)?;
+        Ok(table)
+    }
+
+    /// The numbers.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The table itself.
+    pub fn view(&self) -> BsdfTableRef<'_, S> {
+        let Self { header, gains, values, quantiles, leans, fluxes } = self;
+        let arrays = Arrays { gains, values, quantiles, leans, fluxes };
+        let sides = header.split(arrays).unwrap_or([SideTable::DARK; 2]);
+        BsdfTableRef::of_checked(header.eta, header.slope, sides)
+    }
+}
+
+fn copy<T: Copy>(to: &mut [T], from: &[T]) -> Result<(), TableError> {
+    to.get_mut(..from.len()).ok_or(TableError::Length)?.copy_from_slice(from);
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! What light from one side becomes: two lobes, and their fluxes.
+
+use super::axes::{Place, incidence_place, real, whole};
+use super::lobe::LobeTable;
+use super::storage::Storage;
+use crate::math::Real;
+
+/// Fractions of the incident flux.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fluxes<T> {
+    /// Diffusely reflected.
+    pub reflected: T,
+    /// Diffusely transmitted.
+    pub transmitted: T,
+    /// Share of the specularly reflected light that stays coherent, of what Fresnel gives it.
+    pub coherent_reflected: T,
+    /// The same of the light refracted by Snell's law.
+    pub coherent_transmitted: T,
+}
+
+/// One side of a boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideTable<'a, S> {
+    /// Light that comes back; `None` if it was left out, or is none.
+    pub reflection: Option<LobeTable<'a, S>>,
+    /// Light that goes through.
+    pub transmission: Option<LobeTable<'a, S>>,
+    /// `k` of the incidences of the fluxes.
+    pub grazing: f32,
+    /// Fluxes in units of 1/65535, one row an incidence.
+    pub fluxes: &'a [[u16; 4]],
+}
+
+impl<S: Storage> SideTable<'_, S> {
+    /// A side without any light.
+    pub const DARK: Self = Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] };
+
+    /// Fluxes at a cosine of incidence.
+    #[inline(always)]
+    pub(super) fn at<T: Real>(&self, c: T) -> Fluxes<T> {
+        let nodes = self.fluxes.len() as u16;
+        let y = Place::of(incidence_place(c, real(self.grazing)), nodes);
+        let rows = self.fluxes.get(y.cell..).and_then(|rows| rows.first_chunk());
+        let Some([low, high]) = rows else { return Fluxes::default() };
+        let unit = T::from_f64(1.0 / 65535.0);
+        let mix = |low: u16, high: u16| y.mix(whole(low), whole(high)) * unit;
+        let (&[a, b, c, d], &[e, f, g, h]) = (low, high);
+        Fluxes {
+            reflected: mix(a, e),
+            transmitted: mix(b, f),
+            coherent_reflected: mix(c, g),
+            coherent_transmitted: mix(d, h),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The numbers and arrays of a table, as C has them.
+
+use asperity_core::table::{Arrays, BsdfTableRef, Header, Storage};
+
+use super::pointer::{read, refer, slice};
+use crate::options;
+use crate::status::AsperityStatus as Status;
+use crate::table::{Numbers, Stored, TableLaw};
+
+/// The numbers and arrays of a table: those of the C header that `asperity tabulate --c` writes, under the same names.
+/// `ASPERITY_TABLE_SOURCE` fills it. Lengths count numbers, not bytes. A missing array is null, of length 0.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AsperityTableSource {
+    /// Index of the dielectric over that of air.
+    pub eta: f32,
+    /// Typical slope of the facets.
+    pub slope: f32,
+    /// 4 rows of 6: incidences, azimuths, radii, intervals, form, fall; zeros for a lobe left out.
+    pub lobes: *const u16,
+    /// 4 rows of 2: scale of slopes, crowding of incidences.
+    pub scales: *const f32,
+    /// Incidences of the fluxes from the air and from the dielectric.
+    pub flux_incidences: *const u16,
+    /// Crowding of these.
+    pub flux_grazing: *const f32,
+    /// One an incidence of a lobe.
+    pub gains: *const f32,
+    /// Of `value_bytes` each.
+    pub values: *const core::ffi::c_void,
+    /// Of the samples.
+    pub quantiles: *const u16,
+    /// Of the samples.
+    pub leans: *const i8,
+    /// Four an incidence of the fluxes.
+    pub fluxes: *const u16,
+    /// Length of `gains`.
+    pub gains_length: usize,
+    /// Length of `values`.
+    pub values_length: usize,
+    /// Length of `quantiles`.
+    pub quantiles_length: usize,
+    /// Length of `leans`.
+    pub leans_length: usize,
+    /// Length of `fluxes`.
+    pub fluxes_length: usize,
+    /// Bytes of a value: 1 and 2 are unsigned integers, 4 is `float`.
+    pub value_bytes: u32,
+}
+
+impl AsperityTableSource {
+    /// The numbers.
+    unsafe fn header(&self) -> Result<Header, Status> {
+        // SAFETY: the promise of `abi`
+        let numbers = unsafe {
+            Numbers {
+                eta: self.eta,
+                slope: self.slope,
+                lobes: refer(self.lobes.cast())?,
+                scales: refer(self.scales.cast())?,
+                flux_incidences: read(self.flux_incidences.cast())?,
+                flux_grazing: read(self.flux_grazing.cast())?,
+            }
+        };
+        numbers.header()
+    }
+
+    /// The table, checked, but for the numbers in the arrays of a trusted one.
+    #[inline(always)]
+    pub(super) unsafe fn law(&self, tier: u32, trusted: bool) -> Result<TableLaw<'static>, Status> {
+        let tier = options::tier(tier)?;
+        // SAFETY: the promise of `abi`
+        let table = unsafe {
+            let header = self.header()?;
+            match self.value_bytes {
+                #[cfg(feature = "table-u8")]
+                1 => Stored::U8(self.view(&header, trusted)?),
+                #[cfg(feature = "table-u16")]
+                2 => Stored::U16(self.view(&header, trusted)?),
+                #[cfg(feature = "table-f32")]
+                4 => Stored::F32(self.view(&header, trusted)?),
+                _ => return Err(Status::UnknownOption),
+            }
+        };
+        Ok(TableLaw { table, tier })
+    }
+
+    #[inline(always)]
+    unsafe fn view<S: Storage>(
+        &self,
+        header: &Header,
+        trusted: bool,
+    ) -> Result<BsdfTableRef<'static, S>, Status> {
+        if !self.fluxes_length.is_multiple_of(4) {
+            return Err(Status::TableLength);
+        }
+        // SAFETY: the promise of `abi`
+        let arrays = unsafe {
+            Arrays::<S> {
+                gains: slice(self.gains, self.gains_length)?,
+                values: slice(self.values.cast(), self.values_length)?,
+                quantiles: slice(self.quantiles, self.quantiles_length)?,
+                leans: slice(self.leans, self.leans_length)?,
+                fluxes: slice(self.fluxes.cast(), self.fluxes_length / 4)?,
+            }
+        };
+        if trusted {
+            header.view(arrays).ok_or(Status::TableLength)
+        } else {
+            Ok(header.table(arrays)?)
+        }
+    }
+
+    /// The same numbers with the arrays of a payload.
+    pub(super) unsafe fn over(&self, payload: *const u8, bytes: usize) -> Result<Self, Status> {
+        if cfg!(target_endian = "big") || !matches!(self.value_bytes, 1 | 2 | 4) {
+            return Err(Status::UnknownOption);
+        }
+        if payload.is_null() {
+            return Err(Status::NullPointer);
+        }
+        if !payload.addr().is_multiple_of(align_of::<f32>()) {
+            return Err(Status::Misaligned);
+        }
+        // SAFETY: the promise of `abi`
+        let [gains, values, quantiles, leans, rows] = unsafe { self.header() }?.lengths();
+        let ends = [4 * gains, self.value_bytes as usize * values, 2 * quantiles, leans, 8 * rows];
+        if ends.iter().sum::<usize>() != bytes {
+            return Err(Status::TableLength);
+        }
+        let [at_values, at_quantiles, at_leans, at_fluxes] = {
+            let [a, b, c, d, _] = ends;
+            [a, a + b, a + b + c, a + b + c + d]
+        };
+        Ok(Self {
+            gains: payload.cast(),
+            values: payload.wrapping_add(at_values).cast(),
+            quantiles: payload.wrapping_add(at_quantiles).cast(),
+            leans: payload.wrapping_add(at_leans).cast(),
+            fluxes: payload.wrapping_add(at_fluxes).cast(),
+            gains_length: gains,
+            values_length: values,
+            quantiles_length: quantiles,
+            leans_length: leans,
+            fluxes_length: 4 * rows,
+            ..*self
+        })
+    }
+}

@@ -1,0 +1,137 @@
+//! A table of one of the three storages, in arrays of the caller.
+
+use asperity_core::direction::{Direction, Side};
+use asperity_core::quantity::RelativeIor;
+use asperity_core::table::{BsdfTableRef, Fall, Form, Header, LobeHeader, Shape};
+
+use crate::law::{AsperityRay, Law, exact_ray, exact_value, fast_ray};
+use crate::options::{AsperityQuantity as Quantity, AsperityTier as Tier};
+use crate::status::AsperityStatus as Status;
+
+/// Most nodes of an axis.
+const MOST_NODES: u16 = 4096;
+/// Most values of a lobe, so that no count of bytes overflows 32 bits.
+const MOST_VALUES: u64 = 1 << 26;
+
+/// The numbers of a table as the generated C header has them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Numbers<'a> {
+    pub(crate) eta: f32,
+    pub(crate) slope: f32,
+    pub(crate) lobes: &'a [[u16; 6]; 4],
+    pub(crate) scales: &'a [[f32; 2]; 4],
+    pub(crate) flux_incidences: [u16; 2],
+    pub(crate) flux_grazing: [f32; 2],
+}
+
+impl Numbers<'_> {
+    /// The header of the table; its arrays have lengths that can be computed.
+    pub(crate) fn header(&self) -> Result<Header, Status> {
+        let mut lobes = [None; 4];
+        for ((to, row), scale) in lobes.iter_mut().zip(self.lobes).zip(self.scales) {
+            *to = lobe(row, *scale)?;
+        }
+        if self.flux_incidences.iter().any(|n| *n > MOST_NODES) {
+            return Err(Status::TableShape);
+        }
+        Ok(Header {
+            eta: RelativeIor::new(self.eta)?,
+            slope: self.slope,
+            lobes,
+            fluxes: self.flux_incidences,
+            grazing: self.flux_grazing,
+        })
+    }
+}
+
+/// A lobe from a row of numbers; zeros are a lobe left out.
+fn lobe(row: &[u16; 6], [scale, grazing]: [f32; 2]) -> Result<Option<LobeHeader>, Status> {
+    let &[incidences, azimuths, radii, intervals, form, fall] = row;
+    if row.iter().all(|n| *n == 0) {
+        return Ok(None);
+    }
+    let nodes = [incidences, azimuths, radii, intervals];
+    let values = u64::from(incidences) * u64::from(azimuths) * u64::from(radii);
+    if nodes.iter().any(|n| *n > MOST_NODES) || values > MOST_VALUES {
+        return Err(Status::TableShape);
+    }
+    let form = match form {
+        0 => Form::Masked,
+        1 => Form::Unmasked,
+        2 => Form::Drawn,
+        _ => return Err(Status::TableNumber),
+    };
+    let fall = match fall {
+        0 => Fall::Flat,
+        2 => Fall::Second,
+        4 => Fall::Fourth,
+        _ => return Err(Status::TableNumber),
+    };
+    let shape = Shape { incidences, azimuths, radii, intervals };
+    Ok(Some(LobeHeader { shape, form, fall, scale, grazing }))
+}
+
+/// A table of whatever storage this library was built for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Stored<'a> {
+    #[cfg(feature = "table-u8")]
+    U8(BsdfTableRef<'a, u8>),
+    #[cfg(feature = "table-u16")]
+    U16(BsdfTableRef<'a, u16>),
+    #[cfg(feature = "table-f32")]
+    F32(BsdfTableRef<'a, f32>),
+}
+
+#[cfg(not(any(feature = "table-u8", feature = "table-u16", feature = "table-f32")))]
+compile_error!("choose a storage of tables: a feature `table-u8`, `table-u16` or `table-f32`");
+
+/// A table. Its values need no elementary function, so only samples differ between the tiers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TableLaw<'a> {
+    pub(crate) table: Stored<'a>,
+    pub(crate) tier: Tier,
+}
+
+/// Runs an expression with the view of a table, whatever its storage.
+macro_rules! with_view {
+    ($stored:expr, $view:ident => $body:expr) => {
+        match &$stored {
+            #[cfg(feature = "table-u8")]
+            Stored::U8($view) => $body,
+            #[cfg(feature = "table-u16")]
+            Stored::U16($view) => $body,
+            #[cfg(feature = "table-f32")]
+            Stored::F32($view) => $body,
+        }
+    };
+}
+
+impl TableLaw<'_> {
+    /// Diffusely reflected and transmitted fractions of the flux.
+    #[inline(always)]
+    pub(crate) fn fluxes(&self, cos: f32, side: Side) -> Result<[f32; 2], Status> {
+        if !cos.is_finite() {
+            return Err(Status::NotFinite);
+        }
+        if cos.abs() > 1.0 {
+            return Err(Status::OutOfDomain);
+        }
+        Ok(
+            with_view!(self.table, view => [view.reflectance(cos, side), view.transmittance(cos, side)]),
+        )
+    }
+}
+
+impl Law for TableLaw<'_> {
+    #[inline(always)]
+    fn value(&self, what: Quantity, wi: Direction<f32>, wo: Direction<f32>) -> f32 {
+        with_view!(self.table, view => exact_value(view, what, wi, wo))
+    }
+
+    fn draw(&self, wi: Direction<f32>, uniform: &mut impl FnMut() -> f32) -> AsperityRay {
+        with_view!(self.table, view => match self.tier {
+            Tier::Fast => fast_ray(view, wi, uniform),
+            Tier::Exact => exact_ray(view, wi, uniform),
+        })
+    }
+}

@@ -1,0 +1,197 @@
+"""The native part; import from ``asperity``.
+
+Arrays of directions have the shape (N, 3) or (3,); one vector goes with any number of the other. Results have the shape
+(N,), or are numbers if both arguments are one vector. float32 is computed with if both arguments are float32 arrays.
+"""
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+_Values: TypeAlias = Any
+"""Array (N,) of float32 or float64, or a number of numpy."""
+
+_Samples: TypeAlias = tuple[NDArray[Any], Any]
+"""Directions wo (N, 3) and weights (N,); a lost ray has the weight 0 and NaN for its direction."""
+
+__all__ = ["Ggx", "Model", "Normals", "Scan", "Table", "__version__", "fit", "read_scan"]
+__version__: str
+
+@final
+class Ggx:
+    """GGX facets on a clear dielectric.
+
+    ``alpha``: width of the slopes, 1e-6 to 100; ``ior``: index of the dielectric over that of air, 0.1 to 10.
+    """
+
+    def __new__(cls, alpha: float, ior: float) -> Ggx: ...
+    @property
+    def alpha(self) -> float: ...
+    @property
+    def ior(self) -> float: ...
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """The BSDF f(wi, wo), 1/sr, without cosine."""
+    def ars(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """f |cos theta_o|, 1/sr."""
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """Density of ``sample`` at wo, 1/sr."""
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
+        """Draws rays from uniforms u (N, 3) in [0, 1)."""
+
+@final
+class Normals:
+    """A density of facet normals on a clear dielectric, one facet at each hit.
+
+    ``delta_deg``: width, degrees; ``n``: exponent; ``theta0_deg``: centre, degrees.
+    """
+
+    def __new__(
+        cls,
+        delta_deg: float,
+        n: float = 2.0,
+        theta0_deg: float = 0.0,
+        profile: Literal["gauss", "cauchy"] = "gauss",
+        *,
+        ior: float,
+    ) -> Normals: ...
+    @property
+    def ior(self) -> float: ...
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """The BSDF f(wi, wo), 1/sr, without cosine."""
+    def ars(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """f |cos theta_o|, 1/sr."""
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """Density of ``sample`` at wo, 1/sr."""
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
+        """Draws rays from uniforms u (N, 3) in [0, 1); more, where needed, come from a generator seeded by the row."""
+
+@final
+class Model:
+    """A model file of any method.
+
+    Models of height maps have no closed form: ``eval``, ``ars`` and ``pdf`` trace ``rays`` rays an incidence into a table
+    first, as ``asperity eval`` does, and call for seconds. ``sample`` does not.
+    """
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Model: ...
+    @staticmethod
+    def from_json(text: str) -> Model: ...
+    def to_json(self) -> str: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def law(self) -> str | None: ...
+    @property
+    def ior(self) -> float | None:
+        """Index over that of air; None for an opaque body."""
+    @property
+    def parameters(self) -> dict[str, float]: ...
+    @property
+    def std_errors(self) -> dict[str, float | None]:
+        """None where a value was given, or is not determined by the data."""
+    @property
+    def units(self) -> dict[str, str]: ...
+    @property
+    def rmsd_percent(self) -> float | None:
+        """Error of eq. (18), % of the largest reading; None without a fit."""
+    @property
+    def noise_floor_percent(self) -> float | None: ...
+    @property
+    def termination(self) -> str | None: ...
+    @property
+    def warnings(self) -> list[str]:
+        """Why the model should not be trusted, in plain words; empty if there is no reason."""
+    def eval(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
+        """The BSDF f(wi, wo), 1/sr, without cosine."""
+    def ars(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
+        """f |cos theta_o|, 1/sr."""
+    def pdf(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
+        """Density at wo, 1/sr."""
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
+        """Draws rays from uniforms u (N, 3) in [0, 1); more, where needed, come from a generator seeded by the row."""
+
+@final
+class Table:
+    """A table made by ``asperity tabulate`` (.bsdft)."""
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Table: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def ior(self) -> float: ...
+    @property
+    def storage(self) -> Literal["u8", "u16", "f32"]: ...
+    @property
+    def nbytes(self) -> int: ...
+    @property
+    def distance_percent(self) -> float | None:
+        """Distance from the model it was made of, eq. (18), %."""
+    def eval(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """The BSDF f(wi, wo), 1/sr, without cosine."""
+    def ars(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """f |cos theta_o|, 1/sr."""
+    def pdf(self, wi: ArrayLike, wo: ArrayLike) -> _Values:
+        """Density of the diffuse samples at wo, 1/sr."""
+    def sample(self, wi: ArrayLike, u: ArrayLike) -> _Samples:
+        """Draws rays from uniforms u (N, 3) in [0, 1), coherent ones included."""
+
+@final
+class Scan:
+    """Readings over angles; sorted by incidence, then by observation angle.
+
+    ``meta``: the header of a scan file as keys and values (geometry, ior, rough_side, aperture_deg, quantity, ...).
+    """
+
+    def __new__(
+        cls,
+        sigma_deg: Sequence[float] | NDArray[Any],
+        theta_deg: Sequence[float] | NDArray[Any],
+        reading: Sequence[float] | NDArray[Any],
+        meta: Mapping[str, Any] | None = None,
+    ) -> Scan: ...
+    @property
+    def sigma_deg(self) -> NDArray[np.float64]:
+        """Angles of incidence, degrees, (N,)."""
+    @property
+    def theta_deg(self) -> NDArray[np.float64]:
+        """Angles of observation, degrees, (N,)."""
+    @property
+    def reading(self) -> NDArray[np.float64]:
+        """Relative flux, or BSDF in 1/sr, (N,)."""
+    @property
+    def quantity(self) -> Literal["flux", "bsdf"]: ...
+    @property
+    def meta(self) -> dict[str, Any]: ...
+    def __len__(self) -> int: ...
+
+def read_scan(path: str | PathLike[str]) -> Scan:
+    """Reads a standard scan file."""
+
+def fit(
+    scan: Scan,
+    method: Literal["ggx", "normals", "heights"] = "ggx",
+    *,
+    ior: float | None = None,
+    opaque: bool = False,
+    law: Literal["gauss", "cauchy"] | None = None,
+    free: Sequence[str] | None = None,
+    geometry: Literal["transmission", "reflection"] | None = None,
+    rough_side: Literal["source", "detector"] | None = None,
+    aperture_deg: float | None = None,
+    objective: Literal["rmsd", "relative", "log"] = "rmsd",
+    max_evaluations: int = 4000,
+    rays: int | None = None,
+    fit_rays: int | None = None,
+    seed: int = 1,
+) -> Model:
+    """Fits a model; an argument goes before the header of the scan.
+
+    ``free``: optional parameters to fit as well: ior, gain, theta0 (normals), n, h_max, z0 (heights). Without ``law`` both are
+    tried and the better one is kept. Other threads run meanwhile; Ctrl-C ends the fit.
+    """

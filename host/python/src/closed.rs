@@ -1,0 +1,205 @@
+//! The laws in closed form, `Ggx` and `Normals`, in both precisions.
+
+use asperity::boundary::Boundary;
+use asperity::method::{GgxMethod, Method, NormalsMethod, Surface};
+use asperity_core::bsdf;
+use asperity_core::ndf::law::{Law, Profile};
+use asperity_core::ndf::normals::NormalDensity;
+use asperity_core::quantity::Alpha;
+use pyo3::prelude::*;
+
+use crate::error::bad;
+use crate::pairs::{Each, GgxArs, What, values};
+use crate::rays::{Samples, samples};
+
+/// GGX facets on a clear dielectric.
+#[pyclass(frozen, module = "asperity")]
+#[derive(Clone, Debug)]
+pub(crate) struct Ggx {
+    single: bsdf::Ggx<f32>,
+    double: bsdf::Ggx<f64>,
+}
+
+impl Ggx {
+    /// The law of the library in both precisions.
+    pub(crate) fn of(double: bsdf::Ggx<f64>) -> PyResult<Self> {
+        let alpha = Alpha::new(double.alpha.get() as f32).map_err(bad)?;
+        Ok(Self { single: bsdf::Ggx::new(alpha, double.eta.cast()), double })
+    }
+
+    pub(crate) fn values<'py>(
+        &self,
+        what: What,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if what == What::Ars {
+            return values(wi, wo, &GgxArs(&self.single), &GgxArs(&self.double));
+        }
+        values(wi, wo, &Each(&self.single, what), &Each(&self.double, what))
+    }
+}
+
+#[pymethods]
+impl Ggx {
+    #[new]
+    fn new(alpha: f64, ior: f64) -> PyResult<Self> {
+        let surface = Surface::Dielectric { ior };
+        match GgxMethod::new(surface).boundary(&[alpha], surface).map_err(bad)? {
+            Boundary::Ggx(double) => Self::of(double),
+            _ => Err(bad("the method ggx made no GGX boundary")),
+        }
+    }
+
+    #[getter]
+    fn alpha(&self) -> f64 {
+        self.double.alpha.get()
+    }
+
+    #[getter]
+    fn ior(&self) -> f64 {
+        self.double.eta.get()
+    }
+
+    fn eval<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Eval, wi, wo)
+    }
+
+    fn ars<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Ars, wi, wo)
+    }
+
+    fn pdf<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Pdf, wi, wo)
+    }
+
+    pub(crate) fn sample<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+    ) -> PyResult<Samples<'py>> {
+        samples(wi, u, &self.single, &self.double)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Ggx(alpha={}, ior={})", self.alpha(), self.ior())
+    }
+}
+
+/// A density of facet normals on a clear dielectric, one facet at each hit.
+#[pyclass(frozen, module = "asperity")]
+#[derive(Clone, Debug)]
+pub(crate) struct Normals {
+    single: Box<bsdf::Normals<f32>>,
+    double: Box<bsdf::Normals<f64>>,
+}
+
+impl Normals {
+    /// The law of the library in both precisions.
+    pub(crate) fn of(double: Box<bsdf::Normals<f64>>) -> PyResult<Self> {
+        let law = double.density.law();
+        let [delta, n, centre] = [law.delta(), law.n(), law.centre()].map(|x| x as f32);
+        let law = Law::new(law.profile(), delta, n, centre).map_err(bad)?;
+        let single = bsdf::Normals::new(NormalDensity::new(law), double.eta.cast());
+        Ok(Self { single: Box::new(single), double })
+    }
+
+    pub(crate) fn values<'py>(
+        &self,
+        what: What,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        values(wi, wo, &Each(&*self.single, what), &Each(&*self.double, what))
+    }
+}
+
+#[pymethods]
+impl Normals {
+    #[new]
+    #[pyo3(signature = (delta_deg, n=2.0, theta0_deg=0.0, profile="gauss", *, ior))]
+    fn new(delta_deg: f64, n: f64, theta0_deg: f64, profile: &str, ior: f64) -> PyResult<Self> {
+        let profile = match profile {
+            "gauss" => Profile::Gauss,
+            "cauchy" => Profile::Cauchy,
+            other => {
+                return Err(bad(format!("profile `{other}` is unknown; write gauss or cauchy")));
+            }
+        };
+        let method = NormalsMethod { profile, centre: true };
+        let surface = Surface::Dielectric { ior };
+        match method.boundary(&[delta_deg, n, theta0_deg], surface).map_err(bad)? {
+            Boundary::Normals(double) => Self::of(double),
+            _ => Err(bad("the method normals made no such boundary")),
+        }
+    }
+
+    #[getter]
+    fn ior(&self) -> f64 {
+        self.double.eta.get()
+    }
+
+    fn eval<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Eval, wi, wo)
+    }
+
+    fn ars<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Ars, wi, wo)
+    }
+
+    fn pdf<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Pdf, wi, wo)
+    }
+
+    pub(crate) fn sample<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        u: &Bound<'py, PyAny>,
+    ) -> PyResult<Samples<'py>> {
+        samples(wi, u, &*self.single, &*self.double)
+    }
+
+    fn __repr__(&self) -> String {
+        let law = self.double.density.law();
+        let profile = match law.profile() {
+            Profile::Gauss => "gauss",
+            Profile::Cauchy => "cauchy",
+        };
+        format!(
+            "Normals(delta_deg={}, n={}, theta0_deg={}, profile='{profile}', ior={})",
+            degrees(law.delta()),
+            law.n(),
+            degrees(law.centre()),
+            self.ior()
+        )
+    }
+}
+
+/// Degrees as they were written, but for the rounding there and back.
+fn degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e12).round() / 1e12
+}

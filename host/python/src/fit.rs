@@ -1,0 +1,215 @@
+//! Fitting a model to a scan.
+
+use asperity::fit::{
+    self as library, Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective,
+};
+use asperity::forward::{Sample, Setup};
+use asperity::measurement::{Measurement, Metadata, Quantity, noise};
+use asperity::method::{Choice, METHODS, Method, Surface};
+use asperity::model::{self, IncidenceRecord, Value};
+use asperity::provenance::Provenance;
+use asperity_core::gonio::Geometry;
+use pyo3::prelude::*;
+
+use crate::error::bad;
+use crate::model::Model;
+use crate::scan::Scan;
+use crate::work::interruptible;
+
+/// Fits a method that needs no height map, with every law it has unless one is given; the best is kept.
+#[pyfunction]
+#[pyo3(signature = (
+    scan, method="ggx", *, ior=None, opaque=false, law=None, free=None, geometry=None, rough_side=None,
+    aperture_deg=None, objective="rmsd", max_evaluations=4000, rays=None, fit_rays=None, seed=1
+))]
+#[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
+pub(crate) fn fit(
+    py: Python<'_>,
+    scan: &Scan,
+    method: &str,
+    ior: Option<f64>,
+    opaque: bool,
+    law: Option<&str>,
+    free: Option<Vec<String>>,
+    geometry: Option<&str>,
+    rough_side: Option<&str>,
+    aperture_deg: Option<f64>,
+    objective: &str,
+    max_evaluations: u64,
+    rays: Option<u64>,
+    fit_rays: Option<u64>,
+    seed: u64,
+) -> PyResult<Model> {
+    let (measurement, free) = (&scan.measurement, free.unwrap_or_default());
+    // the words of the header, checked where those of a file are
+    let mut said = measurement.meta.clone();
+    let number = aperture_deg.filter(|a| *a > 0.0).map(|a| a.to_string());
+    let given = [("geometry", geometry), ("rough_side", rough_side)];
+    for (key, value) in given.into_iter().chain([("aperture_deg", number.as_deref())]) {
+        if let Some(value) = value {
+            said.set(key, value).map_err(bad)?;
+        }
+    }
+    let (surface, setup) = resolve(&said, measurement, (ior, opaque), aperture_deg)?;
+    if rays == Some(0) || fit_rays == Some(0) || max_evaluations == 0 {
+        return Err(bad("rays, fit_rays and max_evaluations must be positive"));
+    }
+    let options = FitOptions {
+        surface,
+        fit_ior: free.iter().any(|f| f == "ior"),
+        fit_gain: free.iter().any(|f| f == "gain"),
+        objective: objective.parse().map_err(|e: <Objective as std::str::FromStr>::Err| bad(e))?,
+        max_evaluations,
+        rays: FitRays { fit: fit_rays, last: rays, seed, ..FitRays::default() },
+    };
+    if opaque && (options.fit_ior || options.fit_gain) {
+        return Err(bad("an opaque body has a gain anyway and no index; leave them out of free"));
+    }
+    let methods = methods(method, law, &free, surface, seed)?;
+    if setup.aperture_deg <= 0.0 && methods.iter().any(|m| m.is_traced()) {
+        return Err(bad("rays need a detector to fall into; give aperture_deg above 0"));
+    }
+    let (chosen, fit) = interruptible(py, |stop| {
+        let mut best: Option<(&dyn Method, Fit)> = None;
+        let (mut evaluations, mut seconds) = (0, 0.0);
+        for method in &methods {
+            let done = match library::fit(&**method, measurement, &setup, &options, stop, &|_| ()) {
+                Err(_) if best.is_some() => continue,
+                done => done?,
+            };
+            evaluations += done.evaluations;
+            seconds += done.seconds;
+            if best.as_ref().is_none_or(|(_, b)| done.objective.1 < b.objective.1) {
+                best = Some((&**method, done));
+            }
+        }
+        let (method, fit) = best.ok_or(FitError::NoStart)?;
+        Ok::<_, FitError>((method, Fit { evaluations, seconds, ..fit }))
+    })?
+    .map_err(bad)?;
+    let boundary = fit.boundary.clone();
+    Model::of(record(chosen, &fit, scan, &options), boundary)
+}
+
+/// The methods to try: one with every law.
+fn methods(
+    name: &str,
+    law: Option<&str>,
+    free: &[String],
+    surface: Surface,
+    seed: u64,
+) -> PyResult<Vec<Box<dyn Method>>> {
+    if METHODS.contains(&name) && Choice::needs_map(name) {
+        let what =
+            format!("method {name} needs a height map; fit it with `asperity fit --map FILE`");
+        return Err(bad(what));
+    }
+    if law.is_some() && !Choice::has_law(name) && METHODS.contains(&name) {
+        return Err(bad(format!("method {name} has no law; leave it out")));
+    }
+    let laws: &[Option<&str>] = match law {
+        None if Choice::has_law(name) => &[Some("gauss"), Some("cauchy")],
+        law => &[law],
+    };
+    let asked = |parameter: &str| free.iter().any(|f| f == parameter);
+    let of_law = |law: Option<&str>| {
+        Choice { law, asked: &asked, seed, ..Choice::new(name, surface) }.method()
+    };
+    let methods = laws.iter().copied().map(of_law).collect::<Result<Vec<_>, _>>().map_err(bad)?;
+    for parameter in free {
+        let mut known = methods.iter().flat_map(|m| m.parameters()).map(|p| p.name);
+        if !["ior", "gain"].contains(&parameter.as_str()) && !known.any(|name| name == parameter) {
+            return Err(bad(format!("method {name} has no parameter `{parameter}` to set free")));
+        }
+    }
+    Ok(methods)
+}
+
+/// The body and the instrument, from arguments and header; what neither says is asked for.
+fn resolve(
+    said: &Metadata,
+    scan: &Measurement,
+    (ior, opaque): (Option<f64>, bool),
+    aperture_deg: Option<f64>,
+) -> PyResult<(Surface, Setup)> {
+    let ask = |what: &str, how: &str| bad(format!("the scan does not say {what}; give {how}"));
+    if opaque && ior.is_some() {
+        return Err(bad("an opaque body has no refractive index; leave ior or opaque out"));
+    }
+    let geometry = said
+        .geometry
+        .or(opaque.then_some(Geometry::Reflection))
+        .ok_or_else(|| ask("the geometry", "geometry=\"transmission\" or \"reflection\""))?;
+    let (surface, sample) = if opaque {
+        if geometry == Geometry::Transmission {
+            return Err(bad("an opaque body transmits nothing; give ior instead of opaque"));
+        }
+        (Surface::Opaque, Sample::Opaque)
+    } else {
+        let ior =
+            ior.or(said.ior).ok_or_else(|| ask("the refractive index", "ior, or opaque=True"))?;
+        let surface = Surface::Dielectric { ior };
+        let eta = surface.eta().map_err(bad)?;
+        if eta.is_matched() {
+            return Err(bad("a plate of the index of air is no plate; give another ior"));
+        }
+        let rough_side = said
+            .rough_side
+            .ok_or_else(|| ask("which side is rough", "rough_side=\"source\" or \"detector\""))?;
+        (surface, Sample::Plate { eta, rough_side })
+    };
+    let quantity = scan.quantity();
+    let aperture_deg = match aperture_deg.or(said.aperture_deg) {
+        Some(a) => a,
+        // a BSDF is a property of the sample; without an aperture its values are taken as they are
+        None if quantity == Quantity::Bsdf => 0.0,
+        None => return Err(ask("the detector's aperture", "aperture_deg (full angle)")),
+    };
+    let least_ok = aperture_deg > 0.0 || (quantity == Quantity::Bsdf && aperture_deg >= 0.0);
+    if !(least_ok && aperture_deg <= 30.0) {
+        let what = format!("aperture_deg {aperture_deg} is not usable; give the full angle");
+        return Err(bad(what + " of the detector's cone, above 0 to 30 (0 only for BSDF values)"));
+    }
+    Ok((surface, Setup { sample, geometry, aperture_deg, quantity }))
+}
+
+/// The fit as a model.
+fn record(method: &dyn Method, fit: &Fit, scan: &Scan, options: &FitOptions) -> model::Model {
+    let surface = fit.ior.map_or(options.surface, |ior| Surface::Dielectric { ior });
+    let values = fit.parameters.iter().map(|p| {
+        let unit = p.unit.to_owned();
+        (p.name.to_owned(), Value { value: p.value, unit, std_error: p.std_error })
+    });
+    let mut made = model::Model::new(method, surface, values);
+    let measurement = &scan.measurement;
+    let estimate = || noise::estimate(measurement).map(|n| n.floor_percent());
+    made.rmsd_percent = Some(fit.rmsd_percent);
+    made.noise_floor_percent = measurement.meta.noise_floor_percent.or_else(estimate);
+    made.simulation_noise_percent = fit.simulation_noise_percent;
+    made.objective = Some(fit.objective.0.to_string());
+    made.objective_value = Some(fit.objective.1);
+    let incidences = fit.incidences.iter();
+    made.incidences = incidences
+        .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
+        .collect();
+    made.evaluations = Some(fit.evaluations);
+    made.seconds = Some(fit.seconds);
+    made.termination = Some(fit.termination.word().into());
+    made.neglected_flux = Some(fit.neglected.flux);
+    made.neglected_percent = Some(100.0 * fit.neglected.reading / measurement.largest_reading());
+    made.validity = fit.refusal(MISFIT_PERCENT).into_iter().collect();
+    for p in &fit.parameters {
+        if p.at_bound {
+            let what = format!("{} = {:.3e} ended at the bound of its range", p.name, p.value);
+            made.validity.push(what);
+        } else if p.std_error.is_none() {
+            made.validity.push(format!("the data do not determine {}", p.name));
+        }
+    }
+    let seed = method.is_traced().then_some(options.rays.seed);
+    let mut provenance = Provenance::of_this_program(seed);
+    provenance.inputs = scan.input.iter().cloned().collect();
+    provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
+    made.provenance = Some(provenance);
+    made
+}

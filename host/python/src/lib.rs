@@ -1,0 +1,31 @@
+//! The native part of the Python package `asperity`.
+//!
+//! Arrays come in and go out here; every number is computed by the crates `asperity-core` and `asperity`.
+//! The order of the `mod` lines is the layer order, as in those.
+
+mod error;
+mod work;
+mod arrays;
+mod pairs;
+mod rays;
+mod precision;
+mod closed;
+mod scan;
+mod traced;
+mod model;
+mod fit;
+mod table;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<closed::Ggx>()?;
+    module.add_class::<closed::Normals>()?;
+    module.add_class::<scan::Scan>()?;
+    module.add_class::<model::Model>()?;
+    module.add_class::<table::Table>()?;
+    module.add_function(wrap_pyfunction!(scan::read_scan, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::fit, module)?)
+}

@@ -1,0 +1,209 @@
+//! Model files of any method.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use asperity::boundary::Boundary;
+use asperity::forward::Rays;
+use asperity::model;
+use asperity::output::AtomicFile;
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+
+use crate::arrays::Argument;
+use crate::closed::{Ggx, Normals};
+use crate::error::{bad, of_file};
+use crate::pairs::{Each, What, values};
+use crate::precision::Rounded;
+use crate::rays::{Samples, samples};
+use crate::traced;
+
+/// How values are computed.
+#[derive(Debug)]
+enum Law {
+    Ggx(Ggx),
+    Normals(Normals),
+    Other,
+}
+
+/// A model, given or fitted, and the boundary that it makes.
+#[pyclass(frozen, module = "asperity")]
+#[derive(Debug)]
+pub(crate) struct Model {
+    record: model::Model,
+    boundary: Boundary,
+    law: Law,
+}
+
+impl Model {
+    pub(crate) fn of(model: model::Model, boundary: Boundary) -> PyResult<Self> {
+        let law = match &boundary {
+            Boundary::Ggx(ggx) => Law::Ggx(Ggx::of(*ggx)?),
+            Boundary::Normals(normals) => Law::Normals(Normals::of(normals.clone())?),
+            _ => Law::Other,
+        };
+        Ok(Self { record: model, boundary, law })
+    }
+
+    fn values<'py>(
+        &self,
+        what: What,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        rays: Rays,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        match (&self.law, &self.boundary) {
+            (Law::Ggx(law), _) => return law.values(what, wi, wo),
+            (Law::Normals(law), _) => return law.values(what, wi, wo),
+            (Law::Other, Boundary::Opaque(b)) => {
+                return values(wi, wo, &Each(&Rounded(b), what), &Each(b, what));
+            }
+            (Law::Other, _) => {}
+        }
+        if rays.count == 0 {
+            return Err(bad("rays is 0; give the number of rays an incidence, from 1"));
+        }
+        let held = Argument::new("wi", wi)?.hold::<f64>()?;
+        // what is wrong with wo is said before the work
+        Argument::new("wo", wo)?.hold::<f64>()?.rows()?.common(&held.rows()?)?;
+        let directions = held.rows()?.directions().map_err(bad)?;
+        let Some(table) = traced::table(wi.py(), &self.boundary, &directions, rays)? else {
+            return Err(bad("interrupted before the table was made"));
+        };
+        values(wi, wo, &Each(&Rounded(&table), what), &Each(&table, what))
+    }
+
+    fn numbers<T>(&self, of: impl Fn(&model::Value) -> T) -> BTreeMap<&str, T> {
+        self.record.parameters.iter().map(|(name, v)| (name.as_str(), of(v))).collect()
+    }
+}
+
+#[pymethods]
+impl Model {
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let read = py.detach(|| model::Model::read(&path));
+        let (model, boundary, _) = read.map_err(|e| of_file(&path, e))?;
+        Self::of(model, boundary)
+    }
+
+    #[staticmethod]
+    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
+        let parsed = py.detach(|| model::Model::parse(text.as_bytes()));
+        let (model, boundary) = parsed.map_err(|(line, what)| {
+            bad(line.map_or_else(|| what.clone(), |line| format!("line {line}: {what}")))
+        })?;
+        Self::of(model, boundary)
+    }
+
+    fn to_json(&self) -> String {
+        self.record.to_json()
+    }
+
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "arguments from Python are extracted by value"
+    )]
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        AtomicFile::create(&path)
+            .and_then(|file| file.finish(self.to_json().as_bytes()))
+            .map_err(|e| PyOSError::new_err(e.to_string()))
+    }
+
+    #[getter]
+    fn method(&self) -> &str {
+        &self.record.method
+    }
+
+    #[getter]
+    fn law(&self) -> Option<&str> {
+        self.record.law.as_deref()
+    }
+
+    #[getter]
+    fn ior(&self) -> Option<f64> {
+        self.record.ior
+    }
+
+    #[getter]
+    fn parameters(&self) -> BTreeMap<&str, f64> {
+        self.numbers(|v| v.value)
+    }
+
+    #[getter]
+    fn std_errors(&self) -> BTreeMap<&str, Option<f64>> {
+        self.numbers(|v| v.std_error)
+    }
+
+    #[getter]
+    fn units(&self) -> BTreeMap<&str, String> {
+        self.numbers(|v| v.unit.clone())
+    }
+
+    #[getter]
+    fn rmsd_percent(&self) -> Option<f64> {
+        self.record.rmsd_percent
+    }
+
+    #[getter]
+    fn noise_floor_percent(&self) -> Option<f64> {
+        self.record.noise_floor_percent
+    }
+
+    #[getter]
+    fn termination(&self) -> Option<&str> {
+        self.record.termination.as_deref()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.record.validity.clone()
+    }
+
+    #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]
+    fn eval<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        rays: u64,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Eval, wi, wo, Rays { count: rays, seed })
+    }
+
+    #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]
+    fn ars<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        rays: u64,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Ars, wi, wo, Rays { count: rays, seed })
+    }
+
+    #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]
+    fn pdf<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+        rays: u64,
+        seed: u64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Pdf, wi, wo, Rays { count: rays, seed })
+    }
+
+    fn sample<'py>(&self, wi: &Bound<'py, PyAny>, u: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
+        match &self.law {
+            Law::Ggx(law) => law.sample(wi, u),
+            Law::Normals(law) => law.sample(wi, u),
+            Law::Other => samples(wi, u, &Rounded(&self.boundary), &self.boundary),
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        let one = |(name, value): (&str, f64)| format!("{name}={value}");
+        let parameters: Vec<String> = self.parameters().into_iter().map(one).collect();
+        format!("<asperity.Model {} {}>", self.method(), parameters.join(" "))
+    }
+}

@@ -1,0 +1,130 @@
+//! Scans: readings over angles, and what is known about how they were made.
+
+use std::path::PathBuf;
+
+use asperity::measurement::{Measurement, Metadata, Reading, ScanError, ScanFault, csv};
+use asperity::provenance::InputFile;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::PyErr;
+use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyOSError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error::{bad, of_io};
+
+/// A scan of one sample, sorted by incidence and then by observation angle.
+#[pyclass(frozen, module = "asperity")]
+#[derive(Debug)]
+pub(crate) struct Scan {
+    pub(crate) measurement: Measurement,
+    /// The file it was read from.
+    pub(crate) input: Option<InputFile>,
+}
+
+impl Scan {
+    fn array<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Reading) -> f64,
+    ) -> Bound<'py, PyArray1<f64>> {
+        self.measurement.readings().iter().map(of).collect::<Vec<_>>().into_pyarray(py)
+    }
+}
+
+#[pymethods]
+impl Scan {
+    #[new]
+    #[pyo3(signature = (sigma_deg, theta_deg, reading, meta=None))]
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "arguments from Python are extracted by value"
+    )]
+    fn new(
+        sigma_deg: Vec<f64>,
+        theta_deg: Vec<f64>,
+        reading: Vec<f64>,
+        meta: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let (s, t, r) = (sigma_deg.len(), theta_deg.len(), reading.len());
+        if s != t || s != r {
+            let what = format!("sigma_deg, theta_deg and reading have the lengths {s}, {t}, {r}");
+            return Err(bad(what + "; give as many of each"));
+        }
+        let mut known = Metadata::default();
+        for (key, value) in meta.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
+            known.set(&key.str()?.to_cow()?, &value.str()?.to_cow()?).map_err(bad)?;
+        }
+        let readings = sigma_deg.iter().zip(&theta_deg).zip(&reading).map(|((s, t), r)| Reading {
+            sigma_deg: *s,
+            theta_deg: *t,
+            value: *r,
+        });
+        let measurement = Measurement::new(known, readings.collect()).map_err(bad)?;
+        Ok(Self { measurement, input: None })
+    }
+
+    #[getter]
+    fn sigma_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.array(py, |r| r.sigma_deg)
+    }
+
+    #[getter]
+    fn theta_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.array(py, |r| r.theta_deg)
+    }
+
+    #[getter]
+    fn reading<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.array(py, |r| r.value)
+    }
+
+    #[getter]
+    fn quantity(&self) -> String {
+        self.measurement.quantity().to_string()
+    }
+
+    #[getter]
+    fn meta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        const NUMBERS: [&str; 4] = ["ior", "aperture_deg", "wavelength_nm", "noise_floor_percent"];
+        let dict = PyDict::new(py);
+        for (key, value) in self.measurement.meta.entries() {
+            match key.as_str() {
+                "seed" => dict.set_item(key, self.measurement.meta.seed)?,
+                k if NUMBERS.contains(&k) => dict.set_item(key, value.parse::<f64>()?)?,
+                _ => dict.set_item(key, value)?,
+            }
+        }
+        Ok(dict)
+    }
+
+    fn __len__(&self) -> usize {
+        self.measurement.readings().len()
+    }
+
+    fn __repr__(&self) -> String {
+        let incidences = self.measurement.incidences();
+        format!("<asperity.Scan of {} readings at sigma {incidences:?} deg>", self.__len__())
+    }
+}
+
+/// Reads a standard scan file.
+#[pyfunction]
+pub(crate) fn read_scan(py: Python<'_>, path: PathBuf) -> PyResult<Scan> {
+    py.detach(|| {
+        let bytes = csv::load(&path)?;
+        let input = Some(InputFile::of_bytes(&path, &bytes));
+        Ok(Scan { measurement: csv::parse(&bytes, &path)?, input })
+    })
+    .map_err(|e| exception(&e))
+}
+
+fn exception(error: &ScanError) -> PyErr {
+    let what = error.to_string();
+    match &*error.fault {
+        ScanFault::NoFile => PyFileNotFoundError::new_err(what),
+        ScanFault::Folder => PyIsADirectoryError::new_err(what),
+        ScanFault::TooLarge => PyOSError::new_err(what),
+        ScanFault::Io(e) => of_io(e, what),
+        _ => bad(what),
+    }
+}

@@ -1,0 +1,98 @@
+//! Tables made by `asperity tabulate`.
+
+use std::path::PathBuf;
+
+use asperity::embedded::{EmbeddedTable, Record, read};
+use pyo3::prelude::*;
+
+use crate::error::of_file;
+use crate::pairs::{Each, What, values};
+use crate::precision::Rounded;
+use crate::rays::{Samples, samples};
+
+/// The BSDF of any method in arrays.
+#[pyclass(frozen, module = "asperity")]
+#[derive(Debug)]
+pub(crate) struct Table {
+    table: EmbeddedTable,
+    record: Record,
+}
+
+impl Table {
+    fn values<'py>(
+        &self,
+        what: What,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let rounded = Rounded(&self.table);
+        values(wi, wo, &Each(&rounded, what), &Each(&self.table, what))
+    }
+}
+
+#[pymethods]
+impl Table {
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let (table, record) = py.detach(|| read(&path)).map_err(|e| of_file(&path, e))?;
+        Ok(Self { table, record })
+    }
+
+    #[getter]
+    fn method(&self) -> &str {
+        &self.record.method
+    }
+
+    #[getter]
+    fn ior(&self) -> f32 {
+        self.record.eta
+    }
+
+    #[getter]
+    fn storage(&self) -> &str {
+        self.table.storage()
+    }
+
+    #[getter]
+    fn nbytes(&self) -> usize {
+        self.table.bytes()
+    }
+
+    #[getter]
+    fn distance_percent(&self) -> Option<f64> {
+        self.record.distance_percent
+    }
+
+    fn eval<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Eval, wi, wo)
+    }
+
+    fn ars<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Ars, wi, wo)
+    }
+
+    fn pdf<'py>(
+        &self,
+        wi: &Bound<'py, PyAny>,
+        wo: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.values(What::Pdf, wi, wo)
+    }
+
+    fn sample<'py>(&self, wi: &Bound<'py, PyAny>, u: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
+        samples(wi, u, &Rounded(&self.table), &self.table)
+    }
+
+    fn __repr__(&self) -> String {
+        let (method, storage) = (self.method(), self.storage());
+        format!("<asperity.Table of {method}, {} bytes, {storage}>", self.nbytes())
+    }
+}

@@ -1,0 +1,264 @@
+//! `tabulate`: the table of a model for a microcontroller.
+
+use std::path::PathBuf;
+
+use asperity_core::bsdf::Lobe;
+use asperity_core::direction::Side;
+use clap::ValueEnum;
+use serde::Serialize;
+
+use super::error::Failure;
+use super::source::parse_rays;
+use super::{interrupt, print, progress};
+use crate::boundary::Boundary;
+use crate::embedded::{EmbeddedTable, c_header, rust_source, write};
+use crate::forward::Rays;
+use crate::model::Model;
+use crate::output::AtomicFile;
+use crate::tabulate::{Kept, NoTable, Plan, distance_percent, energy_error, lobes_of, tabulate};
+
+/// Sides of the boundary, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SidesFlag {
+    /// Light from the air
+    Air,
+    /// Light from inside the material
+    Dielectric,
+    /// Light from either
+    Both,
+}
+
+/// Lobes, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LobesFlag {
+    /// Light that comes back
+    Reflection,
+    /// Light that goes through
+    Transmission,
+    /// All light
+    Both,
+}
+
+/// How values are kept, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum StorageFlag {
+    /// 8 bits
+    U8,
+    /// 16 bits
+    U16,
+    /// Single precision
+    F32,
+}
+
+/// Make a table of a model for a microcontroller
+///
+/// The table is evaluated by `asperity_core::table`, without allocation and in single precision, in the same few hundred
+/// instructions for every method. --bytes holds for all arrays of all lobes together; with --max-error the smallest of 2 to
+/// 256 KiB is taken whose scan differs from the model's by no more (eq. (18), GP-200 angles, transmission if there is any).
+/// All azimuths of the surface are taken as alike. Models of traced maps are tabulated from --rays rays an incidence.
+///
+/// The .bsdft file is one line of JSON and then the arrays, little-endian. --rust writes the same as a Rust module of
+/// statics, --c as a C header.
+///
+/// Exit 1 if --max-error is not reached.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// Model made by `asperity model` or `asperity fit`
+    model: PathBuf,
+    /// Sides the light may come from
+    #[arg(long, value_enum, default_value = "both")]
+    side: SidesFlag,
+    /// Lobes that are wanted
+    #[arg(long, value_enum, default_value = "both")]
+    lobe: LobesFlag,
+    /// Bytes of the table, at most; 32768 without it
+    #[arg(long, value_name = "N", conflicts_with = "max_error")]
+    bytes: Option<usize>,
+    /// Distance from the model in percent, at most
+    #[arg(long, value_name = "PERCENT")]
+    max_error: Option<f64>,
+    /// How values are kept; u8 below 12 KiB, else u16 without it
+    #[arg(long, value_enum)]
+    storage: Option<StorageFlag>,
+    /// Rays an incidence, for a model whose rays must be traced
+    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
+    rays: u64,
+    /// Seed of these rays
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// File to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Rust module to write as well
+    #[arg(long, value_name = "FILE")]
+    rust: Option<PathBuf>,
+    /// C header to write as well
+    #[arg(long, value_name = "FILE")]
+    c: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Answer {
+    asperity: u32,
+    method: String,
+    bytes: usize,
+    storage: &'static str,
+    /// Numbers of nodes of each lobe: incidences, azimuths, radii; from the air R, T, from the dielectric R, T.
+    nodes: Vec<Option<[u16; 3]>>,
+    /// Eq. (18) of a scan of the table against one of the model; null if it cannot be told.
+    distance_percent: Option<f64>,
+    /// Largest absolute error of the flux of a lobe; null for a model that is traced.
+    energy_error: Option<f64>,
+}
+
+/// Sizes that are tried to reach an error.
+const SIZES: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
+/// Largest number of bytes.
+const MOST_BYTES: usize = 16 << 20;
+/// Step of the scan that tells the distance, degrees.
+const STEP: f64 = 0.25;
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(p) = args.max_error
+        && !(p > 0.0 && p.is_finite())
+    {
+        return Err(Failure::bad(format!("--max-error {p} is not usable; give percent above 0")));
+    }
+    if let Some(n) = args.bytes.filter(|n| *n > MOST_BYTES) {
+        return Err(Failure::bad(format!("--bytes {n} is too many; give at most {MOST_BYTES}")));
+    }
+    let (model, boundary, _) = Model::read(&args.model)?;
+    let open = |path: &PathBuf| AtomicFile::create(path);
+    let output = open(&args.output)?;
+    let rust = args.rust.as_ref().map(open).transpose()?;
+    let c = args.c.as_ref().map(open).transpose()?;
+    let (table, distance) = match args.max_error {
+        None => made(args, &boundary, args.bytes.unwrap_or(32 << 10))?,
+        Some(most) => smallest(args, &boundary, most)?,
+    };
+    let method = model.method;
+    write(output, &table, &method, distance)?;
+    if let Some(file) = rust {
+        file.finish(rust_source(&table, &method).as_bytes())?;
+    }
+    if let (Some(file), Some(path)) = (c, &args.c) {
+        let name = path.file_stem().map_or_else(|| "table".into(), |s| s.to_string_lossy());
+        file.finish(c_header(&table, &method, &name).as_bytes())?;
+    }
+    let header = table.header();
+    let answer = Answer {
+        asperity: 1,
+        method,
+        bytes: table.bytes(),
+        storage: table.storage(),
+        nodes: header
+            .lobes
+            .iter()
+            .map(|l| l.map(|l| [l.shape.incidences, l.shape.azimuths, l.shape.radii]))
+            .collect(),
+        distance_percent: distance,
+        energy_error: energy_error(&boundary, &table),
+    };
+    print(&if args.json {
+        serde_json::to_string_pretty(&answer).map_err(Failure::bad)? + "\n"
+    } else {
+        human(&answer)
+    })
+}
+
+fn human(answer: &Answer) -> String {
+    let lobes = [
+        "air, reflection",
+        "air, transmission",
+        "dielectric, reflection",
+        "dielectric, transmission",
+    ];
+    let mut text = format!("{} bytes, {} values\n", answer.bytes, answer.storage);
+    for (name, nodes) in lobes.iter().zip(&answer.nodes) {
+        if let Some([i, a, r]) = nodes {
+            push(&mut text, format_args!("  {name}: {i} incidences, {a} azimuths, {r} slopes\n"));
+        }
+    }
+    match answer.distance_percent {
+        Some(d) => push(&mut text, format_args!("distance from the model, eq. (18): {d:.3} %\n")),
+        None => text += "distance from the model: not known without all lobes of a traced model\n",
+    }
+    if let Some(e) = answer.energy_error {
+        push(&mut text, format_args!("largest error of the flux of a lobe: {:.3} %\n", 100.0 * e));
+    }
+    text
+}
+
+fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
+    // writing to a string cannot fail
+    let _ = std::fmt::Write::write_fmt(text, line);
+}
+
+fn made(
+    args: &Args,
+    boundary: &Boundary,
+    bytes: usize,
+) -> Result<(EmbeddedTable, Option<f64>), Failure> {
+    let sides: &[Side] = match args.side {
+        SidesFlag::Air => &[Side::Air],
+        SidesFlag::Dielectric => &[Side::Dielectric],
+        SidesFlag::Both => &[Side::Air, Side::Dielectric],
+    };
+    let lobes: &[Lobe] = match args.lobe {
+        LobesFlag::Reflection => &[Lobe::Reflection],
+        LobesFlag::Transmission => &[Lobe::Transmission],
+        LobesFlag::Both => &[Lobe::Reflection, Lobe::Transmission],
+    };
+    let kept = args.storage.map(|s| match s {
+        StorageFlag::U8 => Kept::U8,
+        StorageFlag::U16 => Kept::U16,
+        StorageFlag::F32 => Kept::F32,
+    });
+    let rays = Rays { count: args.rays, seed: args.seed };
+    let plan = Plan { lobes: lobes_of(sides, lobes), bytes, kept, rays };
+    let bar = progress::bar(0, "tabulating");
+    let table = tabulate(boundary, &plan, interrupt::flag(), &|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    });
+    bar.finish_and_clear();
+    let table = table.map_err(|e| match e {
+        NoTable::Stopped => Failure::No("interrupted before the table was made".into()),
+        NoTable::Small(..) => Failure::bad(format!("--bytes: {e}")),
+        e => Failure::bad(e),
+    })?;
+    let distance = distance_percent(boundary, &table, STEP, rays, interrupt::flag());
+    Ok((table, distance))
+}
+
+/// The smallest table that is near enough.
+fn smallest(
+    args: &Args,
+    boundary: &Boundary,
+    most: f64,
+) -> Result<(EmbeddedTable, Option<f64>), Failure> {
+    let mut nearest = f64::INFINITY;
+    for kib in SIZES {
+        let (table, distance) = match made(args, boundary, kib << 10) {
+            // more bytes may be enough
+            Err(Failure::Bad(what)) if what.contains("too few") => continue,
+            other => other?,
+        };
+        let Some(distance) = distance else {
+            return Err(Failure::bad(
+                "--max-error needs all lobes of a model that is traced; give --bytes",
+            ));
+        };
+        if distance <= most {
+            return Ok((table, Some(distance)));
+        }
+        nearest = nearest.min(distance);
+    }
+    Err(Failure::No(format!(
+        "no table of up to {} KiB is within {most} %; the nearest is {nearest:.3} % away",
+        SIZES[SIZES.len() - 1]
+    )))
+}

@@ -1,0 +1,255 @@
+//! The file of a table, `.bsdft`: one line of JSON, then the arrays, little-endian.
+//!
+//! Payload: gains (f32), values (u8, u16 or f32), quantiles (u16), leans (i8), fluxes (u16), in the order of the lobes: from
+//! the air reflection and transmission, from the dielectric reflection and transmission.
+
+use std::path::{Path, PathBuf};
+
+use asperity_core::quantity::RelativeIor;
+use asperity_core::table::{Fall, Form, Header, LobeHeader, Shape};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::{EmbeddedTable, Rest, Values};
+use crate::input::read_file;
+use crate::output::{AtomicFile, OutputError};
+
+/// Version of the format.
+const FORMAT: u32 = 1;
+/// Largest file that is read, bytes.
+const MOST_BYTES: u64 = 64 << 20;
+/// Largest first line.
+const MOST_HEADER: usize = 64 << 10;
+/// Most nodes of an axis.
+const MOST_NODES: u16 = 4096;
+
+/// Why a file is no table.
+#[derive(Debug, Error)]
+#[error("{}: {what}", path.display())]
+pub struct TableFileError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it, and what to do.
+    pub what: String,
+}
+
+/// The first line of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// Version of the format.
+    pub asperity_table: u32,
+    /// Method of the model it was made of.
+    pub method: String,
+    /// `u8`, `u16` or `f32`.
+    pub storage: String,
+    /// Bytes that follow the line.
+    pub payload_bytes: usize,
+    /// Index of the dielectric over that of air.
+    pub eta: f32,
+    /// Typical slope of the facets.
+    pub slope: f32,
+    /// Reflection and transmission from the air, then from the dielectric.
+    pub lobes: [Option<LobeRecord>; 4],
+    /// Incidences of the fluxes of both sides.
+    pub flux_incidences: [u16; 2],
+    /// Crowding of these towards grazing.
+    pub flux_grazing: [f32; 2],
+    /// Eq. (18) against the model it was made of, percent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distance_percent: Option<f64>,
+}
+
+/// A lobe in the first line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LobeRecord {
+    incidences: u16,
+    azimuths: u16,
+    radii: u16,
+    intervals: u16,
+    form: FormWord,
+    fall: u8,
+    scale: f32,
+    grazing: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum FormWord {
+    Masked,
+    Unmasked,
+    Drawn,
+}
+
+impl From<&LobeHeader> for LobeRecord {
+    fn from(h: &LobeHeader) -> Self {
+        let Shape { incidences, azimuths, radii, intervals } = h.shape;
+        let form = match h.form {
+            Form::Masked => FormWord::Masked,
+            Form::Unmasked => FormWord::Unmasked,
+            Form::Drawn => FormWord::Drawn,
+        };
+        let fall = match h.fall {
+            Fall::Flat => 0,
+            Fall::Second => 2,
+            Fall::Fourth => 4,
+        };
+        let (scale, grazing) = (h.scale, h.grazing);
+        Self { incidences, azimuths, radii, intervals, form, fall, scale, grazing }
+    }
+}
+
+impl LobeRecord {
+    fn header(&self) -> Result<LobeHeader, String> {
+        let Self { incidences, azimuths, radii, intervals, scale, grazing, .. } = *self;
+        if [incidences, azimuths, radii, intervals].iter().any(|n| *n > MOST_NODES) {
+            return Err(format!("an axis has more than {MOST_NODES} nodes; the file is damaged"));
+        }
+        let form = match self.form {
+            FormWord::Masked => Form::Masked,
+            FormWord::Unmasked => Form::Unmasked,
+            FormWord::Drawn => Form::Drawn,
+        };
+        let fall = match self.fall {
+            0 => Fall::Flat,
+            2 => Fall::Second,
+            4 => Fall::Fourth,
+            n => return Err(format!("`fall` is {n}; it must be 0, 2 or 4")),
+        };
+        let shape = Shape { incidences, azimuths, radii, intervals };
+        Ok(LobeHeader { shape, form, fall, scale, grazing })
+    }
+}
+
+impl Record {
+    fn of(table: &EmbeddedTable, method: &str, distance_percent: Option<f64>) -> Self {
+        let header = table.header();
+        Self {
+            asperity_table: FORMAT,
+            method: method.to_owned(),
+            storage: table.storage().to_owned(),
+            payload_bytes: table.bytes(),
+            eta: header.eta.get(),
+            slope: header.slope,
+            lobes: header.lobes.map(|lobe| lobe.as_ref().map(LobeRecord::from)),
+            flux_incidences: header.fluxes,
+            flux_grazing: header.grazing,
+            distance_percent,
+        }
+    }
+
+    fn header(&self) -> Result<Header, String> {
+        let mut lobes = [None; 4];
+        for (to, from) in lobes.iter_mut().zip(&self.lobes) {
+            *to = from.as_ref().map(LobeRecord::header).transpose()?;
+        }
+        let eta = RelativeIor::new(self.eta).map_err(|e| format!("`eta` is {e}"))?;
+        let (fluxes, grazing) = (self.flux_incidences, self.flux_grazing);
+        if fluxes.iter().any(|n| *n > MOST_NODES) {
+            return Err(format!("there are more than {MOST_NODES} fluxes; the file is damaged"));
+        }
+        Ok(Header { eta, slope: self.slope, lobes, fluxes, grazing })
+    }
+}
+
+/// The bytes of a file.
+fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
+    let mut bytes = serde_json::to_vec(record).unwrap_or_default();
+    bytes.push(b'\n');
+    for gain in &table.gains {
+        bytes.extend(gain.to_le_bytes());
+    }
+    match &table.values {
+        Values::U8(v) => bytes.extend(v),
+        Values::U16(v) => v.iter().for_each(|x| bytes.extend(x.to_le_bytes())),
+        Values::F32(v) => v.iter().for_each(|x| bytes.extend(x.to_le_bytes())),
+    }
+    for q in &table.quantiles {
+        bytes.extend(q.to_le_bytes());
+    }
+    bytes.extend(table.leans.iter().map(|l| l.cast_unsigned()));
+    for flux in table.fluxes.iter().flatten() {
+        bytes.extend(flux.to_le_bytes());
+    }
+    bytes
+}
+
+/// Writes a table to an open file and closes it.
+///
+/// # Errors
+/// Those of [`AtomicFile::finish`].
+pub fn write(
+    file: AtomicFile,
+    table: &EmbeddedTable,
+    method: &str,
+    distance_percent: Option<f64>,
+) -> Result<(), OutputError> {
+    file.finish(&to_bytes(table, &Record::of(table, method, distance_percent)))
+}
+
+/// Reads a table.
+///
+/// # Errors
+/// [`TableFileError`] for what is no table, or one that is damaged.
+pub fn read(path: &Path) -> Result<(EmbeddedTable, Record), TableFileError> {
+    let error = |what: String| TableFileError { path: path.into(), what };
+    let bytes = read_file(path, MOST_BYTES).map_err(|e| {
+        error(format!("cannot be read ({e}); give a table made by `asperity tabulate`"))
+    })?;
+    parse(&bytes).map_err(error)
+}
+
+fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
+    let head = &bytes[..bytes.len().min(MOST_HEADER)];
+    let no_table = "is no table; give a file made by `asperity tabulate`";
+    let end = head.iter().position(|b| *b == b'\n').ok_or(no_table)?;
+    let record: Record =
+        serde_json::from_slice(&bytes[..end]).map_err(|e| format!("{no_table} ({e})"))?;
+    if record.asperity_table != FORMAT {
+        return Err(format!(
+            "format {} is not known to this program, which reads format {FORMAT}; update it",
+            record.asperity_table
+        ));
+    }
+    let header = record.header()?;
+    let mut rest = &bytes[end + 1..];
+    let wanted = match &*record.storage {
+        "u8" => header.bytes::<u8>(),
+        "u16" => header.bytes::<u16>(),
+        "f32" => header.bytes::<f32>(),
+        other => return Err(format!("storage `{other}` is not u8, u16 or f32")),
+    };
+    // lengths are held against the file before anything of them is allocated
+    if rest.len() != wanted || record.payload_bytes != wanted {
+        return Err(format!(
+            "has {} bytes of values where its header asks for {wanted}; the file is cut or damaged",
+            rest.len()
+        ));
+    }
+    let [gains, values, quantiles, leans, fluxes] = header.lengths();
+    let gains: Vec<f32> = take::<4>(&mut rest, gains).map(f32::from_le_bytes).collect();
+    let values = match &*record.storage {
+        "u8" => Values::U8(take::<1>(&mut rest, values).map(|[b]| b).collect()),
+        "u16" => Values::U16(take::<2>(&mut rest, values).map(u16::from_le_bytes).collect()),
+        _ => Values::F32(take::<4>(&mut rest, values).map(f32::from_le_bytes).collect()),
+    };
+    let quantiles = take::<2>(&mut rest, quantiles).map(u16::from_le_bytes).collect();
+    let leans = take::<1>(&mut rest, leans).map(i8::from_le_bytes).collect();
+    let fluxes = take::<8>(&mut rest, fluxes)
+        .map(|[a, b, c, d, e, f, g, h]| [[a, b], [c, d], [e, f], [g, h]].map(u16::from_le_bytes))
+        .collect();
+    let table = EmbeddedTable::new(header, values, Rest { gains, quantiles, leans, fluxes })
+        .map_err(|e| format!("{e}; the file is damaged"))?;
+    Ok((table, record))
+}
+
+/// The next `count` numbers of `N` bytes.
+fn take<'a, const N: usize>(
+    from: &mut &'a [u8],
+    count: usize,
+) -> impl Iterator<Item = [u8; N]> + 'a {
+    let (head, rest) = from.split_at((count * N).min(from.len()));
+    *from = rest;
+    head.as_chunks::<N>().0.iter().copied()
+}

@@ -1,0 +1,160 @@
+//! A lobe while it is made: its values in double precision at the nodes, and sums over its facets.
+
+use std::f64::consts::PI;
+
+use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::direction::Side;
+use asperity_core::quantity::RelativeIor;
+use asperity_core::table::{
+    BsdfTableRef, LobeHeader, LobeTable, SideTable, Storage, incidence_cosine, slope,
+};
+
+use super::facet::{Beam, Turned};
+
+/// Which of the four lobes: from the air reflection and transmission, then from the dielectric.
+pub(super) const LOBES: [(Side, Lobe); 4] = [
+    (Side::Air, Lobe::Reflection),
+    (Side::Air, Lobe::Transmission),
+    (Side::Dielectric, Lobe::Reflection),
+    (Side::Dielectric, Lobe::Transmission),
+];
+
+/// Cosine that stands for grazing light, which itself scatters nothing.
+const GRAZING: f64 = 2e-3;
+
+/// A lobe and its values.
+#[derive(Clone, Debug)]
+pub(super) struct LobeGrid {
+    pub(super) eta: f64,
+    pub(super) side: Side,
+    pub(super) lobe: Lobe,
+    pub(super) header: LobeHeader,
+    /// `v` at the nodes: radii, azimuths, incidences.
+    pub(super) v: Vec<f64>,
+}
+
+/// Where node `k` of `count` lies on [0, 1].
+pub(super) fn node(k: usize, count: u16) -> f64 {
+    k as f64 / f64::from(count - 1)
+}
+
+impl LobeGrid {
+    /// Without values yet.
+    pub(super) fn new(eta: f64, (side, lobe): (Side, Lobe), header: LobeHeader) -> Self {
+        Self { eta, side, lobe, header, v: vec![0.0; header.shape.values()] }
+    }
+
+    /// Cosine of incidence of a node.
+    pub(super) fn cosine(&self, node_of: usize) -> f64 {
+        let y = node(node_of, self.header.shape.incidences);
+        incidence_cosine(y, f64::from(self.header.grazing)).max(GRAZING)
+    }
+
+    pub(super) fn beam(&self, cos: f64) -> Beam {
+        Beam::new(self.eta, self.side, self.lobe, cos)
+    }
+
+    /// Slope at a radius; the last node stands for what is half a cell before it.
+    pub(super) fn slope(&self, r: f64) -> f64 {
+        let most = 1.0 - 0.5 / f64::from(self.header.shape.radii - 1);
+        slope(r.min(most), f64::from(self.header.scale))
+    }
+
+    /// Values of an incidence.
+    pub(super) fn plane(&mut self, incidence: usize) -> &mut [f64] {
+        let each = usize::from(self.header.shape.azimuths) * usize::from(self.header.shape.radii);
+        &mut self.v[incidence * each..(incidence + 1) * each]
+    }
+
+    /// Stored numbers and the gains they are worth.
+    pub(super) fn stored<S: Storage>(&self) -> (Vec<f32>, Vec<S>) {
+        let each = usize::from(self.header.shape.azimuths) * usize::from(self.header.shape.radii);
+        let (mut gains, mut values) = (Vec::new(), Vec::with_capacity(self.v.len()));
+        for plane in self.v.chunks(each) {
+            let most = plane.iter().copied().fold(0.0, f64::max) as f32;
+            let gain = if most > 0.0 { most / S::FULL } else { 0.0 };
+            gains.push(gain);
+            let code = |v: &f64| if gain > 0.0 { (*v as f32 / gain).min(S::FULL) } else { 0.0 };
+            values.extend(plane.iter().map(|v| S::nearest(code(v))));
+        }
+        (gains, values)
+    }
+
+    /// Runs an expression with the lobe alone as a table, stored as it would be.
+    pub(super) fn with_table<S: Storage, R>(
+        &self,
+        run: impl FnOnce(&BsdfTableRef<'_, S>) -> R,
+    ) -> Option<R> {
+        let (gains, values) = self.stored::<S>();
+        let LobeHeader { mut shape, form, fall, scale, grazing } = self.header;
+        shape.intervals = 1;
+        let quantiles: Vec<u16> = (0..shape.incidences).flat_map(|_| [0, 65535]).collect();
+        let leans = vec![0; shape.leans()];
+        let lobe = LobeTable {
+            shape,
+            form,
+            fall,
+            scale,
+            grazing,
+            gains: &gains,
+            values: &values,
+            quantiles: &quantiles,
+            leans: &leans,
+        };
+        let mut lit = SideTable { fluxes: &[[32767, 32767, 0, 0]; 2], ..SideTable::DARK };
+        match self.lobe {
+            Lobe::Reflection => lit.reflection = Some(lobe),
+            Lobe::Transmission => lit.transmission = Some(lobe),
+        }
+        let sides = match self.side {
+            Side::Air => [lit, SideTable::DARK],
+            Side::Dielectric => [SideTable::DARK, lit],
+        };
+        let eta = RelativeIor::new(self.eta as f32).ok()?;
+        BsdfTableRef::new(eta, scale, sides[0], sides[1]).ok().map(|table| run(&table))
+    }
+
+    /// Flux of the lobe of a law, at a cosine of incidence.
+    pub(super) fn flux_of<B: Bsdf<f64>>(&self, law: &B, cos: f64) -> f64 {
+        let beam = self.beam(cos);
+        let mut sum = 0.0;
+        self.over_facets(&beam, |spot| {
+            sum += law.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
+        });
+        sum
+    }
+
+    /// Visits facets that send a beam into the lobe, slopes ascending; weights are their solid angles.
+    pub(super) fn over_facets(&self, beam: &Beam, mut visit: impl FnMut(&Spot)) {
+        const AROUND: u32 = 24;
+        let cells = u32::from(self.header.shape.radii - 1);
+        let sub = (192 / cells).max(2);
+        let s0 = f64::from(self.header.scale);
+        let rings = cells * sub;
+        for ring in 0..rings {
+            let r = (f64::from(ring) + 0.5) / f64::from(rings);
+            let s = slope(r, s0);
+            let cos = 1.0 / s.hypot(1.0);
+            // ds = s0 / (1 - r)^2 dr, both halves of the circle
+            let ds = s0 / ((1.0 - r) * (1.0 - r)) / f64::from(rings);
+            let weight = s * ds * cos * cos * cos * (2.0 * PI / f64::from(AROUND));
+            for k in 0..AROUND {
+                let p = (PI * (f64::from(k) + 0.5) / f64::from(AROUND)).cos();
+                if let Some(turned) = beam.turn(s, p) {
+                    visit(&Spot { r, s, p, weight, turned });
+                }
+            }
+        }
+    }
+}
+
+/// A facet of a sum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub(super) r: f64,
+    pub(super) s: f64,
+    pub(super) p: f64,
+    /// Solid angle it stands for.
+    pub(super) weight: f64,
+    pub(super) turned: Turned,
+}

@@ -1,0 +1,84 @@
+//! Values of a law that can be evaluated: at every node, exactly.
+
+use asperity_core::bsdf::Bsdf;
+use rayon::prelude::*;
+
+use super::facet::{Beam, tail};
+use super::grid::{LobeGrid, node};
+
+/// Steps of the bisection for the last facet before the horizon.
+const STEPS: u32 = 24;
+
+impl LobeGrid {
+    /// Takes the values of a law.
+    pub(super) fn fill<B: Bsdf<f64> + Sync>(&mut self, law: &B) {
+        let shape = self.header.shape;
+        let radii = usize::from(shape.radii);
+        let planes: Vec<Vec<f64>> = (0..usize::from(shape.incidences))
+            .into_par_iter()
+            .map(|j| {
+                let beam = self.beam(self.cosine(j));
+                let row = |k: usize| self.row(law, &beam, 2.0 * node(k, shape.azimuths) - 1.0);
+                let mut rows: Vec<Option<Vec<f64>>> =
+                    (0..usize::from(shape.azimuths)).map(row).collect();
+                // an azimuth whose facets all face away goes on as its neighbour on the mirror's side
+                for k in (0..rows.len()).rev() {
+                    if rows[k].is_none() {
+                        rows[k] = rows.get(k + 1).cloned().flatten();
+                    }
+                }
+                rows.into_iter().flat_map(|row| row.unwrap_or_else(|| vec![0.0; radii])).collect()
+            })
+            .collect();
+        for (j, plane) in planes.into_iter().enumerate() {
+            self.plane(j).copy_from_slice(&plane);
+        }
+    }
+
+    /// `v` over the radii at one azimuth. Facets that send light into the lobe lie between two slopes (those beyond send it into
+    /// the surface, those before may reflect it totally); outside it goes on as at these edges.
+    fn row<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, p: f64) -> Option<Vec<f64>> {
+        let count = self.header.shape.radii;
+        let at = |k: usize| node(k, count);
+        let mut row: Vec<Option<f64>> =
+            (0..usize::from(count)).map(|k| self.value(law, beam, at(k), p)).collect();
+        let first = row.iter().position(Option::is_some)?;
+        let last = row.iter().rposition(Option::is_some)?;
+        if first > 0 {
+            let edge = self.edge(law, beam, p, [at(first), at(first - 1)]);
+            row[..first].fill(edge);
+        }
+        if last + 1 < row.len() {
+            let edge = self.edge(law, beam, p, [at(last), at(last + 1)]);
+            row[last + 1..].fill(edge);
+        }
+        let mut before = 0.0;
+        let keep = |v: Option<f64>| {
+            before = v.unwrap_or(before);
+            before
+        };
+        Some(row.into_iter().map(keep).collect())
+    }
+
+    /// The value at the last facet between one that sends light into the lobe and one that does not.
+    fn edge<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, p: f64, ends: [f64; 2]) -> Option<f64> {
+        let [mut inside, mut outside] = ends;
+        let mut edge = self.value(law, beam, inside, p);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (inside + outside);
+            match self.value(law, beam, middle, p) {
+                Some(v) => (inside, edge) = (middle, Some(v)),
+                None => outside = middle,
+            }
+        }
+        edge
+    }
+
+    fn value<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, r: f64, p: f64) -> Option<f64> {
+        let s = self.slope(r);
+        let turned = beam.turn(s, p)?;
+        let q = law.ars(beam.wi, turned.wo) / beam.per(&turned, self.header.form);
+        let v = (q / tail(self.header.fall, s, f64::from(self.header.scale))).sqrt();
+        (v.is_finite() && turned.wo.z().abs() > 1e-9).then_some(v)
+    }
+}

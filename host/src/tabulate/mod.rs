@@ -1,0 +1,258 @@
+//! Makes the table of a boundary for a microcontroller.
+//!
+//! A law that can be evaluated is looked up at the nodes, and what is divided out, the scale of slopes and the numbers of nodes
+//! are those that err least (`search`). A boundary that can only be sampled sends rays (`rays`). Then the
+//! lobes are given the flux of the model at each node of incidence, and where the table would give more than it receives
+//! between nodes, both are lowered (`balance`).
+
+mod facet;
+mod grid;
+mod law;
+mod samples;
+mod rays;
+mod balance;
+mod search;
+mod distance;
+
+pub use distance::{distance_percent, energy_error};
+
+use std::sync::atomic::AtomicBool;
+
+use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::direction::Side;
+use asperity_core::quantity::RelativeIor;
+use asperity_core::table::{Fall, Form, Header, LobeHeader, Shape, Storage};
+
+use crate::boundary::{Boundary, with_boundary};
+use crate::embedded::{EmbeddedTable, Rest, Values};
+use crate::forward::Rays;
+use grid::{LOBES, LobeGrid};
+
+/// How numbers are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// 8 bits.
+    U8,
+    /// 16 bits.
+    U16,
+    /// Single precision.
+    F32,
+}
+
+/// What a table is to hold, and how large it may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// From the air reflection and transmission, then from the dielectric.
+    pub lobes: [bool; 4],
+    /// Bytes of all arrays together, at most.
+    pub bytes: usize,
+    /// How values are kept; by the number of bytes without it.
+    pub kept: Option<Kept>,
+    /// Rays an incidence, for a boundary that must be sampled.
+    pub rays: Rays,
+}
+
+/// Index that stands for an opaque body, whose table has no transmission: Fresnel's factor hardly changes with angle.
+const OPAQUE: f64 = 10.0;
+/// Bytes from which on values have 16 bits unless asked otherwise.
+const WIDE: usize = 12 << 10;
+
+/// Why there is no table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoTable {
+    /// Too few bytes for the smallest table.
+    #[error("{0} bytes are too few; give at least {1}")]
+    Small(usize, usize),
+    /// No lobe is left that has light.
+    #[error("there is no lobe to tabulate: an opaque body reflects light from the air only")]
+    NoLobe,
+    /// The media are alike: there is no boundary.
+    #[error("the media are alike; there is nothing to tabulate")]
+    Matched,
+    /// Values that are not finite, or too large.
+    #[error("the model gives values that no table can hold")]
+    Values,
+    /// Interrupted.
+    #[error("interrupted")]
+    Stopped,
+}
+
+/// Makes the table of a boundary. `progress(done, all)` counts steps.
+///
+/// # Errors
+/// [`NoTable`] if there is none.
+pub fn tabulate(
+    boundary: &Boundary,
+    plan: &Plan,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<EmbeddedTable, NoTable> {
+    let mut wanted = plan.lobes;
+    if boundary.eta().is_none() {
+        wanted = [wanted[0], false, false, false];
+    }
+    let count = wanted.iter().filter(|w| **w).count();
+    if count == 0 {
+        return Err(NoTable::NoLobe);
+    }
+    let eta = boundary.eta().unwrap_or(OPAQUE);
+    let index = RelativeIor::new(eta as f32).map_err(|_| NoTable::Values)?;
+    if index.is_matched() {
+        return Err(NoTable::Matched);
+    }
+    let kept = plan.kept.unwrap_or(if plan.bytes < WIDE { Kept::U8 } else { Kept::U16 });
+    let least = 1400 * count * if kept == Kept::U8 { 1 } else { 2 };
+    if plan.bytes < least {
+        return Err(NoTable::Small(plan.bytes, least));
+    }
+    let made = match kept {
+        Kept::U8 => of_storage::<u8>(boundary, plan, (eta, wanted), stop, progress),
+        Kept::U16 => of_storage::<u16>(boundary, plan, (eta, wanted), stop, progress),
+        Kept::F32 => of_storage::<f32>(boundary, plan, (eta, wanted), stop, progress),
+    };
+    let (lobes, slope) = made?;
+    let fluxes = flux_nodes(plan.bytes);
+    let done = match kept {
+        Kept::U8 => finish::<u8>(boundary, lobes, (index, slope, fluxes), Values::U8),
+        Kept::U16 => finish::<u16>(boundary, lobes, (index, slope, fluxes), Values::U16),
+        Kept::F32 => finish::<f32>(boundary, lobes, (index, slope, fluxes), Values::F32),
+    };
+    done.ok_or(NoTable::Values)
+}
+
+/// Incidences of the fluxes of each side.
+fn flux_nodes(bytes: usize) -> u16 {
+    if bytes < WIDE { 25 } else { 65 }
+}
+
+/// Lobes with the flux of the model at their nodes.
+type Lobes = [Option<LobeGrid>; 4];
+
+fn of_storage<S: Storage>(
+    boundary: &Boundary,
+    plan: &Plan,
+    (eta, wanted): (f64, [bool; 4]),
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<(Lobes, f64), NoTable> {
+    let count = wanted.iter().filter(|w| **w).count();
+    let budget = (plan.bytes - 16 * usize::from(flux_nodes(plan.bytes))) / count;
+    with_boundary!(boundary,
+    b => {
+        let mut lobes: Lobes = [const { None }; 4];
+        let mut done = 0;
+        for (k, which) in LOBES.into_iter().enumerate().filter(|(k, _)| wanted[*k]) {
+            if stop.load(std::sync::atomic::Ordering::Relaxed) {
+                return Err(NoTable::Stopped);
+            }
+            let mut grid = search::best::<_, S>(b, eta, which, budget);
+            balance::to_model(&mut grid, |cos, grid| grid.flux_of(b, cos));
+            lobes[k] = Some(grid);
+            done += 1;
+            progress(done, count);
+        }
+        Ok((lobes, b.slope()))
+    },
+    traced t => of_rays::<_, S>(t, plan, (eta, wanted), budget, stop, progress))
+}
+
+/// Lobes of a boundary that is sampled: one choice of nodes for all.
+fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
+    boundary: &B,
+    plan: &Plan,
+    (eta, wanted): (f64, [bool; 4]),
+    budget: usize,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<(Lobes, f64), NoTable> {
+    let mut lobes: Lobes = [const { None }; 4];
+    let pilot = Rays { count: plan.rays.count.min(100_000), ..plan.rays };
+    let (incidences, azimuths) = if budget < 4096 { (12, 4) } else { (16, 5) };
+    let most = if S::BYTES == 1 { 4.0 } else { 16.0 };
+    let sides = [Side::Air, Side::Dielectric];
+    let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
+    let (mut done, mut slope) = (0, None);
+    for (at, side) in sides.into_iter().enumerate() {
+        let medians = rays::median_slopes(boundary, eta, side, pilot);
+        let made = [0, 1].map(|k| {
+            let scale = medians[k].or(medians[1 - k]).unwrap_or(0.1).clamp(1e-5, 10.0);
+            slope = slope.or(Some(scale));
+            let shape = search::fitted::<S>(incidences, azimuths, budget);
+            let header = LobeHeader {
+                shape: Shape { radii: shape.radii.min(40), ..shape },
+                form: Form::Masked,
+                fall: Fall::Fourth,
+                scale: (1.5 * scale) as f32,
+                grazing: 1.0,
+            };
+            wanted[2 * at + k].then(|| LobeGrid::new(eta, LOBES[2 * at + k], header))
+        });
+        if made.iter().all(Option::is_none) {
+            continue;
+        }
+        let [mut reflection, mut transmission] = made;
+        let step = std::sync::atomic::AtomicUsize::new(done);
+        let all = used * usize::from(incidences);
+        let tick = || {
+            progress(step.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
+        };
+        let both = [reflection.as_mut(), transmission.as_mut()];
+        let fluxes =
+            rays::fill(boundary, both, (plan.rays, most), stop, &tick).ok_or(NoTable::Stopped)?;
+        done += usize::from(incidences);
+        for (k, grid) in [reflection, transmission].into_iter().enumerate() {
+            if let Some(mut grid) = grid {
+                let known: Vec<(f64, f64)> =
+                    fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
+                balance::to_model(&mut grid, |cos, _| balance::between(&known, cos));
+                lobes[2 * at + k] = Some(grid);
+            }
+        }
+    }
+    Ok((lobes, slope.unwrap_or(0.1)))
+}
+
+/// Stores everything.
+fn finish<S: Storage>(
+    boundary: &Boundary,
+    mut lobes: Lobes,
+    (eta, slope, fluxes): (RelativeIor<f32>, f64, u16),
+    kept: impl Fn(Vec<S>) -> Values,
+) -> Option<EmbeddedTable> {
+    // from the dielectric fluxes change most about the critical angle, not at grazing incidence
+    const GRAZING: [f32; 2] = [1.0, 0.0];
+    let mut rest = Rest::default();
+    let mut rows = [0; 2];
+    for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
+        let [reflection, transmission] = lobes.get_disjoint_mut([2 * k, 2 * k + 1]).ok()?;
+        let coherent = |cos| balance::coherent(boundary, side, cos);
+        balance::lower::<S>(reflection.as_mut(), transmission.as_mut(), &coherent);
+        if reflection.is_some() || transmission.is_some() {
+            rows[k] = fluxes;
+            let both = [reflection.as_ref(), transmission.as_ref()];
+            rest.fluxes.extend(balance::stored::<S>(both, &coherent, (fluxes, GRAZING[k])));
+        }
+    }
+    let mut values = Vec::new();
+    for grid in lobes.iter().flatten() {
+        let (gains, own) = grid.stored::<S>();
+        let (quantiles, leans) = grid.with_table::<S, _>(|table| samples::samples(grid, table))?;
+        rest.gains.extend(gains);
+        values.extend(own);
+        rest.quantiles.extend(quantiles);
+        rest.leans.extend(leans);
+    }
+    let header = Header {
+        eta,
+        slope: slope as f32,
+        lobes: lobes.map(|grid| grid.map(|g| g.header)),
+        fluxes: rows,
+        grazing: GRAZING,
+    };
+    EmbeddedTable::new(header, kept(values), rest).ok()
+}
+
+/// Whether a lobe belongs to a choice of sides and lobes.
+pub fn lobes_of(sides: &[Side], lobes: &[Lobe]) -> [bool; 4] {
+    LOBES.map(|(side, lobe)| sides.contains(&side) && lobes.contains(&lobe))
+}

@@ -1,0 +1,109 @@
+//! Quantiles and leans: what a finished lobe is sampled with.
+
+use asperity_core::bsdf::Bsdf;
+use asperity_core::table::{BsdfTableRef, Storage};
+use rayon::prelude::*;
+
+use super::grid::LobeGrid;
+
+/// Share of a lobe beyond its last quantile.
+const LEFT_OUT: f64 = 1e-6;
+/// Largest lean: the tails in azimuth are kept alive.
+const MOST_LEAN: f64 = 0.9;
+
+/// Quantiles and leans of all incidences.
+pub(super) fn samples<S: Storage>(
+    grid: &LobeGrid,
+    table: &BsdfTableRef<'_, S>,
+) -> (Vec<u16>, Vec<i8>) {
+    let shape = grid.header.shape;
+    let each: Vec<(Vec<u16>, Vec<i8>)> = (0..usize::from(shape.incidences))
+        .into_par_iter()
+        .map(|j| one(grid, table, grid.cosine(j), usize::from(shape.intervals)))
+        .collect();
+    let (mut quantiles, mut leans) = (Vec::new(), Vec::new());
+    for (q, l) in each {
+        quantiles.extend(q);
+        leans.extend(l);
+    }
+    (quantiles, leans)
+}
+
+fn one<S: Storage>(
+    grid: &LobeGrid,
+    table: &BsdfTableRef<'_, S>,
+    cos: f64,
+    intervals: usize,
+) -> (Vec<u16>, Vec<i8>) {
+    let beam = grid.beam(cos);
+    // r, flux, flux times the azimuth's cosine; one row a ring
+    let mut rings: Vec<[f64; 3]> = Vec::new();
+    grid.over_facets(&beam, |spot| {
+        let flux = table.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
+        match rings.last_mut() {
+            Some(ring) if ring[0].to_bits() == spot.r.to_bits() => {
+                ring[1] += flux;
+                ring[2] += flux * spot.p;
+            }
+            _ => rings.push([spot.r, flux, flux * spot.p]),
+        }
+    });
+    let all: f64 = rings.iter().map(|r| r[1]).sum();
+    let count = intervals as u16;
+    if all <= 0.0 {
+        let even = (0..=count).map(|k| (65535 * u32::from(k) / u32::from(count)) as u16).collect();
+        return (even, vec![0; intervals]);
+    }
+    // ends of the rings: half way to the next
+    let mut quantiles = vec![0_u16];
+    let mut leans = Vec::with_capacity(intervals);
+    let (mut sum, mut before) = (0.0, 0.0);
+    let mut own = [0.0; 2];
+    for (k, &[r, flux, moment]) in rings.iter().enumerate() {
+        let end = rings.get(k + 1).map_or(0.5 * (1.0 + r), |next| 0.5 * (r + next[0]));
+        let start = before;
+        before = end;
+        let (mut from, mut rest, mut along) = (start, flux, moment);
+        while leans.len() + 1 < intervals {
+            let wanted = all * (leans.len() + 1) as f64 / intervals as f64 - sum;
+            if wanted > rest {
+                break;
+            }
+            let share = if rest > 0.0 { wanted / rest } else { 1.0 };
+            // uniform in r^2 within a ring
+            let at = (from * from + share * (end * end - from * from)).sqrt();
+            leans.push(lean([own[0] + wanted, own[1] + share * along]));
+            quantiles.push((at * at * 65536.0).round().min(65535.0) as u16);
+            own = [0.0; 2];
+            (from, rest, along) = (at, rest - wanted, along * (1.0 - share));
+            sum += wanted;
+        }
+        own = [own[0] + rest, own[1] + along];
+        sum += rest;
+        let left: f64 = all - sum;
+        if leans.len() + 1 == intervals && left <= LEFT_OUT * all {
+            break;
+        }
+    }
+    leans.push(lean(own));
+    quantiles.push((before * before * 65536.0).ceil().min(65535.0) as u16);
+    ascend(&mut quantiles);
+    (quantiles, leans)
+}
+
+fn lean([flux, moment]: [f64; 2]) -> i8 {
+    let mean = if flux > 0.0 { (moment / flux).clamp(-MOST_LEAN, MOST_LEAN) } else { 0.0 };
+    (mean * 128.0).round() as i8
+}
+
+/// Makes whole numbers ascend strictly, by as little as it takes.
+fn ascend(numbers: &mut [u16]) {
+    for k in 1..numbers.len() {
+        numbers[k] = numbers[k].max(numbers[k - 1].saturating_add(1));
+    }
+    let mut most = u16::MAX;
+    for number in numbers.iter_mut().rev() {
+        *number = (*number).min(most);
+        most = number.saturating_sub(1);
+    }
+}

@@ -1,0 +1,206 @@
+//! What is divided out, the scale of slopes, the numbers of nodes: those that err least.
+
+use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::direction::{Direction, Side};
+use asperity_core::table::{Fall, Form, LobeHeader, Shape, Storage, slope};
+use rayon::prelude::*;
+
+use super::balance::incident;
+use super::grid::LobeGrid;
+
+const FORMS: [Form; 3] = [Form::Masked, Form::Unmasked, Form::Drawn];
+const FALLS: [Fall; 3] = [Fall::Fourth, Fall::Second, Fall::Flat];
+/// Scales of slopes in units of the median slope.
+const SCALES: [f64; 6] = [0.35, 0.6, 1.0, 1.7, 3.0, 5.0];
+const GRAZING: [f32; 4] = [0.0, 1.0, 3.0, 8.0];
+const INCIDENCES: [u16; 7] = [5, 7, 9, 12, 16, 20, 26];
+const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
+/// Values beyond which a lobe need not use up its bytes.
+const MANY: usize = 24_000;
+/// Incidences at which errors are looked at, degrees: those of the instrument and between them.
+const ANGLES: [f64; 13] =
+    [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 84.0];
+/// Facets along a line through the lobe.
+const POINTS: u32 = 48;
+
+/// Cosines of incidence at which the flux of the best shapes is looked at, how many they are, and how far from the best.
+const FLUXES: [f64; 10] = [0.97, 0.92, 0.86, 0.8, 0.74, 0.7, 0.65, 0.55, 0.4, 0.2];
+const FINALISTS: usize = 6;
+const NEAR: f64 = 3.0;
+
+/// A pair of directions, the value there, and how much of a line it stands for.
+struct Probe {
+    wi: Direction<f64>,
+    wo: Direction<f64>,
+    ars: f64,
+    weight: f64,
+}
+
+/// The shape with as many radii as fit.
+pub(super) fn fitted<S: Storage>(incidences: u16, azimuths: u16, bytes: usize) -> Shape {
+    let intervals = if bytes < 3000 { 8 } else { 16 };
+    let rest = usize::from(incidences) * (4 + 3 * usize::from(intervals) + 2);
+    let each = usize::from(incidences) * usize::from(azimuths) * S::BYTES;
+    let radii = (bytes.saturating_sub(rest) / each).clamp(2, 160) as u16;
+    Shape { incidences, azimuths, radii, intervals }
+}
+
+/// The lobe of a law that errs least within a number of bytes.
+pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
+    law: &B,
+    eta: f64,
+    which: (Side, Lobe),
+    bytes: usize,
+) -> LobeGrid {
+    let median = median_slope(law, eta, which);
+    let probes = probes(law, eta, which, median);
+    let start = LobeHeader {
+        shape: Shape {
+            radii: 40.min(fitted::<S>(9, 5, bytes).radii.max(16)),
+            ..fitted::<S>(9, 5, bytes)
+        },
+        form: Form::Masked,
+        fall: Fall::Fourth,
+        scale: median as f32,
+        grazing: 1.0,
+    };
+    let judge = |candidates: Vec<LobeHeader>| -> Vec<(f64, LobeHeader)> {
+        let mut judged: Vec<(f64, LobeHeader)> = candidates
+            .into_par_iter()
+            .map(|header| {
+                let mut grid = LobeGrid::new(eta, which, header);
+                grid.fill(law);
+                (error::<S>(&grid, &probes), header)
+            })
+            .collect();
+        judged.sort_by(|a, b| a.0.total_cmp(&b.0));
+        judged
+    };
+    let least = |candidates| judge(candidates).first().map_or(start, |best| best.1);
+    let mut kinds = Vec::new();
+    for form in FORMS {
+        for fall in FALLS {
+            for factor in SCALES {
+                kinds.push(LobeHeader { form, fall, scale: (median * factor) as f32, ..start });
+            }
+        }
+    }
+    let kind = least(kinds);
+    let mut shapes = Vec::new();
+    for incidences in INCIDENCES {
+        for azimuths in AZIMUTHS {
+            let shape = fitted::<S>(incidences, azimuths, bytes);
+            let used = shape.values() * S::BYTES;
+            if shape.radii >= 12 && (2 * used > bytes || shape.values() >= MANY) {
+                for grazing in GRAZING {
+                    shapes.push(LobeHeader { shape, grazing, ..kind });
+                }
+            }
+        }
+    }
+    if shapes.is_empty() {
+        // too few bytes for any of them
+        shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
+    }
+    // of those that err little, the one whose flux errs least between its nodes
+    let judged = judge(shapes);
+    let most = judged.first().map_or(0.0, |best| NEAR * best.0);
+    let shaped = judged
+        .into_iter()
+        .filter(|j| j.0 <= most)
+        .take(FINALISTS)
+        .map(|(_, header)| {
+            let mut grid = LobeGrid::new(eta, which, header);
+            grid.fill(law);
+            super::balance::to_model(&mut grid, |cos, grid| grid.flux_of(law, cos));
+            (flux_error::<_, S>(&grid, law), header)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or(start, |best| best.1);
+    let scales = [0.6, 0.8, 1.0, 1.25, 1.6];
+    let finer = least(scales.map(|f| LobeHeader { scale: shaped.scale * f, ..shaped }).into());
+    let mut grid = LobeGrid::new(eta, which, finer);
+    grid.fill(law);
+    grid
+}
+
+/// Largest error of the flux at some cosines of incidence.
+fn flux_error<B: Bsdf<f64> + Sync, S: Storage>(grid: &LobeGrid, law: &B) -> f64 {
+    let off = grid.with_table::<S, _>(|table| {
+        let one = |cos: &f64| (grid.flux_of(table, *cos) - grid.flux_of(law, *cos)).abs();
+        FLUXES.par_iter().map(one).reduce(|| 0.0, f64::max)
+    });
+    off.unwrap_or(f64::INFINITY)
+}
+
+/// Root mean square error of the probes over the largest value.
+fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
+    let sum = grid.with_table::<S, _>(|table| {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for probe in probes {
+            let off = table.ars(probe.wi, probe.wo) - probe.ars;
+            sum += off * off * probe.weight;
+            weights += probe.weight;
+        }
+        sum / weights
+    });
+    sum.filter(|s| s.is_finite()).map_or(f64::INFINITY, f64::sqrt)
+}
+
+/// Half of the light of a lobe, at a middle incidence, meets facets below this slope.
+fn median_slope<B: Bsdf<f64>>(law: &B, eta: f64, (side, lobe): (Side, Lobe)) -> f64 {
+    const COUNT: u32 = 987;
+    let wi = incident(side, 0.9);
+    let mut slopes: Vec<(f64, f64)> = Vec::new();
+    for k in 0..COUNT {
+        let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
+        let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
+        if let Some((_, s, _)) =
+            super::facet::between(eta, [1.0, 0.0], wi, ray.wo).filter(|f| f.1 > 1e-7)
+        {
+            slopes.push((s, ray.weight));
+        }
+    }
+    slopes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * slopes.iter().map(|s| s.1).sum::<f64>();
+    let mut sum = 0.0;
+    let median = slopes.iter().find(|(_, weight)| {
+        sum += weight;
+        sum >= half
+    });
+    median.map_or(law.slope(), |m| m.0).clamp(1e-6, 10.0)
+}
+
+/// Lines through the lobe in the plane of incidence and across.
+fn probes<B: Bsdf<f64>>(law: &B, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Probe> {
+    let lines = LobeGrid::new(
+        eta,
+        which,
+        LobeHeader {
+            shape: Shape { incidences: 2, azimuths: 2, radii: 2, intervals: 1 },
+            form: Form::Masked,
+            fall: Fall::Flat,
+            scale: 1.0,
+            grazing: 0.0,
+        },
+    );
+    let mut probes = Vec::new();
+    for deg in ANGLES {
+        let beam = lines.beam(deg.to_radians().cos());
+        for p in [1.0, -1.0, 0.02] {
+            for k in 0..POINTS {
+                let r = (f64::from(k) + 0.5) / f64::from(POINTS);
+                let s = slope(r, median);
+                let Some(turned) = beam.turn(s, p) else { continue };
+                let weight = 1.0 / ((1.0 - r) * (1.0 - r)) / (1.0 + s * s);
+                let ars = law.ars(beam.wi, turned.wo);
+                if ars.is_finite() {
+                    // beyond the instrument's incidences errors count less
+                    let weight = if deg > 60.0 { 0.2 * weight } else { weight };
+                    probes.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight });
+                }
+            }
+        }
+    }
+    probes
+}
