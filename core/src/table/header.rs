@@ -19,6 +19,8 @@ pub struct LobeHeader {
     pub scale: f32,
     /// Crowding of incidences towards grazing.
     pub grazing: f32,
+    /// Width of the masking that is divided out.
+    pub masking: f32,
 }
 
 /// The numbers of a table.
@@ -131,13 +133,14 @@ fn next_lobe<'a, S: Storage>(
     header: LobeHeader,
     from: &mut Arrays<'a, S>,
 ) -> Option<LobeTable<'a, S>> {
-    let LobeHeader { shape, form, fall, scale, grazing } = header;
+    let LobeHeader { shape, form, fall, scale, grazing, masking } = header;
     Some(LobeTable {
         shape,
         form,
         fall,
         scale,
         grazing,
+        masking,
         gains: take(&mut from.gains, usize::from(shape.incidences))?,
         values: take(&mut from.values, shape.values())?,
         quantiles: take(&mut from.quantiles, shape.quantiles())?,

@@ -168,7 +168,7 @@ const BYTES: usize = 8 + 8 + 8 + 2 + 16;
 fn a_table_is_viewed_in_its_payload_or_refused() {
     let words = payload();
     let lobes: [[u16; 6]; 4] = [[0; 6], [2, 2, 2, 1, 0, 4], [0; 6], [0; 6]];
-    let scales = [[0.0_f32; 2], [0.3, 1.0], [0.0; 2], [0.0; 2]];
+    let scales = [[0.0_f32; 3], [0.3, 1.0, 0.3], [0.0; 3], [0.0; 3]];
     let source = AsperityTableSource {
         eta: 1.5,
         slope: 0.3,
