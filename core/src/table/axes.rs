@@ -14,15 +14,18 @@ pub fn slope<T: Real>(r: T, s0: T) -> T {
     s0 * r / (T::ONE - r)
 }
 
-/// `y = (1 - c) / (1 + k c)` of a cosine of incidence `c`, 0 at the normal, 1 at grazing.
+/// `y = (1 + k) t / (1 + k t)` with `t = tan(theta / 2) = s / (1 + c)` of an angle of incidence with the sine `s` and the
+/// cosine `c`: 0 at the normal, 1 at grazing, and even at both ends, since a lobe moves with the sine near the normal and
+/// with the cosine near grazing.
 #[inline(always)]
-pub fn incidence_place<T: Real>(c: T, k: T) -> T {
-    (T::ONE - c) / (T::ONE + k * c)
+pub fn incidence_place<T: Real>(s: T, c: T, k: T) -> T {
+    (s + k * s) / (T::ONE + c + k * s)
 }
 
 /// The cosine at `y`.
 pub fn incidence_cosine<T: Real>(y: T, k: T) -> T {
-    (T::ONE - y) / (T::ONE + k * y)
+    let t = y / (T::ONE + k - k * y);
+    (T::ONE - t) * (T::ONE + t) / (T::ONE + t * t)
 }
 
 /// A cell of an axis and the share of its upper node.
@@ -35,11 +38,11 @@ pub struct Place<T> {
 }
 
 impl<T: Real> Place<T> {
-    /// Between `nodes >= 2` even nodes, for `x` in [0, 1]; beyond by rounding, a share is beyond by rounding.
+    /// Of `x` in [0, 1], or beyond by rounding, on an axis of so many [`cells`].
     #[inline(always)]
-    pub fn of(x: T, nodes: u16) -> Self {
-        let scaled = x * whole(nodes.wrapping_sub(1));
-        let cell = scaled.to_index().min(usize::from(nodes.wrapping_sub(2)));
+    pub fn of(x: T, cells: f32) -> Self {
+        let scaled = x * real(cells);
+        let cell = scaled.to_index();
         Self { cell, share: scaled - whole(cell as u16) }
     }
 
@@ -48,6 +51,11 @@ impl<T: Real> Place<T> {
     pub fn mix(self, low: T, high: T) -> T {
         low + self.share * (high - low)
     }
+}
+
+/// Cells between nodes, less what makes a place that rounding sends past the last node stay before it.
+pub const fn cells(nodes: u16) -> f32 {
+    nodes.saturating_sub(1) as f32 * (1.0 - 4e-6)
 }
 
 /// A small whole number; exact, and a single conversion where the device has one.

@@ -141,6 +141,7 @@ fn next_lobe<'a, S: Storage>(
         scale,
         grazing,
         masking,
+        cells: shape.cells(),
         gains: take(&mut from.gains, usize::from(shape.incidences))?,
         values: take(&mut from.values, shape.values())?,
         quantiles: take(&mut from.quantiles, shape.quantiles())?,

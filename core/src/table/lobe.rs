@@ -1,13 +1,13 @@
 //! One lobe from one side: its values, and the quantiles it is sampled with.
 
-use super::axes::{Place, real, whole};
+use super::axes::{Place, cells, real, whole};
 use super::storage::Storage;
 use super::view::TableError;
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::ndf::ggx::shadow_sum;
 
-/// What is divided out of a lobe. `S = |wi.m| J F` is the exact share of one facet: its Fresnel factor
+/// What is divided out of a lobe, and what it is looked up by. `S = |wi.m| J F` is the exact share of one facet: its Fresnel factor
 /// (reflected or transmitted), its Jacobian `J = d omega_m / d omega_o` and its projection on `wi`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
@@ -17,6 +17,10 @@ pub enum Form {
     Masked,
     /// `f = Q S / (|wi.m| |cos_o|)`: facets met in proportion to their number (the method `normals`).
     Drawn,
+    /// `f = Q / (M(wi) M(wo))`, and in place of the facet's slope the length of `h_xy = n_i wi_xy + n_o wo_xy`, how far
+    /// the light leaves from the mirror direction or Snell's; in reflection without the index they share. For light
+    /// that has met several facets, which also goes where none alone leads.
+    Direct,
 }
 
 /// How the tail of `Q` falls: `Q = v^2 q^n` with `q = s0 / (s0^2 cos^2 + sin^2)` of the facet's polar angle,
@@ -49,6 +53,10 @@ impl Shape {
     pub const fn values(self) -> usize {
         self.incidences as usize * self.azimuths as usize * self.radii as usize
     }
+    /// [`cells`](super::cells) of incidences, azimuths and radii.
+    pub const fn cells(self) -> [f32; 3] {
+        [cells(self.incidences), cells(self.azimuths), cells(self.radii)]
+    }
     /// Number of quantiles.
     pub const fn quantiles(self) -> usize {
         self.incidences as usize * (self.intervals as usize + 1)
@@ -68,14 +76,16 @@ pub struct LobeTable<'a, S> {
     pub form: Form,
     /// How the tail falls.
     pub fall: Fall,
-    /// `s0`, the scale of slopes.
+    /// `s0`, the scale of slopes, or of `|h_xy|` of [`Form::Direct`].
     pub scale: f32,
-    /// `k`, by which nodes of incidence crowd towards grazing.
+    /// `k`, by which nodes of incidence crowd: towards the normal above 0, towards grazing below.
     pub grazing: f32,
     /// `a` of [`Form::Masked`].
     pub masking: f32,
     /// What one unit of the stored values is worth, one an incidence.
     pub gains: &'a [f32],
+    /// [`Shape::cells`], which every look-up needs.
+    pub cells: [f32; 3],
     /// `v`: radii run fastest, then azimuths, then incidences.
     pub values: &'a [S],
     /// `r^2` in units of 1/65536, strictly ascending from 0 within each incidence.
@@ -109,13 +119,14 @@ impl<S: Storage> LobeTable<'_, S> {
         let lengths = self.gains.len() == usize::from(incidences)
             && self.values.len() == self.shape.values()
             && self.quantiles.len() == self.shape.quantiles()
-            && self.leans.len() == self.shape.leans();
+            && self.leans.len() == self.shape.leans()
+            && self.cells == self.shape.cells();
         if !lengths {
             return Err(TableError::Length);
         }
         let fine = |x: f32, least: f32, most: f32| (least..=most).contains(&x);
         let numbers = fine(self.scale, 1e-7, 1e4)
-            && fine(self.grazing, 0.0, 100.0)
+            && fine(self.grazing, -0.95, 100.0)
             && fine(self.masking, 0.0, 1e4)
             && self.gains.iter().all(|&g| fine(g, 0.0, 1e15))
             && self.values.iter().all(|v| fine(v.get::<f32>(), 0.0, S::FULL));
@@ -142,18 +153,20 @@ impl<S: Storage> LobeTable<'_, S> {
         T::from_f64(4.0) * wo.z().abs() / sums.max(T::MIN_POSITIVE)
     }
 
-    /// Where a cosine of incidence lies.
+    /// Where an incidence lies, by its sine and cosine.
     #[inline(always)]
-    pub(super) fn incidence<T: Real>(&self, c: T) -> Place<T> {
-        Place::of(super::axes::incidence_place(c, real(self.grazing)), self.shape.incidences)
+    pub(super) fn incidence<T: Real>(&self, s: T, c: T) -> Place<T> {
+        let [incidences, ..] = self.cells;
+        Place::of(super::axes::incidence_place(s, c, real(self.grazing)), incidences)
     }
 
-    /// `v` at an incidence, an azimuth's cosine and a radius.
+    /// `v^2` at an incidence, an azimuth's cosine and a radius.
     #[inline(always)]
     pub(super) fn value<T: Real>(&self, y: Place<T>, p: T, r: T) -> T {
         let Shape { azimuths, radii, .. } = self.shape;
-        let p = Place::of(T::HALF + T::HALF * p, azimuths);
-        let r = Place::of(r, radii);
+        let [_, around, outwards] = self.cells;
+        let p = Place::of(T::HALF + T::HALF * p, around);
+        let r = Place::of(r, outwards);
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
         let at = (y.cell * rows + p.cell) * columns + r.cell;
         let beyond = at + rows * columns;
@@ -166,18 +179,21 @@ impl<S: Storage> LobeTable<'_, S> {
             return T::ZERO;
         };
         match (plane(at), plane(beyond)) {
-            (Some(a), Some(b)) => y.mix(a * real(low), b * real(high)),
+            (Some(a), Some(b)) => {
+                let (a, b) = (a * real(low), b * real(high));
+                y.mix(a * a, b * b)
+            }
             _ => T::ZERO,
         }
     }
 
-    /// `Q` from `v` and `q`.
+    /// `Q` from `v^2` and `q`.
     #[inline(always)]
-    pub(super) fn shaped<T: Real>(&self, v: T, q: T) -> T {
+    pub(super) fn shaped<T: Real>(&self, v2: T, q: T) -> T {
         match self.fall {
-            Fall::Flat => v * v,
-            Fall::Second => v * v * q,
-            Fall::Fourth => (v * q) * (v * q),
+            Fall::Flat => v2,
+            Fall::Second => v2 * q,
+            Fall::Fourth => v2 * q * q,
         }
     }
 
@@ -205,13 +221,12 @@ impl<S: Storage> LobeTable<'_, S> {
         let (a, b, lean) = self.interval(y, k)?;
         let t = a + (scaled - whole(k as u16)).min(T::ONE) * (b - a);
         let r = t.sqrt_positive();
-        // A circle turned into itself by a Moebius map: the wrapped Cauchy law, whose mean cosine is `lean`.
-        let (s, c) = (T::TWO * T::PI * u[0]).sin_cos();
-        let (plus, minus) = (T::ONE + lean * lean, T::ONE - lean * lean);
-        let d = plus + T::TWO * lean * c;
-        let over = T::ONE / (d * minus);
-        let (p, sin) = ((c * plus + T::TWO * lean) * over * minus, s * minus * over * minus);
-        let around = d * d * over * T::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        let w = T::TWO * u[0] - T::ONE;
+        let [x, y] = half_angle(w, lean);
+        let both = x * x + y * y;
+        let over = T::ONE / both;
+        let (p, sin) = ((x * x - y * y) * over, T::TWO * x * y * over);
+        let around = around(w, lean, both);
         let s0: T = real(self.scale);
         let (x, z) = (s0 * r, T::ONE - r);
         let inverse = T::ONE / (x * x + z * z).sqrt();
@@ -245,12 +260,35 @@ impl<S: Storage> LobeTable<'_, S> {
         let Some((a, b, lean)) = self.interval(y, low).filter(|i| t < i.1) else {
             return T::ZERO;
         };
-        let (plus, minus) = (T::ONE + lean * lean, T::ONE - lean * lean);
-        let around =
-            minus / (plus - T::TWO * lean * p) * T::from_f64(0.5 * core::f64::consts::FRAC_1_PI);
+        // the number that draws this azimuth: the positive root of k w / (1 - w^2) = sin / cos
+        let (cos, sin) = ((T::ONE + p).sqrt_positive(), (T::ONE - p).sqrt_positive());
+        let k = T::from_f64(core::f64::consts::SQRT_2) * (T::ONE - lean) / (T::ONE + lean);
+        let w =
+            T::TWO * sin / (k * cos + (k * k * (T::ONE + p) + T::from_f64(4.0) * sin * sin).sqrt());
+        let [x, y] = half_angle(w, lean);
+        let around = around(w, lean, x * x + y * y);
         let s0: T = real(self.scale);
         let ratio = (T::ONE - r) / cos_m;
         T::TWO * around * ratio * ratio * ratio
             / (whole::<T>(self.shape.intervals) * (b - a) * s0 * s0)
     }
+}
+
+/// Cosine and sine, but for a factor, of half an azimuth from `w` in [-1, 1): `tan(phi / 2) = k w / (1 - w^2)`.
+///
+/// With `k` = sqrt 2 that is within 10 % of an even law of azimuths without a sine or cosine, and a lean shrinks the tangent, which
+/// turns the even law into the wrapped Cauchy law whose mean cosine it is.
+#[inline(always)]
+fn half_angle<T: Real>(w: T, lean: T) -> [T; 2] {
+    [
+        (T::ONE - w * w) * (T::ONE + lean),
+        T::from_f64(core::f64::consts::SQRT_2) * w * (T::ONE - lean),
+    ]
+}
+
+/// Density of that azimuth on the circle, from the sum of the squares of [`half_angle`].
+#[inline(always)]
+fn around<T: Real>(w: T, lean: T, both: T) -> T {
+    T::from_f64(0.25 * core::f64::consts::FRAC_1_SQRT_2) * both
+        / ((T::ONE - lean * lean) * (T::ONE + w * w))
 }

@@ -4,13 +4,13 @@
 //! exactly known divided out ([`Form`], [`Fall`]): what is left hardly changes with the incidence and the
 //! azimuth, so a few nodes of each do, and between two incidences the peak moves instead of fading. Three axes ([`Shape`]):
 //!
-//! - the cosine of incidence `c`, as `y = (1 - c) / (1 + k c)`, from 0 at the normal to 1 at grazing;
+//! - the tangent of half the angle of incidence, crowded by `k`, from 0 at the normal to 1 at grazing;
 //! - the azimuth of the facet against the mirror direction, as its cosine `p`, -1 to 1: an isotropic surface is
 //!   symmetric, and even functions of an angle are smooth in its cosine;
 //! - the slope of the facet `s`, as `r = s / (s + s0)`: a peak of any width gets the same nodes.
 //!
-//! Stored is the square root: small values keep their digits in 8 or 16 bits, and nothing is negative.
-//! Between nodes it is linear in all three. Samples need no values: each incidence has the quantiles of
+//! Stored is the square root: small values keep their digits in 8 or 16 bits, and nothing is negative. Between nodes it is
+//! linear in the last two, its square is in the first, so that the flux is too. Samples need no values: each incidence has the quantiles of
 //! `r^2` and, for each interval, the mean of `p`; both are interpolated like the values, so the density of
 //! the samples is known exactly without a sum over incidences.
 
@@ -19,13 +19,15 @@ mod axes;
 mod lobe;
 mod side;
 mod view;
+mod value;
+mod sample;
 mod header;
 mod owned;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests;
 
-pub use axes::{Place, incidence_cosine, incidence_place, radius, slope};
+pub use axes::{Place, cells, incidence_cosine, incidence_place, radius, slope};
 pub use header::{Arrays, Header, LobeHeader};
 pub use lobe::{Fall, Form, LobeTable, Shape};
 pub use owned::BsdfTable;

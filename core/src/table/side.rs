@@ -1,6 +1,6 @@
 //! What light from one side becomes: two lobes, and their fluxes.
 
-use super::axes::{Place, incidence_place, real, whole};
+use super::axes::{Place, cells, incidence_place, real, whole};
 use super::lobe::LobeTable;
 use super::storage::Storage;
 use crate::math::Real;
@@ -35,11 +35,11 @@ impl<S: Storage> SideTable<'_, S> {
     /// A side without any light.
     pub const DARK: Self = Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] };
 
-    /// Fluxes at a cosine of incidence.
+    /// Fluxes at an incidence, by its sine and cosine.
     #[inline(always)]
-    pub(super) fn at<T: Real>(&self, c: T) -> Fluxes<T> {
-        let nodes = self.fluxes.len() as u16;
-        let y = Place::of(incidence_place(c, real(self.grazing)), nodes);
+    pub(super) fn at<T: Real>(&self, s: T, c: T) -> Fluxes<T> {
+        let cells = cells(self.fluxes.len() as u16);
+        let y = Place::of(incidence_place(s, c, real(self.grazing)), cells);
         let rows = self.fluxes.get(y.cell..).and_then(|rows| rows.first_chunk());
         let Some([low, high]) = rows else { return Fluxes::default() };
         let unit = T::from_f64(1.0 / 65535.0);

@@ -58,6 +58,7 @@ fn lobe(row: &[u16; 6], [scale, grazing, masking]: [f32; 3]) -> Result<Option<Lo
     let form = match form {
         0 => Form::Masked,
         1 => Form::Drawn,
+        2 => Form::Direct,
         _ => return Err(Status::TableNumber),
     };
     let fall = match fall {

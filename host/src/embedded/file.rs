@@ -80,6 +80,7 @@ pub struct LobeRecord {
 enum FormWord {
     Masked,
     Drawn,
+    Direct,
 }
 
 impl From<&LobeHeader> for LobeRecord {
@@ -88,6 +89,7 @@ impl From<&LobeHeader> for LobeRecord {
         let form = match h.form {
             Form::Masked => FormWord::Masked,
             Form::Drawn => FormWord::Drawn,
+            Form::Direct => FormWord::Direct,
         };
         let fall = match h.fall {
             Fall::Flat => 0,
@@ -108,6 +110,7 @@ impl LobeRecord {
         let form = match self.form {
             FormWord::Masked => Form::Masked,
             FormWord::Drawn => Form::Drawn,
+            FormWord::Direct => Form::Direct,
         };
         let fall = match self.fall {
             0 => Fall::Flat,

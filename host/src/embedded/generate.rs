@@ -112,7 +112,7 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
         c_float(header.eta.get()),
         c_float(header.slope),
     );
-    text.push_str("\n/* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn), fall; 0 of a lobe left out */\n");
+    text.push_str("\n/* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn, 2 direct), fall; 0 of a lobe left out */\n");
     let rows: Vec<String> = header
         .lobes
         .iter()
@@ -165,6 +165,7 @@ fn c_lobe(l: &LobeHeader) -> String {
     let form = match l.form {
         Form::Masked => 0,
         Form::Drawn => 1,
+        Form::Direct => 2,
     };
     let fall = match l.fall {
         Fall::Flat => 0,

@@ -2,7 +2,7 @@
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
-use asperity_core::table::{Storage, incidence_cosine};
+use asperity_core::table::{Storage, incidence_cosine, incidence_place};
 use rayon::prelude::*;
 
 use super::grid::{LobeGrid, node};
@@ -125,12 +125,14 @@ pub(super) fn lower<'a, S: Storage>(
                 continue;
             }
             lowered = true;
+                eprintln!("lower at {:.2} deg: r {r:.4} t {t:.4}", cos.acos().to_degrees());
+            }
             let factor = (room / (r + t)).sqrt() * (1.0 - 1e-6);
             for (grid, factors) in [&reflection, &transmission].into_iter().zip(&mut factors) {
                 let Some(grid) = grid else { continue };
                 let k = f64::from(grid.header.grazing);
                 let last = usize::from(grid.header.shape.incidences) - 1;
-                let y = (1.0 - cos) / (1.0 + k * cos) * last as f64;
+                let y = incidence_place(((1.0 - cos) * (1.0 + cos)).sqrt(), *cos, k) * last as f64;
                 for j in [y.floor(), y.ceil()] {
                     let j = (j as usize).min(last);
                     factors[j] = factors[j].min(factor);

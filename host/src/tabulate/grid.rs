@@ -51,7 +51,7 @@ impl LobeGrid {
     }
 
     pub(super) fn beam(&self, cos: f64) -> Beam {
-        Beam::new(self.eta, self.side, self.lobe, cos)
+        Beam::new(self.eta, (self.side, self.lobe), self.header.form, cos)
     }
 
     /// Slope at a radius; the last node stands for what is half a cell before it.
@@ -97,6 +97,7 @@ impl LobeGrid {
             scale,
             grazing,
             masking,
+            cells: shape.cells(),
             gains: &gains,
             values: &values,
             quantiles: &quantiles,

@@ -10,6 +10,7 @@ mod grid;
 mod law;
 mod samples;
 mod rays;
+mod pilot;
 mod balance;
 mod search;
 mod distance;
@@ -21,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
-use asperity_core::table::{Fall, Form, Header, LobeHeader, Shape, Storage};
+use asperity_core::table::{Header, Storage};
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, Rest, Values};
@@ -166,27 +167,16 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Lobes, f64), NoTable> {
     let mut lobes: Lobes = [const { None }; 4];
-    let pilot = Rays { count: plan.rays.count.min(100_000), ..plan.rays };
-    let (incidences, azimuths) = if budget < 4096 { (12, 4) } else { (16, 5) };
-    let most = if S::BYTES == 1 { 4.0 } else { 16.0 };
+    let incidences = if budget < 4096 { 9 } else { 12 };
     let sides = [Side::Air, Side::Dielectric];
     let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
     let (mut done, mut slope) = (0, None);
     for (at, side) in sides.into_iter().enumerate() {
-        let medians = rays::median_slopes(boundary, eta, side, pilot);
+        let fitted = |azimuths| search::fitted::<S>(incidences, azimuths, budget);
+        let chosen = pilot::chosen(boundary, (eta, side), incidences, fitted, plan.rays);
+        slope = slope.or(Some(chosen[0].1));
         let made = [0, 1].map(|k| {
-            let scale = medians[k].or(medians[1 - k]).unwrap_or(0.1).clamp(1e-5, 10.0);
-            slope = slope.or(Some(scale));
-            let shape = search::fitted::<S>(incidences, azimuths, budget);
-            let header = LobeHeader {
-                shape: Shape { radii: shape.radii.min(40), ..shape },
-                form: Form::Masked,
-                fall: Fall::Fourth,
-                scale: (1.5 * scale) as f32,
-                grazing: 1.0,
-                masking: (0.7 * scale) as f32,
-            };
-            wanted[2 * at + k].then(|| LobeGrid::new(eta, LOBES[2 * at + k], header))
+            wanted[2 * at + k].then(|| LobeGrid::new(eta, LOBES[2 * at + k], chosen[k].0))
         });
         if made.iter().all(Option::is_none) {
             continue;
@@ -198,8 +188,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             progress(step.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
         };
         let both = [reflection.as_mut(), transmission.as_mut()];
-        let fluxes =
-            rays::fill(boundary, both, (plan.rays, most), stop, &tick).ok_or(NoTable::Stopped)?;
+        let fluxes = rays::fill(boundary, both, plan.rays, stop, &tick).ok_or(NoTable::Stopped)?;
         done += usize::from(incidences);
         for (k, grid) in [reflection, transmission].into_iter().enumerate() {
             if let Some(mut grid) = grid {
@@ -221,7 +210,7 @@ fn finish<S: Storage>(
     kept: impl Fn(Vec<S>) -> Values,
 ) -> Option<EmbeddedTable> {
     // from the dielectric fluxes change most about the critical angle, not at grazing incidence
-    const GRAZING: [f32; 2] = [1.0, 0.0];
+    const GRAZING: [f32; 2] = [0.0, 0.0];
     let mut rest = Rest::default();
     let mut rows = [0; 2];
     for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {

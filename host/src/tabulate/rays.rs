@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_core::bsdf::{Lobe, Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
-use asperity_core::table::{Place, radius};
+use asperity_core::table::{Form, Place, cells, radius};
 use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
@@ -23,6 +23,10 @@ const PARTS: u64 = 64;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Rays that weigh as much as a neighbour.
 const FEW: f64 = 10.0;
+/// Share of the node that a facet law of even values fills most, below which a node is not believed.
+const LEAST: f64 = 2e-3;
+/// Values at most, in units of their mean over the light.
+const MOST: f64 = 3.0;
 /// Rounds of sharpening.
 const ROUNDS: u32 = 4;
 
@@ -35,14 +39,14 @@ struct Gathered {
     rays: f64,
 }
 
-/// Fills both lobes of a side; their incidences must be the same. Values are at most `most` times their mean.
+/// Fills both lobes of a side; their incidences must be the same.
 ///
 /// Fluxes at the nodes of incidence, reflected and transmitted;
 /// `None` if `stop` was set.
 pub(super) fn fill<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&mut LobeGrid>; 2],
-    (rays, most): (Rays, f64),
+    rays: Rays,
     stop: &AtomicBool,
     progress: &(dyn Fn() + Sync),
 ) -> Option<Vec<[f64; 2]>> {
@@ -59,7 +63,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         for (grid, nodes) in [&mut reflection, &mut transmission].into_iter().zip(&found.nodes) {
             if let Some(grid) = grid {
                 let wanted: Vec<f64> = nodes.iter().map(|w| w / found.rays).collect();
-                sharpen(grid, j, &wanted, found.rays, most);
+                sharpen(grid, j, &wanted, found.rays);
             }
         }
         progress();
@@ -83,16 +87,15 @@ fn gather<S: Scatter<f64> + Sync>(
         let mut flux = [0.0; 2];
         for tile in (number..tiles.count()).step_by(PARTS as usize) {
             for k in 0..tiles.rays_each() {
-                trace(boundary, (side, cos, eta), tiles, (tile, k), |lobe, s, p, weight| {
-                    let which = usize::from(lobe == Lobe::Transmission);
-                    flux[which] += weight;
-                    if let (Some(grid), Some((s, p))) = (lobes[which], s.zip(p)) {
-                        let spot = corners(grid, s, p);
-                        for (node, share) in spot {
-                            sum[which][node] += share * weight;
-                        }
+                let Some(ray) = trace(boundary, (side, cos), tiles, (tile, k)) else { continue };
+                let which = usize::from(ray.lobe == Lobe::Transmission);
+                flux[which] += ray.weight;
+                let Some(grid) = lobes[which] else { continue };
+                if let Some((s, p)) = ray.place((eta, grid.header.form)) {
+                    for (node, share) in corners(grid, s, p) {
+                        sum[which][node] += share * ray.weight;
                     }
-                });
+                }
             }
         }
         (sum, flux)
@@ -110,36 +113,52 @@ fn gather<S: Scatter<f64> + Sync>(
     Gathered { nodes, flux, rays }
 }
 
-fn plane_size(grid: &LobeGrid) -> usize {
+pub(super) fn plane_size(grid: &LobeGrid) -> usize {
     usize::from(grid.header.shape.azimuths) * usize::from(grid.header.shape.radii)
 }
 
-/// One ray: its lobe, slope and azimuth's cosine (`None` if no facet leads there), weight.
-fn trace<S: Scatter<f64>>(
+/// A ray that has left; light came along x, turned back to where a table has it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Left {
+    pub(super) wi: Direction<f64>,
+    pub(super) wo: Direction<f64>,
+    pub(super) lobe: Lobe,
+    pub(super) weight: f64,
+}
+
+impl Left {
+    /// Slope and azimuth's cosine, as a form has them.
+    pub(super) fn place(&self, of: (f64, Form)) -> Option<(f64, f64)> {
+        between(of, [1.0, 0.0], self.wi, self.wo)
+    }
+}
+
+/// One ray, on an azimuth of its own.
+pub(super) fn trace<S: Scatter<f64>>(
     boundary: &S,
-    (side, cos, eta): (Side, f64, f64),
+    (side, cos): (Side, f64),
     tiles: Tiles,
     (tile, k): (u64, u32),
-    mut found: impl FnMut(Lobe, Option<f64>, Option<f64>, f64),
-) {
+) -> Option<Left> {
     let mut uniforms = tiles.ray(tile, k);
     let number = tile * u64::from(tiles.rays_each()) + u64::from(k);
     let (sin_a, cos_a) = (TAU * (number as f64 * GOLDEN).fract()).sin_cos();
     let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
     let z = if side == Side::Air { cos } else { -cos };
     let wi = Direction::from_unit(-sin * cos_a, -sin * sin_a, z);
-    let Some(ray) = boundary.sample(wi, &mut || uniforms.next()) else { return };
-    let Some(to) = ray.wo.side() else { return };
-    let lobe = if to == side { Lobe::Reflection } else { Lobe::Transmission };
-    let facet = between(eta, [cos_a, sin_a], wi, ray.wo);
-    found(lobe, facet.map(|f| f.1), facet.map(|f| f.2), ray.weight);
+    let ray = boundary.sample(wi, &mut || uniforms.next())?;
+    let lobe = if ray.wo.side()? == side { Lobe::Reflection } else { Lobe::Transmission };
+    let [ox, oy, oz] = ray.wo.xyz();
+    let wo = Direction::from_unit(ox * cos_a + oy * sin_a, oy * cos_a - ox * sin_a, oz);
+    let wi = Direction::from_unit(-sin, 0.0, z);
+    Some(Left { wi, wo, lobe, weight: ray.weight })
 }
 
 /// Nodes about a facet and their shares.
-fn corners(grid: &LobeGrid, s: f64, p: f64) -> [(usize, f64); 4] {
+pub(super) fn corners(grid: &LobeGrid, s: f64, p: f64) -> [(usize, f64); 4] {
     let shape = grid.header.shape;
-    let r: Place<f64> = Place::of(radius(s, f64::from(grid.header.scale)), shape.radii);
-    let p: Place<f64> = Place::of(0.5 + 0.5 * p, shape.azimuths);
+    let r: Place<f64> = Place::of(radius(s, f64::from(grid.header.scale)), cells(shape.radii));
+    let p: Place<f64> = Place::of(0.5 + 0.5 * p, cells(shape.azimuths));
     let at = p.cell * usize::from(shape.radii) + r.cell;
     let next = at + usize::from(shape.radii);
     let (a, b) = (1.0 - p.share, p.share);
@@ -152,16 +171,15 @@ fn corners(grid: &LobeGrid, s: f64, p: f64) -> [(usize, f64); 4] {
 }
 
 /// Finds values whose means about the nodes are those wanted.
-fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64, most: f64) {
+pub(super) fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64) {
     let cos = grid.cosine(incidence);
     let beam: Beam = grid.beam(cos);
-    let (form, fall, s0) = (grid.header.form, grid.header.fall, f64::from(grid.header.scale));
+    let (fall, s0) = (grid.header.fall, f64::from(grid.header.scale));
     let masking = f64::from(grid.header.masking);
     // facets of the sums: nodes about them and the flux of v = 1
     let mut spots: Vec<([(usize, f64); 4], f64)> = Vec::new();
     grid.over_facets(&beam, |spot| {
-        let flux =
-            beam.per(&spot.turned, form, masking) * tail(fall, spot.s, s0) / spot.turned.jacobian;
+        let flux = beam.per(&spot.turned, masking) * tail(fall, spot.s, s0) / spot.turned.jacobian;
         spots.push((corners(grid, spot.s, spot.p), flux * spot.weight));
     });
     let radii = usize::from(grid.header.shape.radii);
@@ -190,13 +208,15 @@ fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64, mos
             v[k] *= if round == 0 { factor } else { factor.clamp(0.7, 1.4) };
         }
     }
+    // light of several bounces where a facet alone sends next to none would be a spike at the incidences beside this one,
+    // where that facet sends more
     let reached = means(&vec![1.0; v.len()]);
-    spread(&mut v, radii, |at| if reached[at] > 0.0 { wanted[at] * rays } else { 0.0 });
-    // light of several bounces may lie where a single facet sends next to none; it must not cost all others their digits
+    let least = LEAST * reached.iter().copied().fold(0.0, f64::max);
+    spread(&mut v, radii, |at| if reached[at] > least { wanted[at] * rays } else { 0.0 });
     let all: f64 = wanted.iter().sum();
     let mean: f64 = wanted.iter().zip(&v).map(|(w, v)| w * v).sum::<f64>() / all.max(1e-300);
     for v in &mut v {
-        *v = v.min(most * mean);
+        *v = v.min(MOST * mean);
     }
     grid.plane(incidence).copy_from_slice(&v);
 }
@@ -220,31 +240,6 @@ fn spread(v: &mut [f64], radii: usize, count: impl Fn(usize) -> f64) {
             v[at] = (count * v[at] + FEW * v[at - 1]) / (count + FEW);
         }
     }
-}
-
-/// Median slopes of the facets of both lobes for light at a cosine, from some rays.
-pub(super) fn median_slopes<S: Scatter<f64> + Sync>(
-    boundary: &S,
-    eta: f64,
-    side: Side,
-    rays: Rays,
-) -> [Option<f64>; 2] {
-    let cos = 0.9;
-    let tiles = rays.tiles(cos);
-    let mut slopes = [Vec::new(), Vec::new()];
-    for tile in 0..tiles.count() {
-        for k in 0..tiles.rays_each() {
-            trace(boundary, (side, cos, eta), tiles, (tile, k), |lobe, s, _, weight| {
-                if let (Some(s), true) = (s, weight > 0.0) {
-                    slopes[usize::from(lobe == Lobe::Transmission)].push(s);
-                }
-            });
-        }
-    }
-    slopes.map(|mut list| {
-        list.sort_by(f64::total_cmp);
-        list.get(list.len() / 2).copied().filter(|s| *s > 0.0)
-    })
 }
 
 /// A boundary turned by an angle of chance for each ray: the mean over all azimuths, which is what a table holds.

@@ -13,7 +13,7 @@ const FALLS: [Fall; 3] = [Fall::Fourth, Fall::Second, Fall::Flat];
 const SCALES: [f64; 6] = [0.35, 0.6, 1.0, 1.7, 3.0, 5.0];
 /// Widths of masking in units of the median slope; the last hides nothing that the others do not.
 const MASKING: [f64; 6] = [0.0, 0.35, 0.7, 1.0, 2.0, 20.0];
-const GRAZING: [f32; 4] = [0.0, 1.0, 3.0, 8.0];
+const GRAZING: [f32; 4] = [-0.7, -0.4, 0.0, 1.0];
 const INCIDENCES: [u16; 7] = [5, 7, 9, 12, 16, 20, 26];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
 /// Factors by which scale and masking are tried.
@@ -55,7 +55,8 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     which: (Side, Lobe),
     bytes: usize,
 ) -> LobeGrid {
-    let median = median_slope(law, eta, which);
+    let median = median_slope(law, (eta, Form::Masked), which);
+    let moved = median_slope(law, (eta, Form::Direct), which);
     let probes = probes(law, eta, which, median);
     let start = LobeHeader {
         shape: Shape {
@@ -65,7 +66,7 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         form: Form::Masked,
         fall: Fall::Fourth,
         scale: median as f32,
-        grazing: 1.0,
+        grazing: 0.0,
         masking: median as f32,
     };
     let judge = |candidates: Vec<LobeHeader>| -> Vec<(f64, LobeHeader)> {
@@ -87,6 +88,11 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
             let scaled = LobeHeader { fall, scale: (median * factor) as f32, ..start };
             kinds.push(LobeHeader { form: Form::Drawn, ..scaled });
             kinds.extend(MASKING.map(|a| LobeHeader { masking: (median * a) as f32, ..scaled }));
+            let scale = (moved * factor) as f32;
+            kinds.extend(MASKING.map(|a| {
+                let masking = (median * a) as f32;
+                LobeHeader { form: Form::Direct, scale, masking, ..scaled }
+            }));
         }
     }
     let kind = refined(least(kinds), &least);
@@ -132,7 +138,7 @@ fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader)
         for _ in 0..2 {
             let scales = [1.0, step, 1.0 / step];
             best = least(scales.map(|f| LobeHeader { scale: best.scale * f, ..best }).into());
-            if best.form == Form::Masked {
+            if best.form != Form::Drawn {
                 best =
                     least(scales.map(|f| LobeHeader { masking: best.masking * f, ..best }).into());
             }
@@ -165,16 +171,15 @@ fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
 }
 
 /// Half of the light of a lobe, at a middle incidence, meets facets below this slope.
-fn median_slope<B: Bsdf<f64>>(law: &B, eta: f64, (side, lobe): (Side, Lobe)) -> f64 {
+fn median_slope<B: Bsdf<f64>>(law: &B, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f64 {
     const COUNT: u32 = 987;
     let wi = incident(side, 0.9);
     let mut slopes: Vec<(f64, f64)> = Vec::new();
     for k in 0..COUNT {
         let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
-        if let Some((_, s, _)) =
-            super::facet::between(eta, [1.0, 0.0], wi, ray.wo).filter(|f| f.1 > 1e-7)
-        {
+        let place = super::facet::between(of, [1.0, 0.0], wi, ray.wo);
+        if let Some((s, _)) = place.filter(|f| f.0 > 1e-7) {
             slopes.push((s, ray.weight));
         }
     }
