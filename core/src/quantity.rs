@@ -73,6 +73,10 @@ pub struct RelativeIor<T> {
     value: T,
     /// `1 / value`, divided once: every call needs one or the other, by the side of `wi`.
     inverse: T,
+    /// `n^2 - 1` seen from the air and `1 / n^2 - 1` from the dielectric, each as a number and what its rounding
+    /// left: a critical angle is where something equals one of them, and a difference from it needs more digits
+    /// than the index itself.
+    steps: [[T; 2]; 2],
 }
 
 impl<T: Real> RelativeIor<T> {
@@ -86,7 +90,15 @@ impl<T: Real> RelativeIor<T> {
     /// # Errors
     /// [`QuantityError`] if not finite, or outside 0.1 to 10.
     pub fn new(eta: T) -> Result<Self, QuantityError> {
-        within(eta, Self::LEAST, Self::MOST).map(|value| Self { value, inverse: T::ONE / value })
+        let value = within(eta, Self::LEAST, Self::MOST)?;
+        let n = value.to_f64();
+        let step = (n - 1.0) * (n + 1.0);
+        let in_two = |x: f64| {
+            let high = T::from_f64(x);
+            [high, T::from_f64(x - high.to_f64())]
+        };
+        let steps = [in_two(step), in_two(-step / (n * n))];
+        Ok(Self { value, inverse: T::ONE / value, steps })
     }
 
     /// The number.
@@ -101,13 +113,27 @@ impl<T: Real> RelativeIor<T> {
         self.inverse
     }
 
+    /// `e^2 - 1` for `e` the far index over the near one, `[number, what its rounding left]`.
+    #[inline(always)]
+    pub(crate) fn step(self, from_below: bool) -> [T; 2] {
+        let [above, below] = self.steps;
+        if from_below { below } else { above }
+    }
+
     /// The same index in another precision, each number rounded once.
     #[inline(always)]
     pub fn cast<U: Real>(self) -> RelativeIor<U> {
-        RelativeIor {
-            value: U::from_f64(self.value.to_f64()),
-            inverse: U::from_f64(self.inverse.to_f64()),
-        }
+        let cast = |x: T| U::from_f64(x.to_f64());
+        let steps = self.steps.map(|[high, low]| {
+            // between tiers of one precision nothing is computed, and the compiler knows it here
+            let lost = if T::EPSILON.to_f64() < U::EPSILON.to_f64() {
+                U::from_f64(high.to_f64() - cast(high).to_f64() + low.to_f64())
+            } else {
+                cast(low)
+            };
+            [cast(high), lost]
+        });
+        RelativeIor { value: cast(self.value), inverse: cast(self.inverse), steps }
     }
 
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.

@@ -109,6 +109,7 @@ macro_rules! implement {
             const EPSILON: Self = Self(<$t>::EPSILON);
             const MIN_POSITIVE: Self = Self(<$t>::MIN_POSITIVE);
             const MAX: Self = Self(<$t>::MAX);
+            const IN_TWO: bool = <$t>::IN_TWO;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
@@ -176,6 +177,10 @@ macro_rules! implement {
             #[inline(always)]
             fn is_finite(self) -> bool {
                 self.0.is_finite()
+            }
+            #[inline(always)]
+            fn product_error(self, other: Self, product: Self) -> Self {
+                Self(Real::product_error(self.0, other.0, product.0))
             }
             #[inline(always)]
             fn abs(self) -> Self {

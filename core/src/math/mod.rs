@@ -76,6 +76,8 @@ pub trait Real:
     const MIN_POSITIVE: Self;
     /// Largest finite number.
     const MAX: Self;
+    /// Whether differences of nearly equal numbers are computed in two parts: in single precision.
+    const IN_TWO: bool;
 
     /// Nearest number of this type.
     fn from_f64(x: f64) -> Self;
@@ -109,11 +111,23 @@ pub trait Real:
     fn to_index(self) -> usize;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
+    /// What rounding took from a product of two: `self * other - product`, exactly. Single precision only:
+    /// 0 in double, whose rounding is below all that is asked for.
+    fn product_error(self, other: Self, product: Self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
     /// Magnitude of `self` with the sign of another, also of a zero or a NaN.
     fn copysign(self, sign: Self) -> Self;
 
+    /// What rounding took from a sum of two: `self + other - sum`, exactly \[Knuth's two-sum\]; 0 in double.
+    #[inline(always)]
+    fn sum_error(self, other: Self, sum: Self) -> Self {
+        if !Self::IN_TWO {
+            return Self::ZERO;
+        }
+        let part = sum - self;
+        (self - (sum - part)) + (other - part)
+    }
     /// The smaller of two; the second if either is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -138,7 +152,7 @@ pub trait Real:
 
 macro_rules! implement {
     ($t:ty, $vec:ty, $sqrt:path, $cbrt:path, $sincos:path, $tan:path, $asin:path, $acos:path, $atan2:path,
-     $exp:path, $ln:path, $pow:path, $floor:path, $mantissa:expr) => {
+     $exp:path, $ln:path, $pow:path, $floor:path, $mantissa:expr, $product_error:path) => {
         impl Vector<$t> for $vec {
             #[inline(always)]
             fn from_xyz(x: $t, y: $t, z: $t) -> Self {
@@ -169,6 +183,7 @@ macro_rules! implement {
             const EPSILON: Self = <$t>::EPSILON;
             const MIN_POSITIVE: Self = <$t>::MIN_POSITIVE;
             const MAX: Self = <$t>::MAX;
+            const IN_TWO: bool = $mantissa < 30;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
@@ -235,6 +250,10 @@ macro_rules! implement {
                 <$t>::is_finite(self)
             }
             #[inline(always)]
+            fn product_error(self, other: Self, product: Self) -> Self {
+                $product_error(self, other, product)
+            }
+            #[inline(always)]
             fn abs(self) -> Self {
                 <$t>::abs(self)
             }
@@ -244,6 +263,12 @@ macro_rules! implement {
             }
         }
     };
+}
+
+/// Of double precision: not computed.
+#[inline(always)]
+fn no_error(_: f64, _: f64, _: f64) -> f64 {
+    0.0
 }
 
 implement!(
@@ -260,7 +285,8 @@ implement!(
     libm::logf,
     libm::powf,
     libm::floorf,
-    24
+    24,
+    hardware::product_error
 );
 implement!(
     f64,
@@ -276,5 +302,6 @@ implement!(
     libm::log,
     libm::pow,
     libm::floor,
-    53
+    53,
+    no_error
 );
