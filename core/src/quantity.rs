@@ -73,10 +73,10 @@ pub struct RelativeIor<T> {
     value: T,
     /// `1 / value`, divided once: every call needs one or the other, by the side of `wi`.
     inverse: T,
-    /// `n^2 - 1` seen from the air and `1 / n^2 - 1` from the dielectric, each as a number and what its rounding
-    /// left: a critical angle is where something equals one of them, and a difference from it needs more digits
-    /// than the index itself.
-    steps: [[T; 2]; 2],
+    /// `4 (1 - n^2)` and `4 (1 - 1 / n^2)`, for reflection seen from the air and from the dielectric, and `|n^2 - 1|`,
+    /// for transmission, each as a number and what its rounding left: critical and grazing angles are where the
+    /// square of a half vector equals one of them, and a difference from it needs more digits than the index has.
+    limits: [[T; 2]; 3],
 }
 
 impl<T: Real> RelativeIor<T> {
@@ -97,8 +97,8 @@ impl<T: Real> RelativeIor<T> {
             let high = T::from_f64(x);
             [high, T::from_f64(x - high.to_f64())]
         };
-        let steps = [in_two(step), in_two(-step / (n * n))];
-        Ok(Self { value, inverse: T::ONE / value, steps })
+        let limits = [in_two(-4.0 * step), in_two(4.0 * step / (n * n)), in_two(step.abs())];
+        Ok(Self { value, inverse: T::ONE / value, limits })
     }
 
     /// The number.
@@ -113,18 +113,23 @@ impl<T: Real> RelativeIor<T> {
         self.inverse
     }
 
-    /// `e^2 - 1` for `e` the far index over the near one, `[number, what its rounding left]`.
+    /// `|h|^2` of the half vector at the critical angle (reflection, where there is one) or of a facet at grazing
+    /// incidence (transmission): `[number, what its rounding left]`.
     #[inline(always)]
-    pub(crate) fn step(self, from_below: bool) -> [T; 2] {
-        let [above, below] = self.steps;
-        if from_below { below } else { above }
+    pub(crate) fn limit(&self, reflected: bool, from_below: bool) -> [T; 2] {
+        let [above, below, through] = self.limits;
+        match (reflected, from_below) {
+            (false, _) => through,
+            (true, false) => above,
+            (true, true) => below,
+        }
     }
 
     /// The same index in another precision, each number rounded once.
     #[inline(always)]
     pub fn cast<U: Real>(self) -> RelativeIor<U> {
         let cast = |x: T| U::from_f64(x.to_f64());
-        let steps = self.steps.map(|[high, low]| {
+        let limits = self.limits.map(|[high, low]| {
             // between tiers of one precision nothing is computed, and the compiler knows it here
             let lost = if T::EPSILON.to_f64() < U::EPSILON.to_f64() {
                 U::from_f64(high.to_f64() - cast(high).to_f64() + low.to_f64())
@@ -133,7 +138,7 @@ impl<T: Real> RelativeIor<T> {
             };
             [cast(high), lost]
         });
-        RelativeIor { value: cast(self.value), inverse: cast(self.inverse), steps }
+        RelativeIor { value: cast(self.value), inverse: cast(self.inverse), limits }
     }
 
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.

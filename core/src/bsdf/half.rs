@@ -50,63 +50,72 @@ impl<T: Real> HalfVector<T> {
     /// The facet between two directions, on any sides.
     #[inline(always)]
     pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
-        let [ix, iy, iz] = wi.xyz();
-        let [ox, oy, oz] = wo.xyz();
+        let mirrored = T::ONE.copysign(wi.z()) * wo.z() > T::ZERO;
+        // A microcontroller gets a copy for either case, in which nothing is left to choose.
+        if !cfg!(target_arch = "arm") {
+            Self::of(eta, wi, wo, mirrored)
+        } else if mirrored {
+            Self::of(eta, wi, wo, true)
+        } else {
+            Self::of(eta, wi, wo, false)
+        }
+    }
+
+    #[inline(always)]
+    fn of(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>, mirrored: bool) -> Self {
+        let ([ix, iy, iz], [ox, oy, oz]) = (wi.xyz(), wo.xyz());
         let (below, n) = (iz < T::ZERO, eta.get());
-        let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
         // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
         // the common index is left out.
-        let swap = |i: T, o: T| if below { (o, i) } else { (i, o) };
-        let term = |i: T, o: T| {
-            let (a, b) = swap(i, o);
-            choose(mirrored, || Sum::of(a, b, T::ZERO), || Sum::of_product(a, n, b))
-        };
-        let (x, y, z) = (term(ix, ox), term(iy, oy), term(iz, oz));
-        let (hx, hy, hz) = (x.value, y.value, z.value);
+        let swap = |i: T, o: T| if below & !mirrored { [o, i] } else { [i, o] };
+        let pairs = [swap(ix, ox), swap(iy, oy), swap(iz, oz)];
+        let sum = |[a, b]: [T; 2]| choose(mirrored, || a + b, || sum_of_product(a, n, b).0);
+        let [hx, hy, hz] = pairs.map(sum);
         let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
         let hh = xy2 + z2;
 
-        // |h|^2 - K, what is small where a facet is seen at grazing incidence (transmission), and four times
+        // |h|^2 - limit, what is small where a facet is seen at grazing incidence (transmission), and four times
         // g^2 = e^2 - 1 + cos^2 (reflection)
-        let [step, step_low] = eta.step(below & mirrored);
-        let scale = choose(mirrored, || T::from_f64(-4.0), || T::ONE.copysign(step));
-        let (limit, limit_low) = (scale * step, scale * step_low);
+        let limits = eta.limit(mirrored, below);
+        let limit = limits[0];
         let rough = hh - limit;
         let near = T::IN_TWO & (rough.abs() * T::from_f64(32.0) < hh);
-        let excess = choose(near, || difference([x, y, z], [limit, limit_low]), || rough);
+        let excess = choose(near, || difference(pairs, n, mirrored, limits), || rough);
 
         // Reflection, from c^2 and g^2. Total reflection is no case of its own: with g = 0 neither rs nor rp is below 1.
-        let c2 = T::from_f64(0.25) * hh;
+        let quarter = T::from_f64(0.25);
         let reflected = || {
-            let g2 = T::from_f64(0.25) * excess.max(T::ZERO);
+            let (c2, g2) = (quarter * hh, quarter * excess.max(T::ZERO));
             let cg = (c2 * g2).sqrt();
-            // rs = step / (c + g)^2, rp = rs u / v
+            // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
             let (u, v) = (cg + c2 - T::ONE, cg - c2 + T::ONE);
-            let rs_v = step / ((c2 + g2 + (cg + cg)) * v);
+            let rs_v = quarter * limit / ((c2 + g2 + (cg + cg)) * v);
             (T::HALF * (rs_v * rs_v) * (u * u + v * v)).min(T::ONE)
         };
 
-        // Transmission, from c = |a.h| and g = n |b.h|, of which one is the small difference; c + g = |s|.
-        let small = T::HALF * -excess;
-        let large = T::HALF * (hh + limit);
-        let (c, g) = if step > T::ZERO { (small, large) } else { (large, small) };
-        let part = small * large / hh;
+        // Transmission, from c = |a.h| and g = n |b.h|, of which one is the small difference; c + g = |n^2 - 1|.
+        let denser = n > T::ONE;
+        let (small, large) = (T::HALF * -excess, T::HALF * (hh + limit));
+        let (c, g) = if denser { (small, large) } else { (large, small) };
+        let product = c * g;
         let transmitted = || {
-            let p = n * n * c + g;
-            let both = T::ONE / (step * step) + n * n / (p * p);
-            T::TWO * (small * large) * both
+            let n2 = n * n;
+            let p = n2 * c + g;
+            T::TWO * product * (T::ONE / (limit * limit) + n2 / (p * p))
         };
         // seen from the front by both: (w.m)(w.n) > 0
-        let seen = || small.min(-scale * hz);
+        let seen = || small.min(if denser { -hz } else { hz }).min(hh);
 
-        // All of these are positive if there is a facet; the last term makes NaN of any NaN.
-        let least = choose(mirrored, || hh, seen).min(iz.abs()).min(oz.abs()) + T::ZERO * hh;
-        let turn = choose(mirrored, || T::from_f64(0.25), || n * part / hh);
+        // All of these are positive if there is a facet; the last term makes NaN of what is not finite.
+        let least = choose(mirrored, || hh, seen) + T::ZERO * hh;
+        let possible = (least > T::ZERO) & (iz.abs() > T::ZERO) & (oz.abs() > T::ZERO);
+        let turn = choose(mirrored, || quarter, || n * product / (hh * hh));
+        let cosine = || if below { g * eta.inverse() } else { c };
         Self {
-            possible: (least > T::ZERO) & !eta.is_matched(),
+            possible: possible & !eta.is_matched(),
             xy2,
             z2,
-            ih: choose(mirrored, || T::HALF * hh, || if below { g * eta.inverse() } else { c }),
+            ih: choose(mirrored, || T::HALF * hh, cosine),
             along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
             turn,
             share: choose(mirrored, reflected, transmitted) * turn,
@@ -114,49 +123,36 @@ impl<T: Real> HalfVector<T> {
     }
 }
 
-/// A component of `h`: a sum, and what its rounding took (0 in double precision).
-#[derive(Clone, Copy)]
-struct Sum<T> {
-    value: T,
-    rest: T,
-}
-
-impl<T: Real> Sum<T> {
-    /// `a + b + tail`, where the tail is small beside `b`.
-    #[inline(always)]
-    fn of(a: T, b: T, tail: T) -> Self {
-        let sum = a + b;
-        let tail = a.sum_error(b, sum) + tail;
-        Self { value: sum, rest: tail }
-    }
-
-    /// `a + n b`. Where the two cancel their sum is exact \[Sterbenz\] and only the product was rounded.
-    #[inline(always)]
-    fn of_product(a: T, n: T, b: T) -> Self {
-        let product = n * b;
-        if !T::IN_TWO {
-            return Self { value: a + product, rest: T::ZERO };
-        }
-        let sum = a + product;
-        let lost = n.product_error(b, product);
-        let value = sum + lost;
-        let rest = (sum - value) + (a.sum_error(product, sum) + lost);
-        Self { value, rest }
-    }
-}
-
-/// `|h|^2 - limit` where the two nearly cancel: squares, sums and the limit in two parts each.
+/// `a + n b`, and what its rounding took. Where the two cancel their sum is exact \[Sterbenz\] and only the product was
+/// rounded.
 #[inline(always)]
-fn difference<T: Real>(h: [Sum<T>; 3], [limit, limit_low]: [T; 2]) -> T {
-    let [x, y, z] = h;
-    let square = |s: Sum<T>| {
-        let square = s.value * s.value;
-        (square, s.value.product_error(s.value, square) + s.value * (s.rest + s.rest))
+fn sum_of_product<T: Real>(a: T, n: T, b: T) -> (T, T) {
+    let product = n * b;
+    let sum = a + product;
+    if !T::IN_TWO {
+        return (sum, T::ZERO);
+    }
+    let lost = n.product_error(b, product);
+    let value = sum + lost;
+    (value, (sum - value) + (a.sum_error(product, sum) + lost))
+}
+
+/// `|h|^2 - limit` where the two nearly cancel, `h = a + b` or `a + n b` of each pair: all sums, squares and the limit
+/// in two parts each.
+#[cfg_attr(target_arch = "arm", cold, inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn difference<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool, limit: [T; 2]) -> T {
+    let square = |[a, b]: [T; 2]| {
+        let sum = || (a + b, a.sum_error(b, a + b));
+        let (value, rest) = choose(mirrored, sum, || sum_of_product(a, n, b));
+        let square = value * value;
+        (square, value.product_error(value, square) + value * (rest + rest))
     };
-    let ((x2, x_low), (y2, y_low), (z2, z_low)) = (square(x), square(y), square(z));
+    let [(x2, x_low), (y2, y_low), (z2, z_low)] = pairs.map(square);
     let xy2 = x2 + y2;
     let hh = xy2 + z2;
     let low = (x_low + y_low) + z_low + (x2.sum_error(y2, xy2) + xy2.sum_error(z2, hh));
+    let [limit, limit_low] = limit;
     (hh - limit) + (low - limit_low)
 }
 

@@ -179,10 +179,6 @@ macro_rules! implement {
                 self.0.is_finite()
             }
             #[inline(always)]
-            fn product_error(self, other: Self, product: Self) -> Self {
-                Self(Real::product_error(self.0, other.0, product.0))
-            }
-            #[inline(always)]
             fn abs(self) -> Self {
                 Self(self.0.abs())
             }

@@ -1,12 +1,9 @@
-//! The hardware square root and what rounding takes from a product, the only `unsafe` of this crate.
+//! The hardware square root, the only `unsafe` of this crate.
 //!
 //! IEEE 754 demands a correctly rounded square root, so hardware and software agree in every bit;
 //! only the cost differs (Cortex-M4F: 4 instructions against 76). On x86-64 the intrinsics also let
 //! the compiler turn a loop of square roots into vector instructions, which a call cannot be.
-//!
-//! The error of a product is a number itself: one fused instruction on a Cortex-M4F, a product in double precision
-//! elsewhere, where it is exact, and again the same bits.
-#![expect(unsafe_code, reason = "intrinsics, one C symbol, one instruction; no pointers, no state")]
+#![expect(unsafe_code, reason = "intrinsics and one C symbol; no pointers, no state")]
 
 /// Square root of an `f32`.
 #[inline(always)]
@@ -32,29 +29,6 @@ pub(super) fn sqrt_f32(x: f32) -> f32 {
     }
 }
 
-/// `a b - product`, exactly, where `product` is `a b` rounded (or anything near it).
-#[inline(always)]
-pub(super) fn product_error(a: f32, b: f32, product: f32) -> f32 {
-    #[cfg(all(target_arch = "arm", target_abi = "eabihf", target_os = "none"))]
-    {
-        let mut error = product;
-        // SAFETY: arithmetic on three registers, on the units of Cortex-M4F and later.
-        unsafe {
-            core::arch::asm!(
-                "vfnms.f32 {error}, {a}, {b}",
-                error = inout(sreg) error, a = in(sreg) a, b = in(sreg) b,
-                options(pure, nomem, nostack, preserves_flags)
-            );
-        }
-        error
-    }
-    #[cfg(not(all(target_arch = "arm", target_abi = "eabihf", target_os = "none")))]
-    {
-        // 48 bits fit into 53, and the difference into 24
-        (f64::from(a) * f64::from(b) - f64::from(product)) as f32
-    }
-}
-
 /// Square root of an `f64`.
 #[inline(always)]
 pub(super) fn sqrt_f64(x: f64) -> f64 {
@@ -76,19 +50,7 @@ pub(super) fn sqrt_f64(x: f64) -> f64 {
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
-    use super::{product_error, sqrt_f32, sqrt_f64};
-
-    #[test]
-    fn a_product_and_its_error_are_the_fused_product() {
-        let mut word: u64 = 0x9e37_79b9_7f4a_7c15;
-        for _ in 0..200_000 {
-            word = word.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let number = |bits: u64| f32::from_bits((bits as u32 & 0x07ff_ffff) + 0x3a00_0000);
-            let (a, b) = (number(word >> 32), number(word));
-            let error = product_error(a, b, a * b);
-            assert_eq!(error.to_bits(), libm::fmaf(a, b, -(a * b)).to_bits(), "{a:e} {b:e}");
-        }
-    }
+    use super::{sqrt_f32, sqrt_f64};
 
     #[test]
     fn hardware_and_software_square_roots_agree_in_every_bit() {

@@ -111,9 +111,6 @@ pub trait Real:
     fn to_index(self) -> usize;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
-    /// What rounding took from a product of two: `self * other - product`, exactly. Single precision only:
-    /// 0 in double, whose rounding is below all that is asked for.
-    fn product_error(self, other: Self, product: Self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
     /// Magnitude of `self` with the sign of another, also of a zero or a NaN.
@@ -127,6 +124,26 @@ pub trait Real:
         }
         let part = sum - self;
         (self - (sum - part)) + (other - part)
+    }
+    /// What rounding took from a product of two: `self * other - product`, exactly \[Dekker\]; 0 in double, whose
+    /// rounding is below all that is asked for.
+    ///
+    /// Four products of halves, though some processors would need one instruction: not all have it, and these
+    /// have the same bits on all.
+    #[inline(always)]
+    fn product_error(self, other: Self, product: Self) -> Self {
+        if !Self::IN_TWO {
+            return Self::ZERO;
+        }
+        let ([a, a_low], [b, b_low]) = (self.halves(), other.halves());
+        ((a * b - product) + a * b_low + a_low * b) + a_low * b_low
+    }
+    /// A number as two of half as many digits \[Veltkamp\], in single precision.
+    #[inline(always)]
+    fn halves(self) -> [Self; 2] {
+        let large = self * Self::from_f64(4097.0);
+        let high = large - (large - self);
+        [high, self - high]
     }
     /// The smaller of two; the second if either is NaN.
     #[inline(always)]
@@ -152,7 +169,7 @@ pub trait Real:
 
 macro_rules! implement {
     ($t:ty, $vec:ty, $sqrt:path, $cbrt:path, $sincos:path, $tan:path, $asin:path, $acos:path, $atan2:path,
-     $exp:path, $ln:path, $pow:path, $floor:path, $mantissa:expr, $product_error:path) => {
+     $exp:path, $ln:path, $pow:path, $floor:path, $mantissa:expr) => {
         impl Vector<$t> for $vec {
             #[inline(always)]
             fn from_xyz(x: $t, y: $t, z: $t) -> Self {
@@ -250,10 +267,6 @@ macro_rules! implement {
                 <$t>::is_finite(self)
             }
             #[inline(always)]
-            fn product_error(self, other: Self, product: Self) -> Self {
-                $product_error(self, other, product)
-            }
-            #[inline(always)]
             fn abs(self) -> Self {
                 <$t>::abs(self)
             }
@@ -263,12 +276,6 @@ macro_rules! implement {
             }
         }
     };
-}
-
-/// Of double precision: not computed.
-#[inline(always)]
-fn no_error(_: f64, _: f64, _: f64) -> f64 {
-    0.0
 }
 
 implement!(
@@ -285,8 +292,7 @@ implement!(
     libm::logf,
     libm::powf,
     libm::floorf,
-    24,
-    hardware::product_error
+    24
 );
 implement!(
     f64,
@@ -302,6 +308,5 @@ implement!(
     libm::log,
     libm::pow,
     libm::floor,
-    53,
-    no_error
+    53
 );

@@ -109,3 +109,18 @@ fn powers_lose_what_their_exponent_multiplies() {
         assert!(error < bound * f64::from(f32::EPSILON), "{x}^{y}: {error:e}");
     }
 }
+
+#[test]
+fn what_rounding_takes_is_found_exactly() {
+    let mut word: u64 = 0x9e37_79b9_7f4a_7c15;
+    for _ in 0..200_000 {
+        word = word.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        let number = |bits: u64| f32::from_bits((bits as u32 & 0x87ff_ffff) + 0x3a00_0000);
+        let (a, b) = (number(word >> 32), number(word));
+        let (product, sum) = (a * b, a + b);
+        let exact = f64::from(a) * f64::from(b) - f64::from(product);
+        assert_eq!(f64::from(a.product_error(b, product)), exact, "{a:e} {b:e}");
+        let exact = f64::from(a) + f64::from(b) - f64::from(sum);
+        assert_eq!(f64::from(a.sum_error(b, sum)), exact, "{a:e} {b:e}");
+    }
+}
