@@ -10,6 +10,7 @@ mod common;
 mod harness;
 mod fresnel;
 mod ggx;
+mod precision;
 mod heightfield;
 mod kirchhoff;
 mod normals;

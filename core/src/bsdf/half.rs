@@ -61,6 +61,19 @@ impl<T: Real> HalfVector<T> {
         }
     }
 
+    /// `h_x^2 + h_y^2` and `h_z^2`, each with what its rounding took, where the digits of a number are not enough.
+    #[inline(never)]
+    pub(crate) fn squares_in_two(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+    ) -> [[T; 2]; 2] {
+        let ([ix, iy, iz], [ox, oy, oz]) = (wi.xyz(), wo.xyz());
+        let swap = |i: T, o: T| if iz < T::ZERO { [o, i] } else { [i, o] };
+        let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+        squares([swap(ix, ox), swap(iy, oy), swap(iz, oz)], eta.get(), mirrored)
+    }
+
     #[inline(always)]
     fn of(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>, mirrored: bool) -> Self {
         let ([ix, iy, iz], [ox, oy, oz]) = (wi.xyz(), wo.xyz());
@@ -137,23 +150,27 @@ fn sum_of_product<T: Real>(a: T, n: T, b: T) -> (T, T) {
     (value, (sum - value) + (a.sum_error(product, sum) + lost))
 }
 
-/// `|h|^2 - limit` where the two nearly cancel, `h = a + b` or `a + n b` of each pair: all sums, squares and the limit
-/// in two parts each.
-#[cfg_attr(target_arch = "arm", cold, inline(never))]
-#[cfg_attr(not(target_arch = "arm"), inline(always))]
-fn difference<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool, limit: [T; 2]) -> T {
+/// `h_x^2 + h_y^2` and `h_z^2` of `h = a + b`, or `a + n b`, of each pair, and what their roundings took.
+#[inline(always)]
+fn squares<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool) -> [[T; 2]; 2] {
     let square = |[a, b]: [T; 2]| {
         let sum = || (a + b, a.sum_error(b, a + b));
         let (value, rest) = choose(mirrored, sum, || sum_of_product(a, n, b));
         let square = value * value;
-        (square, value.product_error(value, square) + value * (rest + rest))
+        [square, value.product_error(value, square) + value * (rest + rest)]
     };
-    let [(x2, x_low), (y2, y_low), (z2, z_low)] = pairs.map(square);
+    let [[x2, x_low], [y2, y_low], z] = pairs.map(square);
     let xy2 = x2 + y2;
+    [[xy2, x2.sum_error(y2, xy2) + (x_low + y_low)], z]
+}
+
+/// `|h|^2 - limit` where the two nearly cancel: all in two parts each.
+#[cfg_attr(target_arch = "arm", cold, inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn difference<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool, limit: [T; 2]) -> T {
+    let ([[xy2, xy_low], [z2, z_low]], [limit, limit_low]) = (squares(pairs, n, mirrored), limit);
     let hh = xy2 + z2;
-    let low = (x_low + y_low) + z_low + (x2.sum_error(y2, xy2) + xy2.sum_error(z2, hh));
-    let [limit, limit_low] = limit;
-    (hh - limit) + (low - limit_low)
+    (hh - limit) + (xy_low + z_low + xy2.sum_error(z2, hh) - limit_low)
 }
 
 /// One of two values. Where loops become vector instructions both are computed, and neither costs a branch

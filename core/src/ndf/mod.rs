@@ -2,4 +2,5 @@
 
 pub mod ggx;
 pub mod law;
+mod edge;
 pub mod normals;

@@ -6,6 +6,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
+use super::edge::Edges;
 use super::law::Law;
 use crate::direction::Direction;
 use crate::math::Real;
@@ -26,6 +27,8 @@ const PANELS: usize = 24;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalDensity<T, const N: usize> {
     law: Law<T>,
+    /// Where the law needs more digits than an angle has.
+    edges: Option<Edges<T>>,
     /// `1 / C`, 1/sr.
     inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
@@ -49,6 +52,7 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         let visible = visible_table(&table, warp);
         Self {
             law,
+            edges: Edges::of(&wide),
             inverse_norm: T::from_f64(1.0 / (2.0 * PI * total)),
             quantiles: table.map(|row| row.map(T::from_f64)),
             visible: visible.map(|row| row.map(T::from_f64)),
@@ -65,6 +69,16 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     #[inline]
     pub fn density(&self, sin: T, cos: T) -> T {
         self.law.value(sin.atan2(cos)) * self.inverse_norm
+    }
+
+    /// `p(m)` of the direction of a half vector, from `h_x^2 + h_y^2` and `h_z^2`; where these are not enough, from the same
+    /// with what their roundings took.
+    #[inline]
+    pub(crate) fn of_squares(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T {
+        match &self.edges {
+            None => self.density(xy2.sqrt(), z2.sqrt()),
+            Some(edges) => edges.value(&self.law, in_two()) * self.inverse_norm,
+        }
     }
 
     /// Draws a normal with density `p(m)` from two uniforms in [0, 1).

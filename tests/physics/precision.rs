@@ -1,0 +1,353 @@
+//! What single precision and the fast tier lose: every evaluator against double precision on the same numbers.
+//!
+//! The law is a function of the six components as they are given, rounded to single precision and therefore not
+//! quite unit vectors: both precisions take the same ones, so that the conditioning of the input is no excuse. What is
+//! drawn is where the value matters and where formulas cancel: the lobe at all scales of its width, facets seen at
+//! grazing incidence and at the critical angle, the plane of incidence, indices near 1.
+
+use std::fmt::Write as _;
+
+use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx};
+use asperity_core::direction::Direction;
+use asperity_core::math::{Fast, Real};
+use asperity_core::ndf::law::{Law, Profile};
+use asperity_core::ndf::normals::NormalDensity;
+use asperity_tests::oracle::{Vec3, combine, cross, dot, spherical, unit};
+use asperity_tests::{count, tolerance};
+use rayon::prelude::*;
+
+use crate::common::{Random, alpha, dir, ior, wide};
+
+/// Directions of one incidence.
+const BATCH: usize = 64;
+/// `cos 89.9 deg`.
+const GRAZING: f64 = 1.745_328_4e-3;
+/// Single and fast single against double; fast double against double.
+const TIERS: [&str; 3] = ["f32", "fast f32", "fast f64"];
+
+/// One evaluator in all tiers, its parameters rounded to single precision first.
+struct Subject {
+    name: &'static str,
+    text: String,
+    /// What a facet's slope is measured in, and the index.
+    width: f64,
+    index: f64,
+    centre: f64,
+    double: Box<dyn Evaluate>,
+    tiers: [Box<dyn Evaluate>; 3],
+}
+
+/// An evaluator on double numbers that hold single ones.
+trait Evaluate: Send + Sync {
+    /// `eval`, `ars`, `pdf`.
+    fn values(&self, wi: Vec3, wo: Vec3) -> [f64; 3];
+    fn sample(&self, wi: Vec3, u: [f64; 4]) -> Option<(Vec3, f64)>;
+}
+
+struct Of<B, T>(B, std::marker::PhantomData<T>);
+
+impl<T: Real, B: Bsdf<T> + Send + Sync> Evaluate for Of<B, T> {
+    fn values(&self, wi: Vec3, wo: Vec3) -> [f64; 3] {
+        let (wi, wo): (Direction<T>, Direction<T>) = (dir(wi), dir(wo));
+        [self.0.eval(wi, wo), self.0.ars(wi, wo), self.0.pdf(wi, wo)].map(Real::to_f64)
+    }
+    fn sample(&self, wi: Vec3, u: [f64; 4]) -> Option<(Vec3, f64)> {
+        let mut next = u.into_iter().cycle().map(T::from_f64);
+        let s = self.0.sample(dir(wi), &mut || next.next().unwrap_or(T::HALF))?;
+        Some((wide(s.wo), s.weight.to_f64()))
+    }
+}
+
+fn evaluator<T: Real, B: Bsdf<T> + Send + Sync + 'static>(law: B) -> Box<dyn Evaluate> {
+    Box::new(Of::<B, T>(law, std::marker::PhantomData))
+}
+
+macro_rules! subject {
+    ($name:literal, $text:expr, $width:expr, $index:expr, $centre:expr, $make:ident($($x:expr),*)) => {
+        Subject {
+            name: $name, text: $text, width: $width, index: $index, centre: $centre,
+            double: $make::<f64>($($x),*),
+            tiers: [$make::<f32>($($x),*), $make::<Fast<f32>>($($x),*), $make::<Fast<f64>>($($x),*)],
+        }
+    };
+}
+
+fn make_ggx<T: Real>(a: f64, n: f64) -> Box<dyn Evaluate> {
+    evaluator::<T, _>(Ggx::new(alpha(a), ior(n)))
+}
+
+fn make_opaque<T: Real>(a: f64, lambert: f64) -> Box<dyn Evaluate> {
+    evaluator::<T, _>(OpaqueGgx::new(alpha(a), T::from_f64(0.75), T::from_f64(lambert)).unwrap())
+}
+
+fn make_normals<T: Real>(profile: Profile, p: [f64; 3], n: f64) -> Box<dyn Evaluate> {
+    let [delta, exponent, centre] = p.map(T::from_f64);
+    let law = Law::new(profile, delta, exponent, centre).unwrap();
+    evaluator::<T, _>(Normals::<T, 256>::new(NormalDensity::new(law), ior(n)))
+}
+
+/// Rounded to single precision.
+fn single(x: f64) -> f64 {
+    f64::from(x as f32)
+}
+
+/// An index: a plate's, any, near 1 (no nearer than 1e-3), below 1.
+fn index(random: &mut Random) -> f64 {
+    single(match random.next::<f64>() {
+        x if x < 0.4 => 1.49,
+        x if x < 0.7 => random.between(1.1, 2.5),
+        x if x < 0.85 => 1.0 + random.log(1e-3, 0.1),
+        _ => 1.0 / random.between(1.02, 2.5),
+    })
+}
+
+fn closed_form(random: &mut Random) -> Subject {
+    let a = single(random.log(1e-3, 2.0));
+    if random.next::<f64>() < 0.2 {
+        let lambert = single(if random.next::<f64>() < 0.5 { 0.0 } else { 0.05 });
+        let text = format!("alpha {a} lambert {lambert}");
+        return subject!("opaque", text, a, 1.0, 0.0, make_opaque(a, lambert));
+    }
+    let n = index(random);
+    subject!("ggx", format!("alpha {a} index {n}"), a, n, 0.0, make_ggx(a, n))
+}
+
+/// Laws of normals: all profiles, delta 1e-3 to 1.5, n 0.3 to 100, also with a centre.
+fn normals(random: &mut Random) -> Subject {
+    let exponents = [0.3, 0.7, 1.0, 2.0, 2.0, 2.0, 2.5, 4.0, 8.0, 16.0, 40.0, 100.0];
+    let pick = random.next::<f64>() * exponents.len() as f64;
+    let (delta, exponent) = (single(random.log(1e-3, 1.5)), single(exponents[pick as usize]));
+    let centred = random.next::<f64>() < 0.75;
+    let centre = single(if centred { 0.0 } else { random.log(0.01, 1.0) });
+    let cauchy = random.next::<f64>() < 0.5;
+    let profile = if cauchy { Profile::Cauchy } else { Profile::Gauss };
+    let (n, p) = (index(random), [delta, exponent, centre]);
+    let text = format!("{profile:?} delta {delta} n {exponent} centre {centre} index {n}");
+    subject!("normals", text, delta, n, centre, make_normals(profile, p, n))
+}
+
+/// Where light comes from: near the normal, oblique, grazing, at the critical angle; either side; a third in the
+/// plane x-z.
+fn incidence(random: &mut Random, subject: &Subject) -> Vec3 {
+    let critical = subject.index.min(1.0 / subject.index);
+    let theta = match random.next::<f64>() {
+        x if x < 0.05 => 0.0,
+        x if x < 0.25 => random.log(1e-4, 0.3),
+        x if x < 0.5 => random.between(0.3, 1.4),
+        x if x < 0.85 => std::f64::consts::FRAC_PI_2 - random.log(1.75e-3, 0.175),
+        _ => critical.asin() + random.between(-1.0, 1.0) * random.log(1e-5, 0.1),
+    };
+    let phi = random.between(0.0, std::f64::consts::TAU);
+    let phi = if random.next::<f64>() < 0.33 { 0.0 } else { phi };
+    let up = random.next::<f64>() < 0.5 || subject.name == "opaque";
+    let [x, y, z] = spherical(theta.min(1.569_05), phi);
+    [x, y, if up { z } else { -z }].map(single)
+}
+
+/// A facet: in the lobe at all scales; or one that `wi` meets at a special angle.
+fn facet(random: &mut Random, subject: &Subject, wi: Vec3) -> Vec3 {
+    let special = random.next::<f64>();
+    if special < 0.6 {
+        let offset = subject.width * random.log(1e-3, 1e3);
+        let sign = if random.next::<f64>() < 0.5 { -1.0 } else { 1.0 };
+        let edge = if random.next::<f64>() < 0.3 { subject.width } else { 0.0 };
+        let theta = (subject.centre + edge + sign * offset).abs();
+        let phi = random.between(0.0, std::f64::consts::TAU);
+        return spherical(theta.atan(), if random.next::<f64>() < 0.3 { 0.0 } else { phi });
+    }
+    let towards = if wi[2] > 0.0 { wi } else { wi.map(|x| -x) };
+    let critical = (1.0 - subject.index.min(1.0 / subject.index).powi(2)).max(0.0).sqrt();
+    let cos = if special < 0.8 {
+        random.log(1e-5, 0.3)
+    } else {
+        (critical + random.between(-1.0, 1.0) * random.log(1e-8, 0.1)).clamp(1e-6, 1.0)
+    };
+    // the facet of that cosine nearest to the mean normal, turned about wi a little or by any angle
+    let rise = combine(1.0, [0.0, 0.0, 1.0], -towards[2], towards);
+    let rise = if dot(rise, rise) > 1e-12 { unit(rise) } else { [1.0, 0.0, 0.0] };
+    let (s, c) = (random.between(-1.0, 1.0) * random.log(1e-4, 3.0)).sin_cos();
+    let tangent = combine(c, rise, s, cross(towards, rise));
+    combine(cos, towards, (1.0 - cos * cos).sqrt(), tangent)
+}
+
+/// Where a facet sends light, in either lobe; or any direction.
+fn observation(random: &mut Random, subject: &Subject, wi: Vec3) -> Option<Vec3> {
+    let which = random.next::<f64>();
+    if which < 0.1 {
+        return Some(random.direction().map(single));
+    }
+    let m = facet(random, subject, wi);
+    let c = dot(wi, m);
+    let wo = if which < 0.5 || subject.name == "opaque" {
+        combine(2.0 * c, m, -1.0, wi)
+    } else {
+        let n = if wi[2] > 0.0 { subject.index } else { 1.0 / subject.index };
+        let g2 = n * n - 1.0 + c * c;
+        if g2 < 0.0 {
+            return None;
+        }
+        combine((c - g2.sqrt().copysign(c)) / n, m, -1.0 / n, wi)
+    };
+    Some(unit(wo).map(single))
+}
+
+const REGIONS: [&str; 3] = ["peak", "flank", "tail"];
+const ANGLES: [&str; 3] = ["normal", "oblique", "grazing"];
+
+/// The worst of a row: pairs, then errors of the tiers in `eval`, `ars`, `pdf`, and of the weights, with where.
+#[derive(Clone, Default)]
+struct Row {
+    pairs: usize,
+    worst: [[f64; 4]; 3],
+    place: [String; 3],
+}
+
+impl Row {
+    fn take(&mut self, tier: usize, what: usize, error: f64, place: impl FnOnce() -> String) {
+        if error > self.worst[tier].iter().fold(0.0, |a, &b| a.max(b)) {
+            self.place[tier] = place();
+        }
+        self.worst[tier][what] = self.worst[tier][what].max(error);
+    }
+    fn merge(&mut self, other: &Self) {
+        self.pairs += other.pairs;
+        for tier in 0..3 {
+            for what in 0..4 {
+                let error = other.worst[tier][what];
+                self.take(tier, what, error, || other.place[tier].clone());
+            }
+        }
+    }
+}
+
+/// Rows by a label that sorts; every pair counts in several.
+type Table = std::collections::BTreeMap<String, Row>;
+
+/// The rows a pair belongs to.
+fn labels(subject: &Subject, wi: Vec3, wo: Vec3) -> [String; 2] {
+    let lobe = if wi[2] * wo[2] > 0.0 { "reflection" } else { "transmission" };
+    let side = if wi[2] > 0.0 { "air" } else { "dielectric" };
+    let (a, b) = if wi[2] > 0.0 { (wi, wo) } else { (wo, wi) };
+    let h = combine(1.0, a, if lobe == "reflection" { 1.0 } else { subject.index }, b);
+    let theta = h[0].hypot(h[1]).atan2(h[2].abs());
+    let far = (theta - subject.centre).abs() / subject.width;
+    let region = REGIONS[usize::from(far > 0.3) + usize::from(far > 3.0)];
+    let steep = wi[2].abs().min(wo[2].abs());
+    let angle = ANGLES[usize::from(steep < 0.94) + usize::from(steep < 0.173_65)];
+    let decade = ["1e-3", "1e-2", "0.1", "1"][(subject.width.log10() + 3.0).clamp(0.0, 3.0) as usize];
+    let name = subject.name;
+    [
+        format!("{name:8} {lobe:12} {side:10} {angle:8} {region:5}"),
+        format!("{name:8} {lobe:12} width {decade} and above"),
+    ]
+}
+
+/// One incidence on one evaluator.
+fn batch(subject: &Subject, random: &mut Random, table: &mut Table) {
+    let wi = incidence(random, subject);
+    let all: Vec<Vec3> = (0..BATCH)
+        .filter_map(|_| observation(random, subject, wi))
+        .filter(|wo| wo[2].abs() > GRAZING && (wo[2] > 0.0 || subject.name != "opaque"))
+        .collect();
+    let want: Vec<[f64; 3]> = all.iter().map(|&wo| subject.double.values(wi, wo)).collect();
+    // the peak of a lobe: what "where the value matters" is measured by
+    let mut peak = [[0.0_f64; 3]; 2];
+    for (wo, values) in all.iter().zip(&want) {
+        let of_lobe = &mut peak[usize::from(wi[2] * wo[2] > 0.0)];
+        for what in 0..3 {
+            of_lobe[what] = of_lobe[what].max(values[what]);
+        }
+    }
+    // a lobe that no facet sends light to has no peak
+    let both: [f64; 3] = [0, 1, 2].map(|what| peak[0][what].max(peak[1][what]));
+    for (&wo, want) in all.iter().zip(&want) {
+        let of_lobe = peak[usize::from(wi[2] * wo[2] > 0.0)];
+        let peak = [0, 1, 2].map(|what| of_lobe[what].max(1e-4 * both[what]).max(1e-24));
+        let rows = labels(subject, wi, wo);
+        let got = subject.tiers.each_ref().map(|tier| tier.values(wi, wo));
+        for label in rows {
+            let row = table.entry(label).or_default();
+            row.pairs += 1;
+            for (tier, got) in got.iter().enumerate() {
+                for what in 0..3 {
+                    let floor = tolerance::MATTERS.allowed * peak[what];
+                    // below the floor only that it stays there
+                    let both = want[what].max(got[what]);
+                    if both > floor && both > 0.0 {
+                        let error = (got[what] - want[what]).abs() / want[what].max(floor);
+                        row.take(tier, what, error, || {
+                            format!("{} {wi:?} {wo:?} {} {}", subject.text, want[what], got[what])
+                        });
+                    }
+                }
+            }
+        }
+    }
+    let u = [(); 4].map(|()| single(random.next::<f32>().into()));
+    for (tier, law) in subject.tiers.iter().enumerate() {
+        let Some((wo, weight)) = law.sample(wi, u) else { continue };
+        let [_, ars, pdf] = subject.double.values(wi, wo);
+        if wo[2].abs() > GRAZING && pdf > 0.0 {
+            let row = table.entry(labels(subject, wi, wo)[0].clone()).or_default();
+            let error = (weight / (ars / pdf) - 1.0).abs();
+            row.take(tier, 3, error, || format!("{} {wi:?} {wo:?} weight", subject.text));
+        }
+    }
+}
+
+/// Many incidences, whatever the number of threads in the same order.
+fn survey(subjects: usize, batches: usize, make: fn(&mut Random) -> Subject) -> Table {
+    let tables: Vec<Table> = (0..subjects)
+        .into_par_iter()
+        .map(|k| {
+            let mut random = Random::new(0x9e37 + 7919 * k as u128);
+            let (subject, mut table) = (make(&mut random), Table::new());
+            (0..batches).for_each(|_| batch(&subject, &mut random, &mut table));
+            table
+        })
+        .collect();
+    let mut all = Table::new();
+    for (label, row) in tables.iter().flatten() {
+        all.entry(label.clone()).or_default().merge(row);
+    }
+    all
+}
+
+fn show(table: &Table) {
+    println!("worst relative error above 1e-6 of the peak: f32 | fast f32 | fast f64 (eval ars pdf weight)");
+    for (label, row) in table {
+        let mut line = format!("  {label:52} {:9}", row.pairs);
+        for errors in row.worst {
+            let _ = write!(line, " |");
+            errors.iter().for_each(|e| _ = write!(line, " {e:7.1e}"));
+        }
+        println!("{line}");
+    }
+    for (tier, name) in TIERS.iter().enumerate() {
+        let key = |r: &Row| r.worst[tier].iter().fold(0.0_f64, |a, &b| a.max(b));
+        let most = table.values().max_by(|a, b| key(a).total_cmp(&key(b)));
+        most.iter().for_each(|r| println!("  worst {name}: {:.2e} at {}", key(r), r.place[tier]));
+    }
+}
+
+fn check(table: &Table) {
+    show(table);
+    let limits = [tolerance::PRECISION, tolerance::PRECISION, tolerance::PRECISION_F64];
+    for (label, row) in table {
+        for tier in 0..3 {
+            let worst = row.worst[tier].iter().fold(0.0_f64, |a, &b| a.max(b));
+            let allowed = limits[tier].allowed;
+            assert!(worst <= allowed, "{label} {}: {worst:e} {}", TIERS[tier], row.place[tier]);
+        }
+    }
+}
+
+#[test]
+fn single_precision_keeps_ggx_where_it_matters() {
+    check(&survey(count(1000), 12, closed_form));
+}
+
+#[test]
+fn single_precision_keeps_normals_where_it_matters() {
+    check(&survey(count(300), 24, normals));
+}
