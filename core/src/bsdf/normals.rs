@@ -81,7 +81,7 @@ impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
         let in_two = || HalfVector::squares_in_two(self.eta, wi, wo);
         let facet = self.density.of_squares(h.xy2, h.z2, in_two);
         // share / |wi.m|, with |wi.m| = ih / |h|
-        facet / visible * h.share * ((h.xy2 + h.z2).sqrt() / h.ih)
+        facet * h.share * (h.xy2 + h.z2).sqrt() / (visible * h.ih)
     }
 
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {

@@ -159,6 +159,14 @@ macro_rules! implement {
                 Self($functions::exp(self.0))
             }
             #[inline(always)]
+            fn angle_squared(xy2: Self, z2: Self) -> Self {
+                Self($functions::angle_squared(xy2.0, z2.0))
+            }
+            #[inline(always)]
+            fn decay(self) -> Self {
+                Self($functions::decay(self.0))
+            }
+            #[inline(always)]
             fn ln(self) -> Self {
                 Self($functions::ln(self.0))
             }

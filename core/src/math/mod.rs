@@ -145,6 +145,17 @@ pub trait Real:
         let high = large - (large - self);
         [high, self - high]
     }
+    /// Square of the polar angle of a vector, from `x^2 + y^2` and `z^2`: what a law of normals is a function of.
+    #[inline(always)]
+    fn angle_squared(xy2: Self, z2: Self) -> Self {
+        let angle = xy2.sqrt().atan2(z2.sqrt());
+        angle * angle
+    }
+    /// `exp(-self)` of a number that is not negative; may be 0 where it is next to the smallest normal number.
+    #[inline(always)]
+    fn decay(self) -> Self {
+        (-self).exp()
+    }
     /// The smaller of two; the second if either is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {

@@ -17,7 +17,7 @@ macro_rules! horner {
 macro_rules! functions {
     (
         $module:ident, $t:ident, $bits:ident, $signed:ident, $digits:expr, $bias:expr,
-        round: $round:expr, widest_exp: $most_exp:expr, least_exp: $least_exp:expr,
+        round: $round:expr, widest_exp: $most_exp:expr, least_exp: $least_exp:expr, last_decay: $last_decay:expr,
         two_over_pi: $two_over_pi:expr, half_pi: $half_pi:expr, log2_e: $log2_e:expr, ln_2: $ln_2:expr,
         subnormal: $subnormal:expr, subnormal_log: $subnormal_log:expr,
         sin: [$($sin:expr),+], cos: [$($cos:expr),+], exp: [$($exp:expr),+], asin: [$($asin:expr),+],
@@ -68,6 +68,18 @@ macro_rules! functions {
                 let first = power >> 1;
                 let factor = |p: $signed| $t::from_bits(((p + $bias) as $bits) << $digits);
                 value * factor(first) * factor(power - first)
+            }
+
+            /// `exp(-x)` for `x >= 0`; 0 from a little above the smallest normal number on.
+            #[inline(always)]
+            pub(in crate::math) fn decay(x: $t) -> $t {
+                let (power, count) = nearest(x * -$log2_e);
+                let [a, b]: [$t; 2] = $ln_2;
+                let r = (-x - power * a) - power * b;
+                let value = 1.0 + (r + r * r * (horner!(r; $($exp),+)));
+                // the power of two goes straight to the exponent: no normal number is left below
+                let scaled = $t::from_bits(value.to_bits().wrapping_add(count << $digits));
+                if x < $last_decay { scaled } else { 0.0 * x }
             }
 
             /// Natural logarithm; minus infinity of 0, NaN of negatives.
@@ -139,6 +151,20 @@ macro_rules! functions {
                 (arc + 0.0 * (y + x)).copysign(y)
             }
 
+            /// Square of `atan2(sqrt(y2), sqrt(x2))`, without roots where the point is near the axis.
+            #[inline(always)]
+            pub(in crate::math) fn angle_squared(y2: $t, x2: $t) -> $t {
+                // tan^2(pi/8)
+                if y2 <= x2 * (0.17157287525380990 as $t) {
+                    let z = y2 / x2;
+                    let arc = 1.0 + z * (horner!(z; $($atan),+));
+                    z * (arc * arc)
+                } else {
+                    let arc = atan2(Real::sqrt(y2), Real::sqrt(x2));
+                    arc * arc
+                }
+            }
+
             /// Power of a positive number, by `exp(exponent ln x)`; 0 of 0 for a positive exponent.
             #[inline(always)]
             pub(in crate::math) fn pow(x: $t, exponent: $t) -> $t {
@@ -151,7 +177,7 @@ macro_rules! functions {
 
 functions!(
     single, f32, u32, i32, 23, 127,
-    round: 12_582_912.0, widest_exp: 89.0, least_exp: -104.0,
+    round: 12_582_912.0, widest_exp: 89.0, least_exp: -104.0, last_decay: 87.0,
     two_over_pi: core::f32::consts::FRAC_2_PI,
     half_pi: [1.570_312_5, 4.837_513e-4, 7.549_79e-8],
     log2_e: core::f32::consts::LOG2_E, ln_2: [0.693_359_4, -2.121_944_4e-4],
@@ -168,7 +194,7 @@ functions!(
 
 functions!(
     double, f64, u64, i64, 52, 1023,
-    round: 6_755_399_441_055_744.0, widest_exp: 710.0, least_exp: -746.0,
+    round: 6_755_399_441_055_744.0, widest_exp: 710.0, least_exp: -746.0, last_decay: 708.0,
     two_over_pi: core::f64::consts::FRAC_2_PI,
     half_pi: [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_711_166_5e-21],
     log2_e: core::f64::consts::LOG2_E,

@@ -50,10 +50,20 @@ fn bounds<T: Real>(epsilon: f64, tiny: f64, steps: usize) {
     check("acos", worst::<T>(&unit, 1e-3, Real::acos, libm::acos), 3.0);
     let powers = arguments(80.0, steps);
     check("exp", worst::<T>(&powers, tiny, Real::exp, libm::exp), 1.5);
+    let size = |x: f64| x.abs().min(-tiny.ln() - 0.4);
+    let decays: Vec<f64> = powers.iter().map(|&x| size(x)).collect();
+    check("decay", worst::<T>(&decays, tiny, Real::decay, |x| libm::exp(-x)), 1.5);
     let positive: Vec<f64> = arguments(1e30, steps).into_iter().filter(|&x| x > 0.0).collect();
     check("ln", worst::<T>(&positive, 1e-2, Real::ln, libm::log), 3.0);
     let near: Vec<f64> = arguments(0.5, steps).into_iter().map(|x| 1.0 + x).collect();
     check("ln near 1", worst::<T>(&near, 1e-30, Real::ln, libm::log), 3.0);
+    let slopes: Vec<f64> = arguments(1e15, steps).into_iter().filter(|&x| x > 0.0).collect();
+    for other in [1e-15, 0.3, 1.0, 4e5] {
+        let run = |x: T| T::angle_squared(x, T::from_f64(other));
+        let run2 = T::from_f64(other).to_f64().sqrt();
+        let exact = |y2: f64| libm::pow(libm::atan2(libm::sqrt(y2), run2), 2.0);
+        check("squared angle", worst::<T>(&slopes, 1e-30, run, exact), 5.0);
+    }
     for other in [1e-20, 0.3, 1.0, 4e5] {
         let run = |x: T| x.atan2(T::from_f64(other));
         let rise = T::from_f64(other).to_f64();
@@ -80,6 +90,7 @@ fn edges_and_nonsense() {
         let infinity = of(f64::INFINITY);
         assert!(of(1e4).exp() == infinity && of(-1e4).exp() == T::ZERO);
         assert!(T::ZERO.ln() == -infinity && !of(-1.0).ln().is_finite());
+        assert!(of(800.0).decay() == T::ZERO && T::ZERO.decay() == T::ONE);
         assert!(infinity.ln() == infinity && T::ONE.ln() == T::ZERO);
         for x in [1.0001, -1.0001, 7.0] {
             assert!(!of(x).acos().is_finite() && !of(x).asin().is_finite());

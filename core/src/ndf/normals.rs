@@ -15,8 +15,8 @@ use crate::sampling::inverse_smoothstep;
 
 /// Share of the normals that is cut off at either end of the table of quantiles.
 const NO_ACCOUNT: f64 = 1e-9;
-/// Nodes of the table of the visible share.
-const VISIBLE: usize = 33;
+/// Cells of the table of the visible share.
+const VISIBLE: usize = 32;
 /// Panels of the integral for each of them.
 const PANELS: usize = 24;
 
@@ -33,9 +33,9 @@ pub struct NormalDensity<T, const N: usize> {
     inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
     quantiles: [[T; 2]; N],
-    /// Visible share and its slope `dV/dx` at even nodes of `x = tan e / (tan e + warp)`, where `e` is the
-    /// elevation above the surface.
-    visible: [[T; 2]; VISIBLE],
+    /// Visible share, a cubic in each of even cells of `x = tan e / (tan e + warp)`, where `e` is the elevation above the
+    /// surface: coefficients of the powers of the distance from the cell's start, in cells.
+    visible: [[T; 4]; VISIBLE],
     /// The tangent of the median normal.
     warp: T,
 }
@@ -76,8 +76,9 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     #[inline]
     pub(crate) fn of_squares(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T {
         match &self.edges {
-            None => self.density(xy2.sqrt(), z2.sqrt()),
             Some(edges) => edges.value(&self.law, in_two()) * self.inverse_norm,
+            None if self.law.centre() > T::ZERO => self.density(xy2.sqrt(), z2.sqrt()),
+            None => self.law.of_square(T::angle_squared(xy2, z2)) * self.inverse_norm,
         }
     }
 
@@ -99,9 +100,11 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     #[inline]
     pub fn visible(&self, cos: T, sin: T) -> T {
         let cos = cos.abs();
-        let sum = cos + self.warp * sin;
-        let x = if sum > T::ZERO { cos / sum } else { T::ONE };
-        table_value(&self.visible, x)
+        let position = cos * T::from_f64(VISIBLE as f64) / (cos + self.warp * sin);
+        let k = position.to_index().min(VISIBLE - 1);
+        let s = position - T::from_f64(k as f64);
+        let Some(&[c0, c1, c2, c3]) = self.visible.get(k) else { return T::ONE };
+        c0 + s * (c1 + s * (c2 + s * c3))
     }
 }
 
@@ -234,30 +237,36 @@ fn tangent(t: f64) -> f64 {
     Real::sqrt(t * (2.0 - t)) / (1.0 - t)
 }
 
-/// Visible share and slope at even nodes of the warped elevation.
+/// Cubics of the visible share in even cells of the warped elevation.
 ///
 /// A normal at `theta` faces a direction of elevation `e` for all azimuths if `theta < e`, else for a
 /// share `1 - acos(tan e / tan theta) / pi` of them.
-fn visible_table<const N: usize>(table: &[[f64; 2]; N], warp: f64) -> [[f64; 2]; VISIBLE] {
-    let cells = (VISIBLE - 1) as f64;
-    let mut nodes: [[f64; 2]; VISIBLE] = core::array::from_fn(|j| {
-        let x = j as f64 / cells;
-        let value = if j == 0 { 0.5 } else { 1.0 - hidden(table, warp * x / (1.0 - x)) };
-        [if j == VISIBLE - 1 { 1.0 } else { value }, 0.0]
-    });
-    let copy = nodes;
-    let secant = |a: Option<&[f64; 2]>, b: Option<&[f64; 2]>| Some((b?[0] - a?[0]) * cells);
-    for (j, row) in nodes.iter_mut().enumerate() {
-        let left = j.checked_sub(1).and_then(|i| secant(copy.get(i), copy.get(j)));
-        let right = secant(copy.get(j), copy.get(j + 1));
-        row[1] = match (left, right) {
-            // harmonic mean: between the secants, zero if either is
-            (Some(l), Some(r)) if l > 0.0 && r > 0.0 => 2.0 * l * r / (l + r),
-            (None, Some(r)) => Real::max(r, 0.0),
-            _ => 0.0,
-        };
-    }
-    nodes
+fn visible_table<const N: usize>(table: &[[f64; 2]; N], warp: f64) -> [[f64; 4]; VISIBLE] {
+    let value = |j: usize| match j {
+        0 => 0.5,
+        VISIBLE.. => 1.0,
+        _ => {
+            let x = j as f64 / VISIBLE as f64;
+            1.0 - hidden(table, warp * x / (1.0 - x))
+        }
+    };
+    // values and slopes at the two ends of a cell, and the value beyond
+    let slope = |left: f64, right: f64| {
+        // harmonic mean: between the secants, zero if either is
+        if left > 0.0 && right > 0.0 { 2.0 * left * right / (left + right) } else { 0.0 }
+    };
+    let (mut v, mut m) = ([value(0), value(1)], 0.0);
+    core::array::from_fn(|j| {
+        let secant = v[1] - v[0];
+        if j == 0 {
+            m = Real::max(secant, 0.0);
+        }
+        let next = value(j + 2);
+        let end = if j + 1 < VISIBLE { slope(secant, next - v[1]) } else { 0.0 };
+        let cubic = [v[0], m, 3.0 * secant - 2.0 * m - end, m + end - 2.0 * secant];
+        (v, m) = ([v[1], next], end);
+        cubic
+    })
 }
 
 /// The share of the normals that do not face a direction whose elevation has this tangent.
