@@ -76,7 +76,12 @@ pub struct RelativeIor<T> {
     /// `4 (1 - n^2)` and `4 (1 - 1 / n^2)`, for reflection seen from the air and from the dielectric, and `|n^2 - 1|`,
     /// for transmission, each as a number and what its rounding left: critical and grazing angles are where the
     /// square of a half vector equals one of them, and a difference from it needs more digits than the index has.
+    /// NaN if the media are matched.
     limits: [[T; 2]; 3],
+    /// `n^2 + 1`.
+    squares: T,
+    /// `n / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`.
+    through: T,
 }
 
 impl<T: Real> RelativeIor<T> {
@@ -98,7 +103,15 @@ impl<T: Real> RelativeIor<T> {
             [high, T::from_f64(x - high.to_f64())]
         };
         let limits = [in_two(-4.0 * step), in_two(4.0 * step / (n * n)), in_two(step.abs())];
-        Ok(Self { value, inverse: T::ONE / value, limits })
+        let through = T::from_f64(n / (8.0 * step * step.abs()));
+        let squares = T::from_f64(n * n + 1.0);
+        Ok(Self { value, inverse: T::ONE / value, limits, squares, through }.unless_matched())
+    }
+
+    /// Matched media scatter nothing: with NaN for a limit no facet is possible, and nobody has to ask.
+    fn unless_matched(self) -> Self {
+        let nan = [[T::from_f64(f64::NAN); 2]; 3];
+        if self.is_matched() { Self { limits: nan, ..self } } else { self }
     }
 
     /// The number.
@@ -125,20 +138,30 @@ impl<T: Real> RelativeIor<T> {
         }
     }
 
+    /// `n^2 + 1`, and `n / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`.
+    #[inline(always)]
+    pub(crate) fn transmission(&self) -> [T; 2] {
+        [self.squares, self.through]
+    }
+
     /// The same index in another precision, each number rounded once.
     #[inline(always)]
     pub fn cast<U: Real>(self) -> RelativeIor<U> {
         let cast = |x: T| U::from_f64(x.to_f64());
+        // between tiers of one precision nothing is computed, and the compiler knows it here
+        let narrower = T::EPSILON.to_f64() < U::EPSILON.to_f64();
         let limits = self.limits.map(|[high, low]| {
-            // between tiers of one precision nothing is computed, and the compiler knows it here
-            let lost = if T::EPSILON.to_f64() < U::EPSILON.to_f64() {
-                U::from_f64(high.to_f64() - cast(high).to_f64() + low.to_f64())
-            } else {
-                cast(low)
-            };
-            [cast(high), lost]
+            let lost = high.to_f64() - cast(high).to_f64() + low.to_f64();
+            [cast(high), if narrower { U::from_f64(lost) } else { cast(low) }]
         });
-        RelativeIor { value: cast(self.value), inverse: cast(self.inverse), limits }
+        let there = RelativeIor {
+            value: cast(self.value),
+            inverse: cast(self.inverse),
+            limits,
+            squares: cast(self.squares),
+            through: cast(self.through),
+        };
+        if narrower { there.unless_matched() } else { there }
     }
 
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.

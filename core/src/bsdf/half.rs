@@ -8,7 +8,8 @@
 //! and are defined so in every precision, whatever the rounding of the components:
 //! reflection, `|wi.m| = |h| / 2`; transmission, with `h = a + n b` (a in the air, b in the dielectric) and
 //! `s = n^2 - 1`, `2 a.h = |h|^2 - s`, `2 n b.h = |h|^2 + s`. No root is spent on normalising, and
-//! Fresnel's factors become symmetric in the two ends.
+//! Fresnel's factors become symmetric in the two ends: with `P = (s^2 - |h|^4) / |h|^2` and `w` one over the cosine of the
+//! deviation, `1 - F` times the Jacobian is `n P^2 (1 + w^2) / (8 s^2)`.
 //!
 //! **What single precision loses, and how it is kept.** Two differences are ill-conditioned, each once:
 //! - `h = a + n b`: the rounding of `n b` is magnified by `1 / |h_xy|`, a thousandfold in a lobe of alpha 1e-3. What the
@@ -50,14 +51,17 @@ impl<T: Real> HalfVector<T> {
     /// The facet between two directions, on any sides.
     #[inline(always)]
     pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
+        let below = wi.z() < T::ZERO;
         let mirrored = T::ONE.copysign(wi.z()) * wo.z() > T::ZERO;
-        // A microcontroller gets a copy for either case, in which nothing is left to choose.
+        // A microcontroller gets a copy for each way of the light, in which nothing is left to choose.
         if !cfg!(target_arch = "arm") {
-            Self::of(eta, wi, wo, mirrored)
-        } else if mirrored {
-            Self::of(eta, wi, wo, true)
-        } else {
-            Self::of(eta, wi, wo, false)
+            return Self::of(eta, wi, wo, mirrored, below);
+        }
+        match (mirrored, below) {
+            (true, true) => Self::of(eta, wi, wo, true, true),
+            (true, false) => Self::of(eta, wi, wo, true, false),
+            (false, true) => Self::of(eta, wi, wo, false, true),
+            (false, false) => Self::of(eta, wi, wo, false, false),
         }
     }
 
@@ -75,9 +79,14 @@ impl<T: Real> HalfVector<T> {
     }
 
     #[inline(always)]
-    fn of(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>, mirrored: bool) -> Self {
-        let ([ix, iy, iz], [ox, oy, oz]) = (wi.xyz(), wo.xyz());
-        let (below, n) = (iz < T::ZERO, eta.get());
+    fn of(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+        mirrored: bool,
+        below: bool,
+    ) -> Self {
+        let ([ix, iy, iz], [ox, oy, oz], n) = (wi.xyz(), wo.xyz(), eta.get());
         // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
         // the common index is left out.
         let swap = |i: T, o: T| if below & !mirrored { [o, i] } else { [i, o] };
@@ -95,43 +104,46 @@ impl<T: Real> HalfVector<T> {
         let near = T::IN_TWO & (rough.abs() * T::from_f64(32.0) < hh);
         let excess = choose(near, || difference(pairs, n, mirrored, limits), || rough);
 
-        // Reflection, from c^2 and g^2. Total reflection is no case of its own: with g = 0 neither rs nor rp is below 1.
-        let quarter = T::from_f64(0.25);
+        // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess. Total reflection is no case of its own:
+        // with g = 0 neither rs nor rp is below 1.
+        let four = T::from_f64(4.0);
         let reflected = || {
-            let (c2, g2) = (quarter * hh, quarter * excess.max(T::ZERO));
-            let cg = (c2 * g2).sqrt();
+            let g2 = excess.max(T::ZERO);
+            let cg = (hh * g2).sqrt();
             // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
-            let (u, v) = (cg + c2 - T::ONE, cg - c2 + T::ONE);
-            let rs_v = quarter * limit / ((c2 + g2 + (cg + cg)) * v);
-            (T::HALF * (rs_v * rs_v) * (u * u + v * v)).min(T::ONE)
+            let (u, v) = (cg + (hh - four), cg - (hh - four));
+            let rs_v = limit / ((hh + g2 + (cg + cg)) * v);
+            (T::from_f64(0.125) * (rs_v * rs_v) * (u * u + v * v)).min(T::from_f64(0.25))
         };
 
-        // Transmission, from c = |a.h| and g = n |b.h|, of which one is the small difference; c + g = |n^2 - 1|.
-        let denser = n > T::ONE;
-        let (small, large) = (T::HALF * -excess, T::HALF * (hh + limit));
-        let (c, g) = if denser { (small, large) } else { (large, small) };
-        let product = c * g;
+        // Transmission, from 2 a.h and 2 n b.h, of which one is the small difference. Their sizes sum to 2 |s|, so
+        // ts ~ 1 / |s|, and tp = ts / cos of the deviation, 2 n cos = n^2 + 1 - |h|^2.
+        let (small, large) = (-excess, hh + limit);
+        let [squares, through] = eta.transmission();
+        let part = small * large / hh;
         let transmitted = || {
-            let n2 = n * n;
-            let p = n2 * c + g;
-            T::TWO * product * (T::ONE / (limit * limit) + n2 / (p * p))
+            let w = (n + n) / (squares - hh);
+            through.abs() * (part * part) * (T::ONE + w * w)
         };
         // seen from the front by both: (w.m)(w.n) > 0
-        let seen = || small.min(if denser { -hz } else { hz }).min(hh);
+        let seen = || (small > T::ZERO) & (hz * through < T::ZERO);
+        let turned = || n * T::from_f64(0.25) * part / hh;
+        let cosine = || {
+            let c = if below == (through > T::ZERO) { large } else { small };
+            T::HALF * c * if below { eta.inverse() } else { T::ONE }
+        };
 
-        // All of these are positive if there is a facet; the last term makes NaN of what is not finite.
-        let least = choose(mirrored, || hh, seen) + T::ZERO * hh;
-        let possible = (least > T::ZERO) & (iz.abs() > T::ZERO) & (oz.abs() > T::ZERO);
-        let turn = choose(mirrored, || quarter, || n * product / (hh * hh));
-        let cosine = || if below { g * eta.inverse() } else { c };
+        // The last comparison fails for all that is not finite, and for matched media.
+        let finite = hh + T::ZERO * excess > T::ZERO;
+        let crossed = || seen() & (oz != T::ZERO);
         Self {
-            possible: possible & !eta.is_matched(),
+            possible: choose(mirrored, || true, crossed) & (iz != T::ZERO) & finite,
             xy2,
             z2,
             ih: choose(mirrored, || T::HALF * hh, cosine),
             along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
-            turn,
-            share: choose(mirrored, reflected, transmitted) * turn,
+            turn: choose(mirrored, || T::from_f64(0.25), turned),
+            share: choose(mirrored, reflected, transmitted),
         }
     }
 }

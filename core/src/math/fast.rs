@@ -163,8 +163,8 @@ macro_rules! implement {
                 Self($functions::angle_squared(xy2.0, z2.0))
             }
             #[inline(always)]
-            fn decay(self) -> Self {
-                Self($functions::decay(self.0))
+            fn halved(self) -> Self {
+                Self($functions::halved(self.0))
             }
             #[inline(always)]
             fn ln(self) -> Self {

@@ -151,10 +151,10 @@ pub trait Real:
         let angle = xy2.sqrt().atan2(z2.sqrt());
         angle * angle
     }
-    /// `exp(-self)` of a number that is not negative; may be 0 where it is next to the smallest normal number.
+    /// `2^-self` of a number that is not negative; may be 0 where that is next to the smallest normal number.
     #[inline(always)]
-    fn decay(self) -> Self {
-        (-self).exp()
+    fn halved(self) -> Self {
+        (self * Self::from_f64(-core::f64::consts::LN_2)).exp()
     }
     /// The smaller of two; the second if either is NaN.
     #[inline(always)]

@@ -50,9 +50,9 @@ fn bounds<T: Real>(epsilon: f64, tiny: f64, steps: usize) {
     check("acos", worst::<T>(&unit, 1e-3, Real::acos, libm::acos), 3.0);
     let powers = arguments(80.0, steps);
     check("exp", worst::<T>(&powers, tiny, Real::exp, libm::exp), 1.5);
-    let size = |x: f64| x.abs().min(-tiny.ln() - 0.4);
-    let decays: Vec<f64> = powers.iter().map(|&x| size(x)).collect();
-    check("decay", worst::<T>(&decays, tiny, Real::decay, |x| libm::exp(-x)), 1.5);
+    let most = -tiny.log2() - 0.001;
+    let sizes: Vec<f64> = arguments(120.0, steps).iter().map(|&x| x.abs().min(most)).collect();
+    check("halved", worst::<T>(&sizes, tiny, Real::halved, |x| libm::exp2(-x)), 1.5);
     let positive: Vec<f64> = arguments(1e30, steps).into_iter().filter(|&x| x > 0.0).collect();
     check("ln", worst::<T>(&positive, 1e-2, Real::ln, libm::log), 3.0);
     let near: Vec<f64> = arguments(0.5, steps).into_iter().map(|x| 1.0 + x).collect();
@@ -90,7 +90,8 @@ fn edges_and_nonsense() {
         let infinity = of(f64::INFINITY);
         assert!(of(1e4).exp() == infinity && of(-1e4).exp() == T::ZERO);
         assert!(T::ZERO.ln() == -infinity && !of(-1.0).ln().is_finite());
-        assert!(of(800.0).decay() == T::ZERO && T::ZERO.decay() == T::ONE);
+        assert!(of(2e3).halved() == T::ZERO && T::ZERO.halved() == T::ONE);
+        assert!(infinity.halved() == T::ZERO && T::ONE.halved() == T::HALF);
         assert!(infinity.ln() == infinity && T::ONE.ln() == T::ZERO);
         for x in [1.0001, -1.0001, 7.0] {
             assert!(!of(x).acos().is_finite() && !of(x).asin().is_finite());

@@ -47,8 +47,6 @@ pub struct Law<T> {
     delta: T,
     n: T,
     centre: T,
-    /// `1 / delta^2`.
-    sharpness: T,
 }
 
 impl<T: Real> Law<T> {
@@ -65,7 +63,7 @@ impl<T: Real> Law<T> {
         } else if !within(centre, 0.0, core::f64::consts::FRAC_PI_2) {
             Err(LawError::Centre)
         } else {
-            Ok(Self { profile, delta, n, centre, sharpness: T::ONE / (delta * delta) })
+            Ok(Self { profile, delta, n, centre })
         }
     }
 
@@ -78,18 +76,11 @@ impl<T: Real> Law<T> {
         self.falls(power)
     }
 
-    /// `F` from the square of the variable, which saves a root; for laws about 0.
-    #[inline(always)]
-    pub(super) fn of_square(&self, t2: T) -> T {
-        let y2 = t2 * self.sharpness;
-        self.falls(if self.n == T::TWO { y2 } else { y2.pow(T::HALF * self.n) })
-    }
-
     /// `F` from `y^n`, the power of the distance from the centre in widths.
     #[inline(always)]
     pub(super) fn falls(&self, power: T) -> T {
         match self.profile {
-            Profile::Gauss => (T::HALF * power).decay(),
+            Profile::Gauss => (-T::HALF * power).exp(),
             Profile::Cauchy => T::ONE / (T::ONE + power),
         }
     }
@@ -101,7 +92,6 @@ impl<T: Real> Law<T> {
             delta: self.delta.to_f64(),
             n: self.n.to_f64(),
             centre: self.centre.to_f64(),
-            sharpness: 1.0 / (self.delta.to_f64() * self.delta.to_f64()),
         }
     }
 

@@ -7,7 +7,7 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use super::edge::Edges;
-use super::law::Law;
+use super::law::{Law, Profile};
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::quadrature::{gauss_legendre, hermite, monotone_slope};
@@ -20,6 +20,34 @@ const VISIBLE: usize = 32;
 /// Panels of the integral for each of them.
 const PANELS: usize = 24;
 
+/// How a law is computed from a half vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form<T> {
+    /// The normal law about 0: `2^-(halvings t^2)`.
+    Normal { halvings: T },
+    /// Another power of `t`, by way of `t^2 / delta^2`.
+    Power { narrowness: T },
+    /// From the angle.
+    Angle,
+    /// From the angle to an edge, where the law needs more digits than an angle has.
+    Edges(Edges<T>),
+}
+
+impl<T: Real> Form<T> {
+    fn of(law: &Law<f64>) -> Self {
+        let narrowness = 1.0 / (law.delta() * law.delta());
+        let normal = law.profile() == Profile::Gauss && law.n() == 2.0;
+        match Edges::of(law) {
+            Some(edges) => Self::Edges(edges),
+            None if law.centre() > 0.0 => Self::Angle,
+            None if normal => Self::Normal {
+                halvings: T::from_f64(0.5 * narrowness * core::f64::consts::LOG2_E),
+            },
+            None => Self::Power { narrowness: T::from_f64(narrowness) },
+        }
+    }
+}
+
 /// A normalised density of facet normals with an inverse-CDF table of `N` nodes.
 ///
 /// Quantiles are kept for `t = 1 - cos theta`, in which the density is `F` itself and finite at the pole,
@@ -27,8 +55,7 @@ const PANELS: usize = 24;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalDensity<T, const N: usize> {
     law: Law<T>,
-    /// Where the law needs more digits than an angle has.
-    edges: Option<Edges<T>>,
+    form: Form<T>,
     /// `1 / C`, 1/sr.
     inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
@@ -49,13 +76,12 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         each_panel(&wide, |a, b| total += panel_mass(&wide, a, b));
         let table = quantile_table::<N>(&wide, total);
         let warp = tangent(table_value(&table, 0.5));
-        let visible = visible_table(&table, warp);
         Self {
             law,
-            edges: Edges::of(&wide),
+            form: Form::of(&wide),
             inverse_norm: T::from_f64(1.0 / (2.0 * PI * total)),
             quantiles: table.map(|row| row.map(T::from_f64)),
-            visible: visible.map(|row| row.map(T::from_f64)),
+            visible: visible_table(&table, warp),
             warp: T::from_f64(warp),
         }
     }
@@ -75,11 +101,16 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     /// with what their roundings took.
     #[inline]
     pub(crate) fn of_squares(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T {
-        match &self.edges {
-            Some(edges) => edges.value(&self.law, in_two()) * self.inverse_norm,
-            None if self.law.centre() > T::ZERO => self.density(xy2.sqrt(), z2.sqrt()),
-            None => self.law.of_square(T::angle_squared(xy2, z2)) * self.inverse_norm,
-        }
+        let value = match &self.form {
+            Form::Normal { halvings } => (T::angle_squared(xy2, z2) * *halvings).halved(),
+            Form::Power { narrowness } => {
+                let power = T::HALF * self.law.n();
+                self.law.falls((T::angle_squared(xy2, z2) * *narrowness).pow(power))
+            }
+            Form::Angle => self.law.value(xy2.sqrt().atan2(z2.sqrt())),
+            Form::Edges(edges) => edges.value(&self.law, in_two()),
+        };
+        value * self.inverse_norm
     }
 
     /// Draws a normal with density `p(m)` from two uniforms in [0, 1).
@@ -241,7 +272,11 @@ fn tangent(t: f64) -> f64 {
 ///
 /// A normal at `theta` faces a direction of elevation `e` for all azimuths if `theta < e`, else for a
 /// share `1 - acos(tan e / tan theta) / pi` of them.
-fn visible_table<const N: usize>(table: &[[f64; 2]; N], warp: f64) -> [[f64; 4]; VISIBLE] {
+#[inline(never)]
+fn visible_table<T: Real, const N: usize>(
+    table: &[[f64; 2]; N],
+    warp: f64,
+) -> [[T; 4]; VISIBLE] {
     let value = |j: usize| match j {
         0 => 0.5,
         VISIBLE.. => 1.0,
@@ -265,7 +300,7 @@ fn visible_table<const N: usize>(table: &[[f64; 2]; N], warp: f64) -> [[f64; 4];
         let end = if j + 1 < VISIBLE { slope(secant, next - v[1]) } else { 0.0 };
         let cubic = [v[0], m, 3.0 * secant - 2.0 * m - end, m + end - 2.0 * secant];
         (v, m) = ([v[1], next], end);
-        cubic
+        cubic.map(T::from_f64)
     })
 }
 
