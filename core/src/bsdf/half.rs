@@ -37,6 +37,8 @@ pub(crate) struct HalfVector<T> {
     pub(crate) z2: T,
     /// `|wi . h|`.
     pub(crate) ih: T,
+    /// `2 |wi . h|`: half of it costs two instructions more.
+    pub(crate) cosine: T,
     /// `wi_x m_x + wi_y m_y` times `|h|`, for `wi` seen from its side of the facet: negative where the facet is turned
     /// towards the mirror direction.
     pub(crate) along: T,
@@ -51,17 +53,23 @@ impl<T: Real> HalfVector<T> {
     /// The facet between two directions, on any sides.
     #[inline(always)]
     pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
-        let below = wi.z() < T::ZERO;
-        let mirrored = T::ONE.copysign(wi.z()) * wo.z() > T::ZERO;
-        // A microcontroller gets a copy for each way of the light, in which nothing is left to choose.
+        let (iz, oz) = (wi.z(), wo.z());
         if !cfg!(target_arch = "arm") {
-            return Self::of(eta, wi, wo, mirrored, below);
+            let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+            let inclined = (iz != T::ZERO) & (oz != T::ZERO);
+            let half = Self::of(eta, wi, wo, mirrored, iz < T::ZERO);
+            return Self { possible: half.possible & inclined, ..half };
         }
-        match (mirrored, below) {
-            (true, true) => Self::of(eta, wi, wo, true, true),
-            (true, false) => Self::of(eta, wi, wo, true, false),
-            (false, true) => Self::of(eta, wi, wo, false, true),
-            (false, false) => Self::of(eta, wi, wo, false, false),
+        // A microcontroller gets a copy for each way of the light, in which nothing is left to choose.
+        match (iz > T::ZERO, oz > T::ZERO) {
+            (true, true) => Self::of(eta, wi, wo, true, false),
+            (true, false) if oz < T::ZERO => Self::of(eta, wi, wo, false, false),
+            (false, true) if iz < T::ZERO => Self::of(eta, wi, wo, false, true),
+            (false, false) if (iz < T::ZERO) & (oz < T::ZERO) => Self::of(eta, wi, wo, true, true),
+            _ => {
+                let [xy2, z2, ih, cosine, along, turn, share] = [T::ZERO; 7];
+                Self { possible: false, xy2, z2, ih, cosine, along, turn, share }
+            }
         }
     }
 
@@ -104,17 +112,16 @@ impl<T: Real> HalfVector<T> {
         let near = T::IN_TWO & (rough.abs() * T::from_f64(32.0) < hh);
         let excess = choose(near, || difference(pairs, n, mirrored, limits), || rough);
 
-        // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess. Total reflection is no case of its own:
-        // with g = 0 neither rs nor rp is below 1.
-        let four = T::from_f64(4.0);
-        let reflected = || {
-            let g2 = excess.max(T::ZERO);
-            let cg = (hh * g2).sqrt();
+        // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess, negative on total reflection.
+        let partly = || {
+            let cg = (hh * excess).sqrt();
             // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
-            let (u, v) = (cg + (hh - four), cg - (hh - four));
-            let rs_v = limit / ((hh + g2 + (cg + cg)) * v);
-            (T::from_f64(0.125) * (rs_v * rs_v) * (u * u + v * v)).min(T::from_f64(0.25))
+            let (u, v) = (cg + (hh - T::from_f64(4.0)), cg - (hh - T::from_f64(4.0)));
+            let rs_v = limit / ((hh + excess + (cg + cg)) * v);
+            T::from_f64(0.125) * (rs_v * rs_v) * (u * u + v * v)
         };
+        let quarter = T::from_f64(0.25);
+        let reflected = || choose(excess > T::ZERO, partly, || quarter);
 
         // Transmission, from 2 a.h and 2 n b.h, of which one is the small difference. Their sizes sum to 2 |s|, so
         // ts ~ 1 / |s|, and tp = ts / cos of the deviation, 2 n cos = n^2 + 1 - |h|^2.
@@ -127,22 +134,24 @@ impl<T: Real> HalfVector<T> {
         };
         // seen from the front by both: (w.m)(w.n) > 0
         let seen = || (small > T::ZERO) & (hz * through < T::ZERO);
-        let turned = || n * T::from_f64(0.25) * part / hh;
-        let cosine = || {
+        let turned = || quarter * n * part / hh;
+        let crossing = || {
             let c = if below == (through > T::ZERO) { large } else { small };
-            T::HALF * c * if below { eta.inverse() } else { T::ONE }
+            if below { c * eta.inverse() } else { c }
         };
 
-        // The last comparison fails for all that is not finite, and for matched media.
-        let finite = hh + T::ZERO * excess > T::ZERO;
-        let crossed = || seen() & (oz != T::ZERO);
+        // No comparison holds for a NaN, nor for the limits of matched media; what is infinite becomes one.
+        let mirror = || hh + T::ZERO * excess > T::ZERO;
+        let crossed = || seen() & (hh > T::ZERO);
+        let cosine = choose(mirrored, || hh, crossing);
         Self {
-            possible: choose(mirrored, || true, crossed) & (iz != T::ZERO) & finite,
+            possible: choose(mirrored, mirror, crossed),
             xy2,
             z2,
-            ih: choose(mirrored, || T::HALF * hh, cosine),
+            ih: T::HALF * cosine,
+            cosine,
             along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
-            turn: choose(mirrored, || T::from_f64(0.25), turned),
+            turn: choose(mirrored, || quarter, turned),
             share: choose(mirrored, reflected, transmitted),
         }
     }

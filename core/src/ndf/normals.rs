@@ -58,6 +58,7 @@ pub struct NormalDensity<T, const N: usize> {
     form: Form<T>,
     /// `1 / C`, 1/sr.
     inverse_norm: T,
+    twice_inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
     quantiles: [[T; 2]; N],
     /// Visible share, a cubic in each of even cells of `x = tan e / (tan e + warp)`, where `e` is the elevation above the
@@ -79,7 +80,8 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         Self {
             law,
             form: Form::of(&wide),
-            inverse_norm: T::from_f64(1.0 / (2.0 * PI * total)),
+            inverse_norm: T::from_f64(0.5 / (PI * total)),
+            twice_inverse_norm: T::from_f64(1.0 / (PI * total)),
             quantiles: table.map(|row| row.map(T::from_f64)),
             visible: visible_table(&table, warp),
             warp: T::from_f64(warp),
@@ -97,10 +99,15 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         self.law.value(sin.atan2(cos)) * self.inverse_norm
     }
 
-    /// `p(m)` of the direction of a half vector, from `h_x^2 + h_y^2` and `h_z^2`; where these are not enough, from the same
+    /// `2 p(m)` of the direction of a half vector, from `h_x^2 + h_y^2` and `h_z^2`; where these are not enough, from the same
     /// with what their roundings took.
     #[inline]
-    pub(crate) fn of_squares(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T {
+    pub(crate) fn twice_of_squares(
+        &self,
+        xy2: T,
+        z2: T,
+        in_two: impl FnOnce() -> [[T; 2]; 2],
+    ) -> T {
         let value = match &self.form {
             Form::Normal { halvings } => (T::angle_squared(xy2, z2) * *halvings).halved(),
             Form::Power { narrowness } => {
@@ -110,7 +117,7 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
             Form::Angle => self.law.value(xy2.sqrt().atan2(z2.sqrt())),
             Form::Edges(edges) => edges.value(&self.law, in_two()),
         };
-        value * self.inverse_norm
+        value * self.twice_inverse_norm
     }
 
     /// Draws a normal with density `p(m)` from two uniforms in [0, 1).
@@ -131,8 +138,9 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     #[inline]
     pub fn visible(&self, cos: T, sin: T) -> T {
         let cos = cos.abs();
-        let position = cos * T::from_f64(VISIBLE as f64) / (cos + self.warp * sin);
-        let k = position.to_index().min(VISIBLE - 1);
+        // a little less than there are cells: the last one ends at 1
+        let position = cos * T::from_f64(VISIBLE as f64 * (1.0 - 1e-6)) / (cos + self.warp * sin);
+        let k = position.to_index() % VISIBLE;
         let s = position - T::from_f64(k as f64);
         let Some(&[c0, c1, c2, c3]) = self.visible.get(k) else { return T::ONE };
         c0 + s * (c1 + s * (c2 + s * c3))
