@@ -86,7 +86,6 @@ fn make_normals<T: Real>(profile: Profile, p: [f64; 3], n: f64) -> Box<dyn Evalu
     evaluator::<T, _>(Normals::<T, 256>::new(NormalDensity::new(law), ior(n)))
 }
 
-/// Rounded to single precision.
 fn single(x: f64) -> f64 {
     f64::from(x as f32)
 }
@@ -203,8 +202,11 @@ struct Row {
 }
 
 impl Row {
+    fn most(&self, tier: usize) -> f64 {
+        self.worst[tier].iter().fold(0.0, |a, &b| a.max(b))
+    }
     fn take(&mut self, tier: usize, what: usize, error: f64, place: impl FnOnce() -> String) {
-        if error > self.worst[tier].iter().fold(0.0, |a, &b| a.max(b)) {
+        if error > self.most(tier) {
             self.place[tier] = place();
         }
         self.worst[tier][what] = self.worst[tier][what].max(error);
@@ -234,8 +236,8 @@ fn labels(subject: &Subject, wi: Vec3, wo: Vec3) -> [String; 2] {
     let region = REGIONS[usize::from(far > 0.3) + usize::from(far > 3.0)];
     let steep = wi[2].abs().min(wo[2].abs());
     let angle = ANGLES[usize::from(steep < 0.94) + usize::from(steep < 0.173_65)];
-    let decade = ["1e-3", "1e-2", "0.1", "1"][(subject.width.log10() + 3.0).clamp(0.0, 3.0) as usize];
-    let name = subject.name;
+    let (name, decade) = (subject.name, (subject.width.log10() + 3.0).clamp(0.0, 3.0) as usize);
+    let decade = ["1e-3", "1e-2", "0.1", "1"][decade];
     [
         format!("{name:8} {lobe:12} {side:10} {angle:8} {region:5}"),
         format!("{name:8} {lobe:12} width {decade} and above"),
@@ -283,14 +285,15 @@ fn batch(subject: &Subject, random: &mut Random, table: &mut Table) {
             }
         }
     }
-    let u = [(); 4].map(|()| single(random.next::<f32>().into()));
+    let u = [(); 4].map(|()| f64::from(random.next::<f32>()));
     for (tier, law) in subject.tiers.iter().enumerate() {
         let Some((wo, weight)) = law.sample(wi, u) else { continue };
         let [_, ars, pdf] = subject.double.values(wi, wo);
         if wo[2].abs() > GRAZING && pdf > 0.0 {
             let row = table.entry(labels(subject, wi, wo)[0].clone()).or_default();
-            let error = (weight / (ars / pdf) - 1.0).abs();
-            row.take(tier, 3, error, || format!("{} {wi:?} {wo:?} weight", subject.text));
+            row.take(tier, 3, (weight * pdf / ars - 1.0).abs(), || {
+                format!("{} {wi:?} {wo:?} weight", subject.text)
+            });
         }
     }
 }
@@ -314,7 +317,9 @@ fn survey(subjects: usize, batches: usize, make: fn(&mut Random) -> Subject) -> 
 }
 
 fn show(table: &Table) {
-    println!("worst relative error above 1e-6 of the peak: f32 | fast f32 | fast f64 (eval ars pdf weight)");
+    println!(
+        "worst relative error above 1e-6 of the peak: f32 | fast f32 | fast f64 (eval ars pdf weight)"
+    );
     for (label, row) in table {
         let mut line = format!("  {label:52} {:9}", row.pairs);
         for errors in row.worst {
@@ -324,9 +329,9 @@ fn show(table: &Table) {
         println!("{line}");
     }
     for (tier, name) in TIERS.iter().enumerate() {
-        let key = |r: &Row| r.worst[tier].iter().fold(0.0_f64, |a, &b| a.max(b));
-        let most = table.values().max_by(|a, b| key(a).total_cmp(&key(b)));
-        most.iter().for_each(|r| println!("  worst {name}: {:.2e} at {}", key(r), r.place[tier]));
+        let most = table.values().max_by(|a, b| a.most(tier).total_cmp(&b.most(tier)));
+        most.iter()
+            .for_each(|r| println!("  worst {name}: {:.2e} {}", r.most(tier), r.place[tier]));
     }
 }
 
@@ -334,10 +339,9 @@ fn check(table: &Table) {
     show(table);
     let limits = [tolerance::PRECISION, tolerance::PRECISION, tolerance::PRECISION_F64];
     for (label, row) in table {
-        for tier in 0..3 {
-            let worst = row.worst[tier].iter().fold(0.0_f64, |a, &b| a.max(b));
-            let allowed = limits[tier].allowed;
-            assert!(worst <= allowed, "{label} {}: {worst:e} {}", TIERS[tier], row.place[tier]);
+        for (tier, limit) in limits.iter().enumerate() {
+            let (worst, name) = (row.most(tier), TIERS[tier]);
+            assert!(worst <= limit.allowed, "{label} {name}: {worst:e} {}", row.place[tier]);
         }
     }
 }

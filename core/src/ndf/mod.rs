@@ -3,4 +3,5 @@
 pub mod ggx;
 pub mod law;
 mod edge;
+mod visible;
 pub mod normals;

@@ -8,18 +8,14 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 use super::edge::Edges;
 use super::law::{Law, Profile};
+use super::visible::VisibleShare;
 use crate::direction::Direction;
 use crate::math::Real;
-use crate::quadrature::{gauss_legendre, hermite, monotone_slope};
+use crate::quadrature::{hermite, monotone_slope};
 use crate::sampling::inverse_smoothstep;
 
 /// Share of the normals that is cut off at either end of the table of quantiles.
 const NO_ACCOUNT: f64 = 1e-9;
-/// Cells of the table of the visible share.
-const VISIBLE: usize = 32;
-/// Panels of the integral for each of them.
-const PANELS: usize = 24;
-
 /// How a law is computed from a half vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form<T> {
@@ -40,9 +36,9 @@ impl<T: Real> Form<T> {
         match Edges::of(law) {
             Some(edges) => Self::Edges(edges),
             None if law.centre() > 0.0 => Self::Angle,
-            None if normal => Self::Normal {
-                halvings: T::from_f64(0.5 * narrowness * core::f64::consts::LOG2_E),
-            },
+            None if normal => {
+                Self::Normal { halvings: T::from_f64(0.5 * narrowness * core::f64::consts::LOG2_E) }
+            }
             None => Self::Power { narrowness: T::from_f64(narrowness) },
         }
     }
@@ -61,11 +57,7 @@ pub struct NormalDensity<T, const N: usize> {
     twice_inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
     quantiles: [[T; 2]; N],
-    /// Visible share, a cubic in each of even cells of `x = tan e / (tan e + warp)`, where `e` is the elevation above the
-    /// surface: coefficients of the powers of the distance from the cell's start, in cells.
-    visible: [[T; 4]; VISIBLE],
-    /// The tangent of the median normal.
-    warp: T,
+    visible: VisibleShare<T>,
 }
 
 impl<T: Real, const N: usize> NormalDensity<T, N> {
@@ -76,15 +68,14 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         let mut total = 0.0;
         each_panel(&wide, |a, b| total += panel_mass(&wide, a, b));
         let table = quantile_table::<N>(&wide, total);
-        let warp = tangent(table_value(&table, 0.5));
+        let slope = |x| tangent(table_value(&table, x));
         Self {
             law,
             form: Form::of(&wide),
             inverse_norm: T::from_f64(0.5 / (PI * total)),
             twice_inverse_norm: T::from_f64(1.0 / (PI * total)),
             quantiles: table.map(|row| row.map(T::from_f64)),
-            visible: visible_table(&table, warp),
-            warp: T::from_f64(warp),
+            visible: VisibleShare::new(slope),
         }
     }
 
@@ -137,13 +128,7 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     /// The share of the normals that face a direction of given `|cos theta|` and `sin theta`: 1/2 to 1.
     #[inline]
     pub fn visible(&self, cos: T, sin: T) -> T {
-        let cos = cos.abs();
-        // a little less than there are cells: the last one ends at 1
-        let position = cos * T::from_f64(VISIBLE as f64 * (1.0 - 1e-6)) / (cos + self.warp * sin);
-        let k = position.to_index() % VISIBLE;
-        let s = position - T::from_f64(k as f64);
-        let Some(&[c0, c1, c2, c3]) = self.visible.get(k) else { return T::ONE };
-        c0 + s * (c1 + s * (c2 + s * c3))
+        self.visible.of(cos.abs(), sin)
     }
 }
 
@@ -274,66 +259,6 @@ fn limit_slopes<const N: usize>(table: &mut [[f64; 2]; N]) {
 /// The tangent of the angle of which `t = 1 - cos`.
 fn tangent(t: f64) -> f64 {
     Real::sqrt(t * (2.0 - t)) / (1.0 - t)
-}
-
-/// Cubics of the visible share in even cells of the warped elevation.
-///
-/// A normal at `theta` faces a direction of elevation `e` for all azimuths if `theta < e`, else for a
-/// share `1 - acos(tan e / tan theta) / pi` of them.
-#[inline(never)]
-fn visible_table<T: Real, const N: usize>(
-    table: &[[f64; 2]; N],
-    warp: f64,
-) -> [[T; 4]; VISIBLE] {
-    let value = |j: usize| match j {
-        0 => 0.5,
-        VISIBLE.. => 1.0,
-        _ => {
-            let x = j as f64 / VISIBLE as f64;
-            1.0 - hidden(table, warp * x / (1.0 - x))
-        }
-    };
-    // values and slopes at the two ends of a cell, and the value beyond
-    let slope = |left: f64, right: f64| {
-        // harmonic mean: between the secants, zero if either is
-        if left > 0.0 && right > 0.0 { 2.0 * left * right / (left + right) } else { 0.0 }
-    };
-    let (mut v, mut m) = ([value(0), value(1)], 0.0);
-    core::array::from_fn(|j| {
-        let secant = v[1] - v[0];
-        if j == 0 {
-            m = Real::max(secant, 0.0);
-        }
-        let next = value(j + 2);
-        let end = if j + 1 < VISIBLE { slope(secant, next - v[1]) } else { 0.0 };
-        let cubic = [v[0], m, 3.0 * secant - 2.0 * m - end, m + end - 2.0 * secant];
-        (v, m) = ([v[1], next], end);
-        cubic.map(T::from_f64)
-    })
-}
-
-/// The share of the normals that do not face a direction whose elevation has this tangent.
-fn hidden<const N: usize>(table: &[[f64; 2]; N], tan_e: f64) -> f64 {
-    // where in the table normals begin to be steeper than the direction
-    let (mut x, mut end) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (x + end);
-        if tangent(table_value(table, middle)) < tan_e { x = middle } else { end = middle }
-    }
-    let (rule, mut hidden) = (gauss_legendre::<4>(), 0.0);
-    for p in 0..PANELS {
-        for (node, weight) in rule {
-            // v squared grades the panels towards the start, where the integrand has a root
-            let v = (p as f64 + node) / PANELS as f64;
-            let xv = x + (1.0 - x) * v * v;
-            let ratio = tan_e / tangent(table_value(table, xv));
-            let du = 6.0 * xv * (1.0 - xv) * (1.0 - x) * 2.0 * v * weight / PANELS as f64;
-            if ratio < 1.0 {
-                hidden += Real::acos(ratio) / PI * du;
-            }
-        }
-    }
-    hidden
 }
 
 #[cfg(test)]
