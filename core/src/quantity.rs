@@ -80,8 +80,8 @@ pub struct RelativeIor<T> {
     limits: [[T; 2]; 3],
     /// `n^2 + 1`.
     squares: T,
-    /// `n / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`.
-    through: T,
+    /// `n / (8 (n^2 - 1)^2)` from the air, over `n^2` from the dielectric, with the sign of `n^2 - 1`.
+    through: [T; 2],
 }
 
 impl<T: Real> RelativeIor<T> {
@@ -103,7 +103,7 @@ impl<T: Real> RelativeIor<T> {
             [high, T::from_f64(x - high.to_f64())]
         };
         let limits = [in_two(-4.0 * step), in_two(4.0 * step / (n * n)), in_two(step.abs())];
-        let through = T::from_f64(n / (8.0 * step * step.abs()));
+        let through = [n, 1.0 / n].map(|e| T::from_f64(e / (8.0 * step * step.abs())));
         let squares = T::from_f64(n * n + 1.0);
         Ok(Self { value, inverse: T::ONE / value, limits, squares, through }.unless_matched())
     }
@@ -138,10 +138,11 @@ impl<T: Real> RelativeIor<T> {
         }
     }
 
-    /// `n^2 + 1`, and `n / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`.
+    /// `n^2 + 1`, and `e / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`, `e` the far index over the near one.
     #[inline(always)]
-    pub(crate) fn transmission(&self) -> [T; 2] {
-        [self.squares, self.through]
+    pub(crate) fn transmission(&self, from_below: bool) -> [T; 2] {
+        let [above, below] = self.through;
+        [self.squares, if from_below { below } else { above }]
     }
 
     /// The same index in another precision, each number rounded once.
@@ -159,7 +160,7 @@ impl<T: Real> RelativeIor<T> {
             inverse: cast(self.inverse),
             limits,
             squares: cast(self.squares),
-            through: cast(self.through),
+            through: self.through.map(cast),
         };
         if narrower { there.unless_matched() } else { there }
     }

@@ -10,6 +10,7 @@ mod common;
 mod harness;
 mod fresnel;
 mod ggx;
+mod tiers;
 mod precision;
 mod heightfield;
 mod kirchhoff;

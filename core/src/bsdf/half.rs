@@ -9,7 +9,7 @@
 //! reflection, `|wi.m| = |h| / 2`; transmission, with `h = a + n b` (a in the air, b in the dielectric) and
 //! `s = n^2 - 1`, `2 a.h = |h|^2 - s`, `2 n b.h = |h|^2 + s`. No root is spent on normalising, and
 //! Fresnel's factors become symmetric in the two ends: with `P = (s^2 - |h|^4) / |h|^2` and `w` one over the cosine of the
-//! deviation, `1 - F` times the Jacobian is `n P^2 (1 + w^2) / (8 s^2)`.
+//! deviation, `1 - F` times `|wi.m|` and the Jacobian is `e P^2 (1 + w^2) / (8 s^2)`, `e` the far index over the near one.
 //!
 //! **What single precision loses, and how it is kept.** Two differences are ill-conditioned, each once:
 //! - `h = a + n b`: the rounding of `n b` is magnified by `1 / |h_xy|`, a thousandfold in a lobe of alpha 1e-3. What the
@@ -126,7 +126,7 @@ impl<T: Real> HalfVector<T> {
         // Transmission, from 2 a.h and 2 n b.h, of which one is the small difference. Their sizes sum to 2 |s|, so
         // ts ~ 1 / |s|, and tp = ts / cos of the deviation, 2 n cos = n^2 + 1 - |h|^2.
         let (small, large) = (-excess, hh + limit);
-        let [squares, through] = eta.transmission();
+        let [squares, through] = eta.transmission(below);
         let part = small * large / hh;
         let transmitted = || {
             let w = (n + n) / (squares - hh);
@@ -134,7 +134,7 @@ impl<T: Real> HalfVector<T> {
         };
         // seen from the front by both: (w.m)(w.n) > 0
         let seen = || (small > T::ZERO) & (hz * through < T::ZERO);
-        let turned = || quarter * n * part / hh;
+        let turned = || quarter * if below { eta.inverse() } else { n } * part / hh;
         let crossing = || {
             let c = if below == (through > T::ZERO) { large } else { small };
             if below { c * eta.inverse() } else { c }
