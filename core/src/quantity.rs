@@ -73,6 +73,15 @@ pub struct RelativeIor<T> {
     value: T,
     /// `1 / value`, divided once: every call needs one or the other, by the side of `wi`.
     inverse: T,
+    /// `4 (1 - n^2)` and `4 (1 - 1 / n^2)`, for reflection seen from the air and from the dielectric, and `|n^2 - 1|`,
+    /// for transmission, each as a number and what its rounding left: critical and grazing angles are where the
+    /// square of a half vector equals one of them, and a difference from it needs more digits than the index has.
+    /// NaN if the media are matched.
+    limits: [[T; 2]; 3],
+    /// `n^2 + 1`.
+    squares: T,
+    /// `n / (8 (n^2 - 1)^2)` from the air, over `n^2` from the dielectric, with the sign of `n^2 - 1`.
+    through: [T; 2],
 }
 
 impl<T: Real> RelativeIor<T> {
@@ -86,7 +95,23 @@ impl<T: Real> RelativeIor<T> {
     /// # Errors
     /// [`QuantityError`] if not finite, or outside 0.1 to 10.
     pub fn new(eta: T) -> Result<Self, QuantityError> {
-        within(eta, Self::LEAST, Self::MOST).map(|value| Self { value, inverse: T::ONE / value })
+        let value = within(eta, Self::LEAST, Self::MOST)?;
+        let n = value.to_f64();
+        let step = (n - 1.0) * (n + 1.0);
+        let in_two = |x: f64| {
+            let high = T::from_f64(x);
+            [high, T::from_f64(x - high.to_f64())]
+        };
+        let limits = [in_two(-4.0 * step), in_two(4.0 * step / (n * n)), in_two(step.abs())];
+        let through = [n, 1.0 / n].map(|e| T::from_f64(e / (8.0 * step * step.abs())));
+        let squares = T::from_f64(n * n + 1.0);
+        Ok(Self { value, inverse: T::ONE / value, limits, squares, through }.unless_matched())
+    }
+
+    /// Matched media scatter nothing: with NaN for a limit no facet is possible, and nobody has to ask.
+    fn unless_matched(self) -> Self {
+        let nan = [[T::from_f64(f64::NAN); 2]; 3];
+        if self.is_matched() { Self { limits: nan, ..self } } else { self }
     }
 
     /// The number.
@@ -101,13 +126,43 @@ impl<T: Real> RelativeIor<T> {
         self.inverse
     }
 
+    /// `|h|^2` of the half vector at the critical angle (reflection, where there is one) or of a facet at grazing
+    /// incidence (transmission): `[number, what its rounding left]`.
+    #[inline(always)]
+    pub(crate) fn limit(&self, reflected: bool, from_below: bool) -> [T; 2] {
+        let [above, below, through] = self.limits;
+        match (reflected, from_below) {
+            (false, _) => through,
+            (true, false) => above,
+            (true, true) => below,
+        }
+    }
+
+    /// `n^2 + 1`, and `e / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`, `e` the far index over the near one.
+    #[inline(always)]
+    pub(crate) fn transmission(&self, from_below: bool) -> [T; 2] {
+        let [above, below] = self.through;
+        [self.squares, if from_below { below } else { above }]
+    }
+
     /// The same index in another precision, each number rounded once.
     #[inline(always)]
     pub fn cast<U: Real>(self) -> RelativeIor<U> {
-        RelativeIor {
-            value: U::from_f64(self.value.to_f64()),
-            inverse: U::from_f64(self.inverse.to_f64()),
-        }
+        let cast = |x: T| U::from_f64(x.to_f64());
+        // between tiers of one precision nothing is computed, and the compiler knows it here
+        let narrower = T::EPSILON.to_f64() < U::EPSILON.to_f64();
+        let limits = self.limits.map(|[high, low]| {
+            let lost = high.to_f64() - cast(high).to_f64() + low.to_f64();
+            [cast(high), if narrower { U::from_f64(lost) } else { cast(low) }]
+        });
+        let there = RelativeIor {
+            value: cast(self.value),
+            inverse: cast(self.inverse),
+            limits,
+            squares: cast(self.squares),
+            through: self.through.map(cast),
+        };
+        if narrower { there.unless_matched() } else { there }
     }
 
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.

@@ -10,6 +10,8 @@ mod common;
 mod harness;
 mod fresnel;
 mod ggx;
+mod tiers;
+mod precision;
 mod heightfield;
 mod kirchhoff;
 mod normals;

@@ -69,6 +69,10 @@ table! {
         "what an embedded evaluator promises: 300 half-units of rounding";
     F32_CONDITIONING = 1.0, "allowed share of one f32 ulp of every input, on top of F32",
         "the sum of two directions is itself rounded: half an ulp a component, either way";
+    PRECISION = 1e-4, "f32 and fast f32 against f64 on the same numbers, relative, where the value matters",
+        "what an embedded evaluator promises: a few ten roundings, and powers that magnify them";
+    PRECISION_F64 = 1e-9, "fast f64 against f64, the same", "polynomials of some hundred epsilon, magnified by powers";
+    MATTERS = 1e-6, "what matters: share of the peak of the lobe", "convention: six decades, as a good instrument sees";
     SMOOTH_LIMIT = 1e-5, "median distance of a sampled direction from Snell's or the mirror's, alpha 1e-6",
         "the facets' median slope is alpha, magnified by two in reflection and by the obliquity";
     SMOOTH_FLUX = 1e-6, "R at alpha 1e-6 against Fresnel, absolute",

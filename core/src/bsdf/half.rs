@@ -2,9 +2,21 @@
 //!
 //! With `h = n_i wi + n_o wo` one expression serves reflection (`n_i = n_o`, the half vector of
 //! \[Walter2007, eq. 13\]) and transmission (its eq. 16), and it is the same to the last bit from both
-//! ends of a path, which is what keeps the law reciprocal where `h` is a small difference. The cosines
-//! at the facet stay scaled by `|h|`, which the Fresnel formulas do not mind, so that no square root is
-//! spent on normalising.
+//! ends of a path, which is what keeps the law reciprocal where `h` is a small difference.
+//!
+//! **What the cosines at the facet are.** Directions are unit vectors, so all cosines follow from `|h|^2` alone,
+//! and are defined so in every precision, whatever the rounding of the components:
+//! reflection, `|wi.m| = |h| / 2`; transmission, with `h = a + n b` (a in the air, b in the dielectric) and
+//! `s = n^2 - 1`, `2 a.h = |h|^2 - s`, `2 n b.h = |h|^2 + s`. No root is spent on normalising, and
+//! Fresnel's factors become symmetric in the two ends: with `P = (s^2 - |h|^4) / |h|^2` and `w` one over the cosine of the
+//! deviation, `1 - F` times `|wi.m|` and the Jacobian is `e P^2 (1 + w^2) / (8 s^2)`, `e` the far index over the near one.
+//!
+//! **What single precision loses, and how it is kept.** Two differences are ill-conditioned, each once:
+//! - `h = a + n b`: the rounding of `n b` is magnified by `1 / |h_xy|`, a thousandfold in a lobe of alpha 1e-3. What the
+//!   rounding took from the product is added again: each component is right to two units of its own last digit.
+//! - `|h|^2 - K`, with `K = s` where a facet is seen at grazing incidence and `K = 4 (1 - e^2)` at the critical angle, where
+//!   the root `g` of the difference makes a unit of rounding 3e-4 of the reflectance. Near zero the difference is summed
+//!   from two parts of every term (`difference`), and is then right to 1e-13.
 //!
 //! Nothing here branches: both cases share their quotients, whose terms are selected. A loop over pairs
 //! then becomes vector instructions, and a pair on unforeseeable sides costs no chain of mispredictions.
@@ -25,6 +37,8 @@ pub(crate) struct HalfVector<T> {
     pub(crate) z2: T,
     /// `|wi . h|`.
     pub(crate) ih: T,
+    /// `2 |wi . h|`: half of it costs two instructions more.
+    pub(crate) cosine: T,
     /// `wi_x m_x + wi_y m_y` times `|h|`, for `wi` seen from its side of the facet: negative where the facet is turned
     /// towards the mirror direction.
     pub(crate) along: T,
@@ -39,61 +53,145 @@ impl<T: Real> HalfVector<T> {
     /// The facet between two directions, on any sides.
     #[inline(always)]
     pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
-        let [ix, iy, iz] = wi.xyz();
-        let [ox, oy, oz] = wo.xyz();
-        let sign_i = T::ONE.copysign(iz);
-        let mirrored = sign_i * oz > T::ZERO;
-        let (n, below) = (eta.get(), iz < T::ZERO);
-        let r = if below { eta.inverse() } else { n };
-        // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
-        // the common index is left out.
-        let weight = choose(mirrored, || T::ONE, || n);
-        let swap = |i: T, o: T| if below { (o, i) } else { (i, o) };
-        let ((ax, bx), (ay, by), (az, bz)) = (swap(ix, ox), swap(iy, oy), swap(iz, oz));
-        let (hx, hy, hz) = (ax + weight * bx, ay + weight * by, az + weight * bz);
-        let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
-        let hh = xy2 + z2;
-        let eta2 = r * r;
-
-        // Reflection. For unit vectors wi.h = |h|^2 / 2: a sum of squares, symmetric in wi and wo.
-        // Total reflection is no case of its own: with g = 0 neither |rs| nor |rp| is below 1.
-        let half = T::HALF * hh;
-        let step = (r - T::ONE) * (r + T::ONE);
-
-        // Transmission. Seen from the front by both: (w.m)(w.n) > 0, where m = h times the sign of h_z.
-        let i_h = ix * hx + iy * hy + iz * hz;
-        let o_h = ox * hx + oy * hy + oz * hz;
-        let front = sign_i * T::ONE.copysign(hz);
-        let seen = || (front * i_h).min(-front * o_h).min(hz.abs());
-
-        // The Fresnel factors of `crate::fresnel` from cosines that carry the factor |h|: rs and rp of F;
-        // for 1 - F the same places hold c / s and c / p.
-        let c = choose(mirrored, || half, || i_h.abs());
-        let g = choose(mirrored, || (step * hh + half * half).sqrt_positive(), || r * o_h.abs());
-        let s = c + g;
-        let p = eta2 * c + g;
-        let first = choose(mirrored, || step * hh, || c) / choose(mirrored, || s * s, || s);
-        let second =
-            choose(mirrored, || step * (c * s - hh), || c) / choose(mirrored, || s * p, || p);
-        let reflected = || (T::HALF * (first * first + second * second)).min(T::ONE);
-        let transmitted = || T::TWO * (first * (g / s) + eta2 * second * (g / p));
-
-        // All of these are positive if there is a facet; the last term makes NaN of any NaN.
-        let least = choose(mirrored, || hh, seen).min(iz.abs()).min(oz.abs()) + T::ZERO * hh;
-        Self {
-            possible: (least > T::ZERO) & !eta.is_matched(),
-            xy2,
-            z2,
-            ih: c,
-            along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
-            turn: choose(mirrored, || T::from_f64(0.25), || (n * c / hh) * (g / hh)),
-            share: choose(
-                mirrored,
-                || reflected() * T::from_f64(0.25),
-                || transmitted() * (n * c / hh) * (g / hh),
-            ),
+        let (iz, oz) = (wi.z(), wo.z());
+        if !cfg!(target_arch = "arm") {
+            let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+            let inclined = (iz != T::ZERO) & (oz != T::ZERO);
+            let half = Self::of(eta, wi, wo, mirrored, iz < T::ZERO);
+            return Self { possible: half.possible & inclined, ..half };
+        }
+        // A microcontroller gets a copy for each way of the light, in which nothing is left to choose.
+        match (iz > T::ZERO, oz > T::ZERO) {
+            (true, true) => Self::of(eta, wi, wo, true, false),
+            (true, false) if oz < T::ZERO => Self::of(eta, wi, wo, false, false),
+            (false, true) if iz < T::ZERO => Self::of(eta, wi, wo, false, true),
+            (false, false) if (iz < T::ZERO) & (oz < T::ZERO) => Self::of(eta, wi, wo, true, true),
+            _ => {
+                let [xy2, z2, ih, cosine, along, turn, share] = [T::ZERO; 7];
+                Self { possible: false, xy2, z2, ih, cosine, along, turn, share }
+            }
         }
     }
+
+    /// `h_x^2 + h_y^2` and `h_z^2`, each with what its rounding took, where the digits of a number are not enough.
+    #[inline(never)]
+    pub(crate) fn squares_in_two(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+    ) -> [[T; 2]; 2] {
+        let ([ix, iy, iz], [ox, oy, oz]) = (wi.xyz(), wo.xyz());
+        let swap = |i: T, o: T| if iz < T::ZERO { [o, i] } else { [i, o] };
+        let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+        squares([swap(ix, ox), swap(iy, oy), swap(iz, oz)], eta.get(), mirrored)
+    }
+
+    #[inline(always)]
+    fn of(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+        mirrored: bool,
+        below: bool,
+    ) -> Self {
+        let ([ix, iy, iz], [ox, oy, oz], n) = (wi.xyz(), wo.xyz(), eta.get());
+        // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
+        // the common index is left out.
+        let swap = |i: T, o: T| if below & !mirrored { [o, i] } else { [i, o] };
+        let pairs = [swap(ix, ox), swap(iy, oy), swap(iz, oz)];
+        let sum = |[a, b]: [T; 2]| choose(mirrored, || a + b, || sum_of_product(a, n, b).0);
+        let [hx, hy, hz] = pairs.map(sum);
+        let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
+        let hh = xy2 + z2;
+
+        // |h|^2 - limit, what is small where a facet is seen at grazing incidence (transmission), and four times
+        // g^2 = e^2 - 1 + cos^2 (reflection)
+        let limits = eta.limit(mirrored, below);
+        let limit = limits[0];
+        let rough = hh - limit;
+        let near = T::IN_TWO & (rough.abs() * T::from_f64(32.0) < hh);
+        let excess = choose(near, || difference(pairs, n, mirrored, limits), || rough);
+
+        // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess, negative on total reflection.
+        let partly = || {
+            let cg = (hh * excess).sqrt();
+            // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
+            let (u, v) = (cg + (hh - T::from_f64(4.0)), cg - (hh - T::from_f64(4.0)));
+            let rs_v = limit / ((hh + excess + (cg + cg)) * v);
+            T::from_f64(0.125) * (rs_v * rs_v) * (u * u + v * v)
+        };
+        let quarter = T::from_f64(0.25);
+        let reflected = || choose(excess > T::ZERO, partly, || quarter);
+
+        // Transmission, from 2 a.h and 2 n b.h, of which one is the small difference. Their sizes sum to 2 |s|, so
+        // ts ~ 1 / |s|, and tp = ts / cos of the deviation, 2 n cos = n^2 + 1 - |h|^2.
+        let (small, large) = (-excess, hh + limit);
+        let [squares, through] = eta.transmission(below);
+        let part = small * large / hh;
+        let transmitted = || {
+            let w = (n + n) / (squares - hh);
+            through.abs() * (part * part) * (T::ONE + w * w)
+        };
+        // seen from the front by both: (w.m)(w.n) > 0
+        let seen = || (small > T::ZERO) & (hz * through < T::ZERO);
+        let turned = || quarter * if below { eta.inverse() } else { n } * part / hh;
+        let crossing = || {
+            let c = if below == (through > T::ZERO) { large } else { small };
+            if below { c * eta.inverse() } else { c }
+        };
+
+        // No comparison holds for a NaN, nor for the limits of matched media; what is infinite becomes one.
+        let mirror = || hh + T::ZERO * excess > T::ZERO;
+        let crossed = || seen() & (hh > T::ZERO);
+        let cosine = choose(mirrored, || hh, crossing);
+        Self {
+            possible: choose(mirrored, mirror, crossed),
+            xy2,
+            z2,
+            ih: T::HALF * cosine,
+            cosine,
+            along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
+            turn: choose(mirrored, || quarter, turned),
+            share: choose(mirrored, reflected, transmitted),
+        }
+    }
+}
+
+/// `a + n b`, and what its rounding took. Where the two cancel their sum is exact \[Sterbenz\] and only the product was
+/// rounded.
+#[inline(always)]
+fn sum_of_product<T: Real>(a: T, n: T, b: T) -> (T, T) {
+    let product = n * b;
+    let sum = a + product;
+    if !T::IN_TWO {
+        return (sum, T::ZERO);
+    }
+    let lost = n.product_error(b, product);
+    let value = sum + lost;
+    (value, (sum - value) + (a.sum_error(product, sum) + lost))
+}
+
+/// `h_x^2 + h_y^2` and `h_z^2` of `h = a + b`, or `a + n b`, of each pair, and what their roundings took.
+#[inline(always)]
+fn squares<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool) -> [[T; 2]; 2] {
+    let square = |[a, b]: [T; 2]| {
+        let sum = || (a + b, a.sum_error(b, a + b));
+        let (value, rest) = choose(mirrored, sum, || sum_of_product(a, n, b));
+        let square = value * value;
+        [square, value.product_error(value, square) + value * (rest + rest)]
+    };
+    let [[x2, x_low], [y2, y_low], z] = pairs.map(square);
+    let xy2 = x2 + y2;
+    [[xy2, x2.sum_error(y2, xy2) + (x_low + y_low)], z]
+}
+
+/// `|h|^2 - limit` where the two nearly cancel: all in two parts each.
+#[cfg_attr(target_arch = "arm", cold, inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn difference<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool, limit: [T; 2]) -> T {
+    let ([[xy2, xy_low], [z2, z_low]], [limit, limit_low]) = (squares(pairs, n, mirrored), limit);
+    let hh = xy2 + z2;
+    (hh - limit) + (xy_low + z_low + xy2.sum_error(z2, hh) - limit_low)
 }
 
 /// One of two values. Where loops become vector instructions both are computed, and neither costs a branch

@@ -78,9 +78,10 @@ impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
             return T::ZERO;
         }
         let visible = self.visible(wi);
-        let facet = self.density.density(h.xy2.sqrt(), h.z2.sqrt());
-        // share / |wi.m|, with |wi.m| = ih / |h|
-        facet / visible * h.share * ((h.xy2 + h.z2).sqrt() / h.ih)
+        let in_two = || HalfVector::squares_in_two(self.eta, wi, wo);
+        let facet = self.density.twice_of_squares(h.xy2, h.z2, in_two);
+        // share / |wi.m|, with |wi.m| = cosine / 2 |h|
+        facet * h.share * (h.xy2 + h.z2).sqrt() / (visible * h.cosine)
     }
 
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {

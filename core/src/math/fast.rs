@@ -109,6 +109,7 @@ macro_rules! implement {
             const EPSILON: Self = Self(<$t>::EPSILON);
             const MIN_POSITIVE: Self = Self(<$t>::MIN_POSITIVE);
             const MAX: Self = Self(<$t>::MAX);
+            const IN_TWO: bool = <$t>::IN_TWO;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
@@ -156,6 +157,14 @@ macro_rules! implement {
             #[inline(always)]
             fn exp(self) -> Self {
                 Self($functions::exp(self.0))
+            }
+            #[inline(always)]
+            fn angle_squared(xy2: Self, z2: Self) -> Self {
+                Self($functions::angle_squared(xy2.0, z2.0))
+            }
+            #[inline(always)]
+            fn halved(self) -> Self {
+                Self($functions::halved(self.0))
             }
             #[inline(always)]
             fn ln(self) -> Self {

@@ -76,6 +76,8 @@ pub trait Real:
     const MIN_POSITIVE: Self;
     /// Largest finite number.
     const MAX: Self;
+    /// Whether differences of nearly equal numbers are computed in two parts: in single precision.
+    const IN_TWO: bool;
 
     /// Nearest number of this type.
     fn from_f64(x: f64) -> Self;
@@ -114,6 +116,46 @@ pub trait Real:
     /// Magnitude of `self` with the sign of another, also of a zero or a NaN.
     fn copysign(self, sign: Self) -> Self;
 
+    /// What rounding took from a sum of two: `self + other - sum`, exactly \[Knuth's two-sum\]; 0 in double.
+    #[inline(always)]
+    fn sum_error(self, other: Self, sum: Self) -> Self {
+        if !Self::IN_TWO {
+            return Self::ZERO;
+        }
+        let part = sum - self;
+        (self - (sum - part)) + (other - part)
+    }
+    /// What rounding took from a product of two: `self * other - product`, exactly \[Dekker\]; 0 in double, whose
+    /// rounding is below all that is asked for.
+    ///
+    /// Four products of halves, though some processors would need one instruction: not all have it, and these
+    /// have the same bits on all.
+    #[inline(always)]
+    fn product_error(self, other: Self, product: Self) -> Self {
+        if !Self::IN_TWO {
+            return Self::ZERO;
+        }
+        let ([a, a_low], [b, b_low]) = (self.halves(), other.halves());
+        ((a * b - product) + a * b_low + a_low * b) + a_low * b_low
+    }
+    /// A number as two of half as many digits \[Veltkamp\], in single precision.
+    #[inline(always)]
+    fn halves(self) -> [Self; 2] {
+        let large = self * Self::from_f64(4097.0);
+        let high = large - (large - self);
+        [high, self - high]
+    }
+    /// Square of the polar angle of a vector, from `x^2 + y^2` and `z^2`: what a law of normals is a function of.
+    #[inline(always)]
+    fn angle_squared(xy2: Self, z2: Self) -> Self {
+        let angle = xy2.sqrt().atan2(z2.sqrt());
+        angle * angle
+    }
+    /// `2^-self` of a number that is not negative; may be 0 where that is next to the smallest normal number.
+    #[inline(always)]
+    fn halved(self) -> Self {
+        (self * Self::from_f64(-core::f64::consts::LN_2)).exp()
+    }
     /// The smaller of two; the second if either is NaN.
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -169,6 +211,7 @@ macro_rules! implement {
             const EPSILON: Self = <$t>::EPSILON;
             const MIN_POSITIVE: Self = <$t>::MIN_POSITIVE;
             const MAX: Self = <$t>::MAX;
+            const IN_TWO: bool = $mantissa < 30;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {

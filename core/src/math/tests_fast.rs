@@ -50,10 +50,20 @@ fn bounds<T: Real>(epsilon: f64, tiny: f64, steps: usize) {
     check("acos", worst::<T>(&unit, 1e-3, Real::acos, libm::acos), 3.0);
     let powers = arguments(80.0, steps);
     check("exp", worst::<T>(&powers, tiny, Real::exp, libm::exp), 1.5);
+    let most = -tiny.log2() - 0.001;
+    let sizes: Vec<f64> = arguments(120.0, steps).iter().map(|&x| x.abs().min(most)).collect();
+    check("halved", worst::<T>(&sizes, tiny, Real::halved, |x| libm::exp2(-x)), 2.0);
     let positive: Vec<f64> = arguments(1e30, steps).into_iter().filter(|&x| x > 0.0).collect();
     check("ln", worst::<T>(&positive, 1e-2, Real::ln, libm::log), 3.0);
     let near: Vec<f64> = arguments(0.5, steps).into_iter().map(|x| 1.0 + x).collect();
     check("ln near 1", worst::<T>(&near, 1e-30, Real::ln, libm::log), 3.0);
+    let slopes: Vec<f64> = arguments(1e15, steps).into_iter().filter(|&x| x > 0.0).collect();
+    for other in [1e-15, 0.3, 1.0, 4e5] {
+        let run = |x: T| T::angle_squared(x, T::from_f64(other));
+        let run2 = T::from_f64(other).to_f64().sqrt();
+        let exact = |y2: f64| libm::pow(libm::atan2(libm::sqrt(y2), run2), 2.0);
+        check("squared angle", worst::<T>(&slopes, 1e-30, run, exact), 5.0);
+    }
     for other in [1e-20, 0.3, 1.0, 4e5] {
         let run = |x: T| x.atan2(T::from_f64(other));
         let rise = T::from_f64(other).to_f64();
@@ -80,6 +90,8 @@ fn edges_and_nonsense() {
         let infinity = of(f64::INFINITY);
         assert!(of(1e4).exp() == infinity && of(-1e4).exp() == T::ZERO);
         assert!(T::ZERO.ln() == -infinity && !of(-1.0).ln().is_finite());
+        assert!(of(2e3).halved() == T::ZERO && T::ZERO.halved() == T::ONE);
+        assert!(infinity.halved() == T::ZERO && T::ONE.halved() == T::HALF);
         assert!(infinity.ln() == infinity && T::ONE.ln() == T::ZERO);
         for x in [1.0001, -1.0001, 7.0] {
             assert!(!of(x).acos().is_finite() && !of(x).asin().is_finite());
@@ -107,5 +119,20 @@ fn powers_lose_what_their_exponent_multiplies() {
         let error = (f64::from(Fast(x).pow(Fast(y)).0) - want).abs() / want;
         let bound = 1.5 + 1.5 * libm::fabs(f64::from(y) * libm::log(f64::from(x)));
         assert!(error < bound * f64::from(f32::EPSILON), "{x}^{y}: {error:e}");
+    }
+}
+
+#[test]
+fn what_rounding_takes_is_found_exactly() {
+    let mut word: u64 = 0x9e37_79b9_7f4a_7c15;
+    for _ in 0..200_000 {
+        word = word.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        let number = |bits: u64| f32::from_bits((bits as u32 & 0x87ff_ffff) + 0x3a00_0000);
+        let (a, b) = (number(word >> 32), number(word));
+        let (product, sum) = (a * b, a + b);
+        let exact = f64::from(a) * f64::from(b) - f64::from(product);
+        assert_eq!(f64::from(a.product_error(b, product)), exact, "{a:e} {b:e}");
+        let exact = f64::from(a) + f64::from(b) - f64::from(sum);
+        assert_eq!(f64::from(a.sum_error(b, sum)), exact, "{a:e} {b:e}");
     }
 }

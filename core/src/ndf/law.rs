@@ -73,6 +73,12 @@ impl<T: Real> Law<T> {
         let y = (t - self.centre).abs() / self.delta;
         // the normal law needs no general power, which costs as much as all the rest
         let power = if self.n == T::TWO { y * y } else { y.pow(self.n) };
+        self.falls(power)
+    }
+
+    /// `F` from `y^n`, the power of the distance from the centre in widths.
+    #[inline(always)]
+    pub(super) fn falls(&self, power: T) -> T {
         match self.profile {
             Profile::Gauss => (-T::HALF * power).exp(),
             Profile::Cauchy => T::ONE / (T::ONE + power),

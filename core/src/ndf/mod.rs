@@ -2,4 +2,6 @@
 
 pub mod ggx;
 pub mod law;
+mod edge;
+mod visible;
 pub mod normals;

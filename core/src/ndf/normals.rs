@@ -6,18 +6,43 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use super::law::Law;
+use super::edge::Edges;
+use super::law::{Law, Profile};
+use super::visible::VisibleShare;
 use crate::direction::Direction;
 use crate::math::Real;
-use crate::quadrature::{gauss_legendre, hermite, monotone_slope};
+use crate::quadrature::{hermite, monotone_slope};
 use crate::sampling::inverse_smoothstep;
 
 /// Share of the normals that is cut off at either end of the table of quantiles.
 const NO_ACCOUNT: f64 = 1e-9;
-/// Nodes of the table of the visible share.
-const VISIBLE: usize = 33;
-/// Panels of the integral for each of them.
-const PANELS: usize = 24;
+/// How a law is computed from a half vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form<T> {
+    /// The normal law about 0: `2^-(halvings t^2)`.
+    Normal { halvings: T },
+    /// Another power of `t`, by way of `t^2 / delta^2`.
+    Power { narrowness: T },
+    /// From the angle.
+    Angle,
+    /// From the angle to an edge, where the law needs more digits than an angle has.
+    Edges(Edges<T>),
+}
+
+impl<T: Real> Form<T> {
+    fn of(law: &Law<f64>) -> Self {
+        let narrowness = 1.0 / (law.delta() * law.delta());
+        let normal = law.profile() == Profile::Gauss && law.n() == 2.0;
+        match Edges::of(law) {
+            Some(edges) => Self::Edges(edges),
+            None if law.centre() > 0.0 => Self::Angle,
+            None if normal => {
+                Self::Normal { halvings: T::from_f64(0.5 * narrowness * core::f64::consts::LOG2_E) }
+            }
+            None => Self::Power { narrowness: T::from_f64(narrowness) },
+        }
+    }
+}
 
 /// A normalised density of facet normals with an inverse-CDF table of `N` nodes.
 ///
@@ -26,15 +51,13 @@ const PANELS: usize = 24;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalDensity<T, const N: usize> {
     law: Law<T>,
+    form: Form<T>,
     /// `1 / C`, 1/sr.
     inverse_norm: T,
+    twice_inverse_norm: T,
     /// `t` and `dt/dx` at the nodes.
     quantiles: [[T; 2]; N],
-    /// Visible share and its slope `dV/dx` at even nodes of `x = tan e / (tan e + warp)`, where `e` is the
-    /// elevation above the surface.
-    visible: [[T; 2]; VISIBLE],
-    /// The tangent of the median normal.
-    warp: T,
+    visible: VisibleShare<T>,
 }
 
 impl<T: Real, const N: usize> NormalDensity<T, N> {
@@ -45,14 +68,14 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         let mut total = 0.0;
         each_panel(&wide, |a, b| total += panel_mass(&wide, a, b));
         let table = quantile_table::<N>(&wide, total);
-        let warp = tangent(table_value(&table, 0.5));
-        let visible = visible_table(&table, warp);
+        let slope = |x| tangent(table_value(&table, x));
         Self {
             law,
-            inverse_norm: T::from_f64(1.0 / (2.0 * PI * total)),
+            form: Form::of(&wide),
+            inverse_norm: T::from_f64(0.5 / (PI * total)),
+            twice_inverse_norm: T::from_f64(1.0 / (PI * total)),
             quantiles: table.map(|row| row.map(T::from_f64)),
-            visible: visible.map(|row| row.map(T::from_f64)),
-            warp: T::from_f64(warp),
+            visible: VisibleShare::new(slope),
         }
     }
 
@@ -65,6 +88,27 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     #[inline]
     pub fn density(&self, sin: T, cos: T) -> T {
         self.law.value(sin.atan2(cos)) * self.inverse_norm
+    }
+
+    /// `2 p(m)` of the direction of a half vector, from `h_x^2 + h_y^2` and `h_z^2`; where these are not enough, from the same
+    /// with what their roundings took.
+    #[inline]
+    pub(crate) fn twice_of_squares(
+        &self,
+        xy2: T,
+        z2: T,
+        in_two: impl FnOnce() -> [[T; 2]; 2],
+    ) -> T {
+        let value = match &self.form {
+            Form::Normal { halvings } => (T::angle_squared(xy2, z2) * *halvings).halved(),
+            Form::Power { narrowness } => {
+                let power = T::HALF * self.law.n();
+                self.law.falls((T::angle_squared(xy2, z2) * *narrowness).pow(power))
+            }
+            Form::Angle => self.law.value(xy2.sqrt().atan2(z2.sqrt())),
+            Form::Edges(edges) => edges.value(&self.law, in_two()),
+        };
+        value * self.twice_inverse_norm
     }
 
     /// Draws a normal with density `p(m)` from two uniforms in [0, 1).
@@ -84,10 +128,7 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     /// The share of the normals that face a direction of given `|cos theta|` and `sin theta`: 1/2 to 1.
     #[inline]
     pub fn visible(&self, cos: T, sin: T) -> T {
-        let cos = cos.abs();
-        let sum = cos + self.warp * sin;
-        let x = if sum > T::ZERO { cos / sum } else { T::ONE };
-        table_value(&self.visible, x)
+        self.visible.of(cos.abs(), sin)
     }
 }
 
@@ -218,56 +259,6 @@ fn limit_slopes<const N: usize>(table: &mut [[f64; 2]; N]) {
 /// The tangent of the angle of which `t = 1 - cos`.
 fn tangent(t: f64) -> f64 {
     Real::sqrt(t * (2.0 - t)) / (1.0 - t)
-}
-
-/// Visible share and slope at even nodes of the warped elevation.
-///
-/// A normal at `theta` faces a direction of elevation `e` for all azimuths if `theta < e`, else for a
-/// share `1 - acos(tan e / tan theta) / pi` of them.
-fn visible_table<const N: usize>(table: &[[f64; 2]; N], warp: f64) -> [[f64; 2]; VISIBLE] {
-    let cells = (VISIBLE - 1) as f64;
-    let mut nodes: [[f64; 2]; VISIBLE] = core::array::from_fn(|j| {
-        let x = j as f64 / cells;
-        let value = if j == 0 { 0.5 } else { 1.0 - hidden(table, warp * x / (1.0 - x)) };
-        [if j == VISIBLE - 1 { 1.0 } else { value }, 0.0]
-    });
-    let copy = nodes;
-    let secant = |a: Option<&[f64; 2]>, b: Option<&[f64; 2]>| Some((b?[0] - a?[0]) * cells);
-    for (j, row) in nodes.iter_mut().enumerate() {
-        let left = j.checked_sub(1).and_then(|i| secant(copy.get(i), copy.get(j)));
-        let right = secant(copy.get(j), copy.get(j + 1));
-        row[1] = match (left, right) {
-            // harmonic mean: between the secants, zero if either is
-            (Some(l), Some(r)) if l > 0.0 && r > 0.0 => 2.0 * l * r / (l + r),
-            (None, Some(r)) => Real::max(r, 0.0),
-            _ => 0.0,
-        };
-    }
-    nodes
-}
-
-/// The share of the normals that do not face a direction whose elevation has this tangent.
-fn hidden<const N: usize>(table: &[[f64; 2]; N], tan_e: f64) -> f64 {
-    // where in the table normals begin to be steeper than the direction
-    let (mut x, mut end) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (x + end);
-        if tangent(table_value(table, middle)) < tan_e { x = middle } else { end = middle }
-    }
-    let (rule, mut hidden) = (gauss_legendre::<4>(), 0.0);
-    for p in 0..PANELS {
-        for (node, weight) in rule {
-            // v squared grades the panels towards the start, where the integrand has a root
-            let v = (p as f64 + node) / PANELS as f64;
-            let xv = x + (1.0 - x) * v * v;
-            let ratio = tan_e / tangent(table_value(table, xv));
-            let du = 6.0 * xv * (1.0 - xv) * (1.0 - x) * 2.0 * v * weight / PANELS as f64;
-            if ratio < 1.0 {
-                hidden += Real::acos(ratio) / PI * du;
-            }
-        }
-    }
-    hidden
 }
 
 #[cfg(test)]

@@ -101,7 +101,9 @@ mod device {
         Some(())
     }
 
-    /// Four lobes of one value: what a call costs does not depend on what it finds.
+    /// Four lobes of one value: what a call costs does not depend on what it finds. A call of its own: its arrays are
+    /// on the stack while it runs only.
+    #[inline(never)]
     fn table<S: Storage>(name: &str, value: S, raw: &[Pair; PAIRS]) -> Option<()>
     where
         for<'a> asperity_core::table::BsdfTableRef<'a, S>: Bsdf<Fast<f32>>,
