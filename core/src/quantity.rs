@@ -145,10 +145,15 @@ impl<T: Real> RelativeIor<T> {
         [self.squares, if from_below { below } else { above }]
     }
 
-    /// The same index in another precision, each number rounded once.
+    /// The same index in another precision, each number rounded once; a wider one computes what follows from it anew.
     #[inline(always)]
     pub fn cast<U: Real>(self) -> RelativeIor<U> {
         let cast = |x: T| U::from_f64(x.to_f64());
+        if T::EPSILON.to_f64() > U::EPSILON.to_f64()
+            && let Ok(there) = RelativeIor::new(cast(self.value))
+        {
+            return there;
+        }
         // between tiers of one precision nothing is computed, and the compiler knows it here
         let narrower = T::EPSILON.to_f64() < U::EPSILON.to_f64();
         let limits = self.limits.map(|[high, low]| {

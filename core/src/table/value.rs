@@ -53,6 +53,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
             xy2,
             z2: T::ONE,
             ih: T::ONE,
+            cosine: T::TWO,
             along: (ix * hx + iy * hy) * sign,
             turn: n_o * n_o * oz.abs() / (hh * hh),
             share: T::from_f64(0.25),
