@@ -125,8 +125,6 @@ pub(super) fn lower<'a, S: Storage>(
                 continue;
             }
             lowered = true;
-                eprintln!("lower at {:.2} deg: r {r:.4} t {t:.4}", cos.acos().to_degrees());
-            }
             let factor = (room / (r + t)).sqrt() * (1.0 - 1e-6);
             for (grid, factors) in [&reflection, &transmission].into_iter().zip(&mut factors) {
                 let Some(grid) = grid else { continue };
