@@ -220,7 +220,9 @@ fn show(table: &Table) {
         let mut line = format!("  {label:52} {:9}", row.pairs);
         for errors in row.worst {
             let _ = write!(line, " |");
-            errors.iter().for_each(|e| _ = write!(line, " {e:7.1e}"));
+            for error in errors {
+                let _ = write!(line, " {error:7.1e}");
+            }
         }
         println!("{line}");
     }

@@ -21,6 +21,8 @@
 //! Nothing here branches: both cases share their quotients, whose terms are selected. A loop over pairs
 //! then becomes vector instructions, and a pair on unforeseeable sides costs no chain of mispredictions.
 
+#![allow(clippy::needless_bitwise_bool, reason = "lazy operators would be branches")]
+
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::quantity::RelativeIor;

@@ -6,7 +6,11 @@
 //! takes over whose coefficients were fitted for the least largest relative error (Lawson's
 //! weights, 40 digits). The bounds are in the tests, which visit every region and its edges.
 
-#![allow(clippy::excessive_precision, reason = "coefficients as they were fitted")]
+#![allow(
+    clippy::excessive_precision,
+    clippy::approx_constant,
+    reason = "coefficients as they were fitted"
+)]
 
 /// `c0 + c1 x + c2 x^2 + ...`
 macro_rules! horner {

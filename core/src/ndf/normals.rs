@@ -32,7 +32,7 @@ enum Form<T> {
 impl<T: Real> Form<T> {
     fn of(law: &Law<f64>) -> Self {
         let narrowness = 1.0 / (law.delta() * law.delta());
-        let normal = law.profile() == Profile::Gauss && law.n() == 2.0;
+        let normal = law.profile() == Profile::Gauss && law.n().total_cmp(&2.0).is_eq();
         match Edges::of(law) {
             Some(edges) => Self::Edges(edges),
             None if law.centre() > 0.0 => Self::Angle,
