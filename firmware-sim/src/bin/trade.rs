@@ -36,8 +36,8 @@ mod device {
     const BYTES: usize = 16 << 10;
     const HALVES: usize = 32 << 10;
 
-    /// Directions from and to, three uniforms.
-    type Pair = [f32; 9];
+    /// Directions from and to.
+    type Pair = [f32; 6];
 
     /// Where the model is written.
     #[repr(C)]
@@ -68,7 +68,7 @@ mod device {
             HALVES as u32,
         ],
         words: [0; WORDS],
-        pairs: [[0.0; 9]; PAIRS],
+        pairs: [[0.0; 6]; PAIRS],
         gains: [0.0; GAINS],
         fluxes: [[0; 4]; FLUXES],
         quantiles: [0; QUANTILES],
@@ -160,7 +160,11 @@ mod device {
         let floor = each(pairs, |p| from::<T>(p).z() + to::<T>(p).z());
         let calls = each(pairs, |p| value(law, from(p), to(p)));
         hprintln!("count {} ars {}", tier, calls.saturating_sub(floor));
-        let floor = each(pairs, |p| from::<T>(p).z() + T::from_f64(f64::from(p[8])));
+        let floor = each(pairs, |p| {
+            let mut uniform = uniforms(p);
+            let three = uniform() + uniform() + uniform();
+            from::<T>(p).z() + three
+        });
         let calls = each(pairs, |p| drawn(law, from(p), p));
         hprintln!("count {} sample {}", tier, calls.saturating_sub(floor));
         hprintln!("ram {} {}", tier, size_of_val(law));
@@ -185,12 +189,17 @@ mod device {
 
     #[inline(never)]
     fn drawn<T: Real, B: Bsdf<T>>(law: &B, wi: Direction<T>, pair: &Pair) -> T {
-        let mut next = 5;
-        let mut uniform = || {
-            next = if next < 8 { next + 1 } else { 6 };
-            T::from_f64(f64::from(pair[next]))
-        };
-        law.sample(wi, &mut uniform).map_or(T::ZERO, |s| s.weight + s.wo.z())
+        law.sample(wi, &mut uniforms(pair)).map_or(T::ZERO, |s| s.weight + s.wo.z())
+    }
+
+    /// The numbers that samples are drawn from; `host/src/trade/pairs.rs` draws the same.
+    #[inline(always)]
+    fn uniforms<T: Real>(p: &Pair) -> impl FnMut() -> T {
+        let mut state = p[0].to_bits() ^ p[4].to_bits().rotate_left(16);
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            T::from_f64(f64::from((state >> 8) as f32 * (1.0 / 16_777_216.0)))
+        }
     }
 
     #[inline(always)]

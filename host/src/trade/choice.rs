@@ -1,0 +1,118 @@
+//! Marks the rows that no other beats, the knee, and the cheapest that is near enough.
+
+use super::pareto::{cheapest, front, knee};
+use super::row::Row;
+
+/// Errors below this count as equal, %: no goniophotometer tells them apart.
+const FLOOR: f64 = 1e-3;
+
+/// What a value costs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Nanoseconds here.
+    Time,
+    /// Instructions on the device.
+    Instructions,
+}
+
+impl Axis {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Time, Self::Instructions];
+
+    /// The unit, for people.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Time => "ns",
+            Self::Instructions => "instructions",
+        }
+    }
+
+    /// Cost and error of a row, if both are known: eq. (18) against the scan if `by_scan`, else against the model.
+    pub fn point(self, row: &Row, by_scan: bool) -> Option<(f64, f64)> {
+        let cost = match self {
+            Self::Time => row.eval_ns?,
+            Self::Instructions => f64::from(row.eval_instructions?),
+        };
+        let error = if by_scan { row.scan_percent? } else { row.distance_percent? };
+        Some((cost, error.max(FLOOR)))
+    }
+}
+
+/// Marks fronts, knees, and with `most` the cheapest rows whose error is no larger; the error is that of [`Axis::point`].
+pub fn choose(rows: &mut [Row], by_scan: bool, most: Option<f64>) {
+    for row in &mut *rows {
+        row.marks = super::row::Marks::default();
+    }
+    for axis in Axis::ALL {
+        let known: Vec<(usize, (f64, f64))> = rows
+            .iter()
+            .enumerate()
+            .filter_map(|(k, row)| Some((k, axis.point(row, by_scan)?)))
+            .collect();
+        let points: Vec<(f64, f64)> = known.iter().map(|p| p.1).collect();
+        for ((k, _), on) in known.iter().zip(front(&points)) {
+            match axis {
+                Axis::Time => rows[*k].marks.front_ns = on,
+                Axis::Instructions => rows[*k].marks.front_instructions = on,
+            }
+        }
+        let within = most.and_then(|most| cheapest(&points, most));
+        for (word, found) in [("knee", knee(&points)), ("cheapest", within)] {
+            if let Some(k) = found {
+                rows[known[k].0].marks.chosen.push(format!("{word} ({})", axis.unit()));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::row::{Evaluator, Marks, Row, Tier};
+    use super::choose;
+
+    pub(in crate::trade) fn row(ns: f64, instructions: Option<u32>, scan: Option<f64>) -> Row {
+        Row {
+            method: "ggx".into(),
+            evaluator: Evaluator::Formula,
+            tier: Tier::Fast,
+            precision: "f32",
+            misfit_percent: scan,
+            scan_percent: scan,
+            distance_percent: Some(1e-9),
+            max_percent: None,
+            rms_percent: None,
+            energy_percent: None,
+            eval_ns: Some(ns),
+            sample_ns: ns,
+            eval_instructions: instructions,
+            sample_instructions: None,
+            code_bytes: None,
+            data_bytes: None,
+            ram_bytes: None,
+            fit_seconds: None,
+            table_seconds: None,
+            marks: Marks::default(),
+        }
+    }
+
+    #[test]
+    fn rows_are_marked_on_each_axis_by_itself() {
+        let mut rows = vec![
+            row(10.0, Some(100), Some(1.5)),
+            row(20.0, Some(90), Some(1.1)),
+            row(40.0, None, Some(0.3)),
+            row(30.0, Some(300), None),
+        ];
+        choose(&mut rows, true, Some(1.2));
+        let marks = |k: usize| (rows[k].marks.front_ns, rows[k].marks.front_instructions);
+        assert_eq!(
+            [0, 1, 2, 3].map(marks),
+            [(true, false), (true, true), (true, false), (false, false)]
+        );
+        assert_eq!(rows[1].marks.chosen, ["cheapest (ns)", "cheapest (instructions)"]);
+        // without a scan all are as near, and the quickest alone is left
+        choose(&mut rows, false, None);
+        let front: Vec<bool> = rows.iter().map(|r| r.marks.front_ns).collect();
+        assert_eq!(front, [true, false, false, false]);
+    }
+}
