@@ -30,7 +30,7 @@ struct Beam {
 
 /// All beams of a model.
 #[derive(Clone, Debug)]
-pub struct Beams(Vec<Beam>);
+pub(super) struct Beams(Vec<Beam>);
 
 /// The error of an evaluator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,7 +54,7 @@ fn incident(degrees: f64, below: bool) -> Direction<f64> {
 
 impl Beams {
     /// The values of a model.
-    pub fn of<B: Bsdf<f64> + Sync>(model: &B) -> Self {
+    pub(super) fn of<B: Bsdf<f64> + Sync>(model: &B) -> Self {
         let all = (0..72_u32).into_par_iter().filter_map(|k| {
             let lobe = if k % 2 == 0 { Lobe::Reflection } else { Lobe::Transmission };
             Beam::of(model, incident(f64::from(5 * (k / 4)), k % 4 >= 2), lobe)

@@ -66,11 +66,11 @@ pub fn choose(rows: &mut [Row], by_scan: bool, most: Option<f64>) {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::super::row::{Evaluator, Marks, Row, Tier};
+pub(crate) mod tests {
     use super::choose;
+    use crate::trade::row::{Evaluator, Marks, Row, Tier};
 
-    pub(in crate::trade) fn row(ns: f64, instructions: Option<u32>, scan: Option<f64>) -> Row {
+    fn row(ns: f64, instructions: Option<u32>, scan: Option<f64>) -> Row {
         Row {
             method: "ggx".into(),
             evaluator: Evaluator::Formula,
@@ -95,14 +95,19 @@ pub(super) mod tests {
         }
     }
 
-    #[test]
-    fn rows_are_marked_on_each_axis_by_itself() {
-        let mut rows = vec![
+    /// Four rows, some of them without a count or an error.
+    pub(crate) fn rows() -> Vec<Row> {
+        vec![
             row(10.0, Some(100), Some(1.5)),
             row(20.0, Some(90), Some(1.1)),
             row(40.0, None, Some(0.3)),
             row(30.0, Some(300), None),
-        ];
+        ]
+    }
+
+    #[test]
+    fn rows_are_marked_on_each_axis_by_itself() {
+        let mut rows = rows();
         choose(&mut rows, true, Some(1.2));
         let marks = |k: usize| (rows[k].marks.front_ns, rows[k].marks.front_instructions);
         assert_eq!(

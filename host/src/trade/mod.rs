@@ -24,3 +24,6 @@ pub use measure::{Subject, Work, rows};
 pub use pareto::{cheapest, front, knee};
 pub use row::{Evaluator, Marks, Row, Tier};
 pub use scan::Scan;
+
+#[cfg(test)]
+pub(crate) use choice::tests::rows as tests_rows;
