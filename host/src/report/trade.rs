@@ -46,7 +46,8 @@ const COSTS: [Column; 7] = [
 impl TradeReport {
     /// What the columns are.
     const LEGEND: &str = "Errors. fit: eq. (18) of the model against the scan; scan: of this evaluator; from model: of a scan of the model; \
-         max, rms: of f |cos| in % of the peak of its beam; energy: flux of a lobe, % of the light.";
+         max, rms: of f |cos| in % of the peak of its beam (side, R or T, incidence); energy: flux of a lobe, % of the light. Tables are \
+         evaluated in fast f32.";
 
     /// For a terminal.
     pub fn text(&self) -> String {
@@ -63,16 +64,24 @@ impl TradeReport {
 
     /// Columns that have a value somewhere.
     fn grid(&self, columns: &[Column], marks: bool) -> Grid {
+        let with_place = columns.iter().any(|c| c.0 == "max_percent")
+            && self.rows.iter().any(|r| r.max_at.is_some());
         let used: Vec<&Column> =
             columns.iter().filter(|c| self.rows.iter().any(|r| c.2(r).is_some())).collect();
         let names = ["method", "evaluator"].into_iter().chain(used.iter().map(|c| c.1));
         let mut head: Vec<String> = names.map(String::from).collect();
+        if with_place {
+            head.push("max at".into());
+        }
         if marks {
             head.push("chosen".into());
         }
         let row = |r: &Row| {
             let mut cells: Vec<Cell> = vec![r.method.clone().into(), r.evaluator_text().into()];
             cells.extend(used.iter().map(|c| c.2(r).map_or("-".into(), shown).into()));
+            if with_place {
+                cells.push(r.max_at.clone().unwrap_or("-".into()).into());
+            }
             if marks {
                 cells.push(marked(r).into());
             }
@@ -86,7 +95,7 @@ impl TradeReport {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let columns = || ERRORS.iter().chain(&COSTS);
         let first = ["method", "evaluator", "tier", "precision", "table_kib", "storage"];
-        let last = ["front_ns", "front_instructions", "chosen"];
+        let last = ["max_at", "front_ns", "front_instructions", "chosen"];
         let names = first.into_iter().chain(columns().map(|c| c.0)).chain(last);
         let mut rows: Vec<Vec<String>> = vec![names.map(String::from).collect()];
         for row in &self.rows {
@@ -100,6 +109,7 @@ impl TradeReport {
             cells.extend([kib, storage.to_owned()]);
             cells.extend(columns().map(|c| c.2(row).map_or(String::new(), |x| x.to_string())));
             let marks = &row.marks;
+            cells.push(row.max_at.clone().unwrap_or_default());
             cells.extend([marks.front_ns.to_string(), marks.front_instructions.to_string()]);
             cells.push(marks.chosen.join("; "));
             rows.push(cells);
@@ -170,7 +180,7 @@ impl TradeReport {
             all.iter().map(of).fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)))
         };
         let ((left, right), (low, high)) = (ends(|p| p.0), ends(|p| p.1));
-        let decades = (high / low).log10().ceil().clamp(0.0, 13.0) as u8 + 1;
+        let decades = (2.0 * high / low).log10().ceil().clamp(1.0, 15.0) as u8;
         let error = if self.by_scan { "error against the scan" } else { "error against the model" };
         Figure {
             title: self.title.clone(),

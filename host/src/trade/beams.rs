@@ -2,10 +2,12 @@
 //!
 //! A beam is a side of the boundary, a lobe, and an incidence of 0, 5 .. 85 degrees in the medium of the light. In each there are 256
 //! directions that the model itself sends light to (its own sampling, over a lattice), and 256 spread evenly over the hemisphere.
-//! Errors are in percent of the largest value the model has in the beam. Components are rounded to single precision first, for all
+//! Errors are in percent of the largest value the model has in the beam; beams of less than 1 % of the light are left out.
+//! Components are rounded to single precision first, for all
 //! evaluators alike: what is measured is the evaluator, not the rounding of its input.
 
 use std::f64::consts::TAU;
+use std::fmt;
 
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
@@ -15,14 +17,33 @@ use rayon::prelude::*;
 const DIRECTIONS: u32 = 256;
 /// Points of the lattice for fluxes.
 const FLUX_POINTS: u32 = 4096;
+/// Share of the light below which a beam is left out.
+const LEAST_FLUX: f64 = 0.01;
 /// The golden section, which steps through a circle evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// One beam: values of the model in some directions.
-#[derive(Clone, Debug)]
-struct Beam {
-    wi: Direction<f64>,
+/// Which light it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Beam {
+    below: bool,
+    degrees: f64,
     lobe: Lobe,
+}
+
+impl fmt::Display for Beam {
+    /// As in `air T 45`: the side, reflection or transmission, degrees of incidence.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let side = if self.below { "inside" } else { "air" };
+        let lobe = if self.lobe == Lobe::Reflection { "R" } else { "T" };
+        write!(f, "{side} {lobe} {}", self.degrees)
+    }
+}
+
+/// Values of the model in some directions of a beam.
+#[derive(Clone, Debug)]
+struct Values {
+    which: Beam,
+    wi: Direction<f64>,
     values: Vec<(Direction<f64>, f64)>,
     peak: f64,
     flux: f64,
@@ -30,15 +51,17 @@ struct Beam {
 
 /// All beams of a model.
 #[derive(Clone, Debug)]
-pub(super) struct Beams(Vec<Beam>);
+pub(super) struct Beams(Vec<Values>);
 
 /// The error of an evaluator.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Accuracy {
     /// Largest, in percent of the peak of its beam.
     pub(super) max_percent: f64,
     /// Root mean square of all.
     pub(super) rms_percent: f64,
+    /// The beam of the largest.
+    pub(super) worst: Option<Beam>,
 }
 
 /// A direction whose components are numbers of single precision.
@@ -47,9 +70,11 @@ pub(super) fn single(w: Direction<f64>) -> Direction<f64> {
     Direction::from_unit(x, y, z)
 }
 
-fn incident(degrees: f64, below: bool) -> Direction<f64> {
-    let (s, c) = degrees.to_radians().sin_cos();
-    single(Direction::from_unit(-s, 0.0, if below { -c } else { c }))
+impl Beam {
+    fn incident(self) -> Direction<f64> {
+        let (s, c) = self.degrees.to_radians().sin_cos();
+        single(Direction::from_unit(-s, 0.0, if self.below { -c } else { c }))
+    }
 }
 
 impl Beams {
@@ -57,7 +82,7 @@ impl Beams {
     pub(super) fn of<B: Bsdf<f64> + Sync>(model: &B) -> Self {
         let all = (0..72_u32).into_par_iter().filter_map(|k| {
             let lobe = if k % 2 == 0 { Lobe::Reflection } else { Lobe::Transmission };
-            Beam::of(model, incident(f64::from(5 * (k / 4)), k % 4 >= 2), lobe)
+            Values::of(model, Beam { below: k % 4 >= 2, degrees: f64::from(5 * (k / 4)), lobe })
         });
         Self(all.collect())
     }
@@ -78,21 +103,24 @@ impl Beams {
                 (max, sum, beam.values.len())
             })
             .collect();
-        let max_percent = parts.iter().map(|p| p.0).fold(0.0, f64::max);
+        let worst = parts.iter().zip(&self.0).reduce(|a, b| if b.0.0 > a.0.0 { b } else { a });
+        let max_percent = worst.map_or(0.0, |w| w.0.0);
+        let worst = worst.filter(|_| max_percent > 0.0).map(|w| w.1.which);
         let (sum, count) = parts.iter().fold((0.0, 0), |(s, n), p| (s + p.1, n + p.2));
-        Accuracy { max_percent, rms_percent: (sum / count.max(1) as f64).sqrt() }
+        Accuracy { max_percent, rms_percent: (sum / count.max(1) as f64).sqrt(), worst }
     }
 
     /// Largest absolute difference of the flux of a lobe, as a fraction of the light, up to 80 degrees.
     pub(super) fn flux_error<B: Bsdf<f64> + Sync>(&self, law: &B) -> f64 {
         let beams = self.0.par_iter().filter(|b| b.wi.z().abs() > 0.17);
-        beams.map(|b| (flux(law, b.wi, b.lobe) - b.flux).abs()).reduce(|| 0.0, f64::max)
+        beams.map(|b| (flux(law, b.wi, b.which.lobe) - b.flux).abs()).reduce(|| 0.0, f64::max)
     }
 }
 
-impl Beam {
-    /// `None` where the model has no light.
-    fn of<B: Bsdf<f64>>(model: &B, wi: Direction<f64>, lobe: Lobe) -> Option<Self> {
+impl Values {
+    /// `None` where the model sends next to no light.
+    fn of<B: Bsdf<f64>>(model: &B, which: Beam) -> Option<Self> {
+        let (wi, lobe) = (which.incident(), which.lobe);
         let drawn = lattice(DIRECTIONS).filter_map(|u| model.sample_lobe(wi, lobe, u));
         let up = (wi.z() > 0.0) == (lobe == Lobe::Reflection);
         let even = (0..DIRECTIONS).map(|k| {
@@ -104,7 +132,8 @@ impl Beam {
         let all = drawn.map(|ray| ray.wo).chain(even).map(single);
         let values: Vec<_> = all.map(|wo| (wo, model.ars(wi, wo))).collect();
         let peak = values.iter().map(|v| v.1).fold(0.0, f64::max);
-        (peak > 0.0).then(|| Self { wi, lobe, values, peak, flux: flux(model, wi, lobe) })
+        let flux = flux(model, wi, lobe);
+        (peak > 0.0 && flux > LEAST_FLUX).then_some(Self { which, wi, values, peak, flux })
     }
 }
 

@@ -27,15 +27,21 @@ impl Axis {
         }
     }
 
-    /// Cost and error of a row, if both are known: eq. (18) against the scan if `by_scan`, else against the model.
+    /// Cost (of times two digits) and error of a row, if both are known: eq. (18) against the scan if `by_scan`, else against the model.
     pub fn point(self, row: &Row, by_scan: bool) -> Option<(f64, f64)> {
         let cost = match self {
-            Self::Time => row.eval_ns?,
+            Self::Time => rounded(row.eval_ns?),
             Self::Instructions => f64::from(row.eval_instructions?),
         };
         let error = if by_scan { row.scan_percent? } else { row.distance_percent? };
         Some((cost, error.max(FLOOR)))
     }
+}
+
+/// To two digits: a time is no more certain than that, and chance should not choose.
+fn rounded(ns: f64) -> f64 {
+    let unit = 10_f64.powf(ns.max(1e-3).log10().floor() - 1.0);
+    (ns / unit).round() * unit
 }
 
 /// Marks fronts, knees, and with `most` the cheapest rows whose error is no larger; the error is that of [`Axis::point`].
@@ -80,6 +86,7 @@ pub(crate) mod tests {
             scan_percent: scan,
             distance_percent: Some(1e-9),
             max_percent: None,
+            max_at: None,
             rms_percent: None,
             energy_percent: None,
             eval_ns: Some(ns),

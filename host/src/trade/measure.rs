@@ -181,8 +181,9 @@ impl Bench<'_> {
         }
         let counted = if same { counted } else { Counted::default() };
         Row {
-            max_percent: accuracy.map(|a| a.max_percent),
-            rms_percent: accuracy.map(|a| a.rms_percent),
+            max_percent: accuracy.as_ref().map(|a| a.max_percent),
+            rms_percent: accuracy.as_ref().map(|a| a.rms_percent),
+            max_at: accuracy.and_then(|a| a.worst).map(|beam| beam.to_string()),
             scan_percent: self.scan.and_then(|s| s.error(&through)),
             eval_ns: Some(eval_ns::<T, _>(law, &self.pairs)),
             sample_ns: sample_ns::<T, _>(law, &self.pairs),
@@ -205,6 +206,7 @@ impl Bench<'_> {
             scan_percent: None,
             distance_percent: None,
             max_percent: None,
+            max_at: None,
             rms_percent: None,
             energy_percent: None,
             eval_ns: None,
@@ -222,6 +224,9 @@ impl Bench<'_> {
 
     /// The model itself, rays or waves: it is its own reference.
     fn model<B: Scatter<f64>>(&mut self, model: &B, eval: Option<f64>) {
+        if self.stopped() {
+            return;
+        }
         self.begin("itself");
         let row = Row {
             evaluator: Evaluator::Model,
@@ -246,6 +251,10 @@ impl Bench<'_> {
         let table = match tabulate(boundary, &plan, self.work.stop, &|_, _| ()) {
             Ok(table) => table,
             Err(NoTable::Stopped) => return,
+            // of all models alike
+            Err(why @ NoTable::Small(..)) => {
+                return self.notes.push(format!("no table of {kib} KiB: {why}"));
+            }
             Err(why) => return self.note(&format!("no table of {kib} KiB: {why}")),
         };
         let seconds = begun.elapsed().as_secs_f64();

@@ -61,6 +61,8 @@ pub struct Row {
     pub distance_percent: Option<f64>,
     /// Largest error against the model, % of the peak of the beam.
     pub max_percent: Option<f64>,
+    /// The beam of the largest: side, lobe, incidence in degrees, as in `air T 45`.
+    pub max_at: Option<String>,
     /// Root mean square of these.
     pub rms_percent: Option<f64>,
     /// Largest error of the flux of a lobe, % of the light.
@@ -94,13 +96,10 @@ impl Row {
             Tier::Exact => "exact",
             Tier::Fast => "fast",
         };
-        let precision = self.precision;
         match self.evaluator {
-            Evaluator::Formula => format!("formula {precision} {tier}"),
-            Evaluator::Table { kib, storage, .. } => {
-                format!("table {kib} KiB {storage}, {precision} {tier}")
-            }
-            Evaluator::Model => format!("model {precision}"),
+            Evaluator::Formula => format!("{} {tier}", self.precision),
+            Evaluator::Table { kib, storage, .. } => format!("{kib} KiB {storage}"),
+            Evaluator::Model => "model".into(),
         }
     }
 }
