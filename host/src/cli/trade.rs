@@ -103,9 +103,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             models.iter().for_each(|(model, boundary)| trade.model(model, boundary));
         }
     }
-    let mut report = trade.report;
+    let Trade { mut report, device, nothing, .. } = trade;
     if report.rows.is_empty() {
-        return Err(Failure::No(match trade.nothing.first() {
+        return Err(Failure::No(match nothing.first() {
             Some(why) => format!("nothing was measured: {why}"),
             None => "interrupted before anything was measured".into(),
         }));
@@ -121,6 +121,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
     }
     print(&if args.json { format!("{:#}\n", report.json()) } else { report.text() })?;
+    if let Err(remedy) = device {
+        eprintln!("note: nothing was counted on the device: {remedy}");
+    }
     verdict(&report, args.max_error)
 }
 
@@ -175,24 +178,14 @@ impl Args {
         Ok(self.files.iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// The device, or a word on how to get it.
-    fn device(&self) -> Result<Option<Device>, Failure> {
-        let opened = match &self.firmware {
-            Some(path) => Device::open(path),
-            None => {
-                eprintln!(
-                    "note: nothing is counted on the device; for that give --firmware with the program made by {}",
-                    Device::HOW
-                );
-                return Ok(None);
-            }
+    /// The device, or how to get it.
+    fn device(&self) -> Result<Result<Device, String>, Failure> {
+        let Some(path) = &self.firmware else {
+            return Ok(Err(format!("give --firmware with the program made by {}", Device::HOW)));
         };
-        match opened {
-            Ok(device) => Ok(Some(device)),
-            Err(why @ NoDevice::Emulator) => {
-                eprintln!("note: nothing is counted on the device: {why}");
-                Ok(None)
-            }
+        match Device::open(path) {
+            Ok(device) => Ok(Ok(device)),
+            Err(why @ NoDevice::Emulator) => Ok(Err(why.to_string())),
             Err(why) => Err(Failure::bad(why)),
         }
     }
@@ -212,7 +205,7 @@ impl Args {
 /// The work, and what is found.
 struct Trade<'a> {
     args: &'a Args,
-    device: Option<Device>,
+    device: Result<Device, String>,
     report: TradeReport,
     /// Why methods gave nothing.
     nothing: Vec<String>,
@@ -284,7 +277,7 @@ impl Trade<'_> {
         let work = Work {
             table_kib: &self.args.table_kib,
             rays: Rays { count: self.args.table_rays, seed: 1 },
-            device: self.device.as_ref(),
+            device: self.device.as_ref().ok(),
             stop: interrupt::flag(),
             progress: &|what| {
                 bar.set_message(what.to_owned());

@@ -18,8 +18,7 @@ pub fn cheapest(points: &[(f64, f64)], most: f64) -> Option<usize> {
 
 /// The knee of the front: the point farthest below the line between its ends, both axes logarithmic.
 ///
-/// Of a front of two the nearer to the origin of the logarithms counts for nothing: `None` unless a point lies below
-/// the line. All numbers of the front must be positive.
+/// `None` unless a point lies below that line, and if a number of the front is not positive.
 pub fn knee(points: &[(f64, f64)]) -> Option<usize> {
     let on = front(points);
     let kept = || points.iter().zip(&on).enumerate().filter(|(_, (_, on))| **on);
