@@ -44,12 +44,12 @@ fn a_scan_is_fitted_and_every_evaluator_held_against_it() {
         kinds,
         [formula, formula, formula, formula, ("ggx", "table"), (ray, "model"), (ray, "table")]
     );
-    for k in 0..rows.len() {
+    for (k, row) in rows.iter().enumerate() {
         assert!(of(k, "misfit_percent").unwrap() > 0.0 && of(k, "scan_percent").unwrap() > 0.0);
         assert!(of(k, "sample_ns").unwrap() > 0.0 && of(k, "fit_s").unwrap() > 0.0);
         // without a device nothing is said of one
         for name in ["eval_instructions", "sample_instructions", "code_bytes", "ram_bytes"] {
-            assert_eq!(rows[k][name], "", "{name}");
+            assert_eq!(row[name], "", "{name}");
         }
     }
     // the reference has no error, single precision next to none, a table some

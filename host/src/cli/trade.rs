@@ -100,7 +100,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     match &input {
         Input::Scan(loaded) => trade.fits(loaded, &names)?,
         Input::Models(models) => {
-            models.iter().for_each(|(model, boundary)| trade.model(model, boundary));
+            for (model, boundary) in models {
+                trade.model(model, boundary);
+            }
         }
     }
     let Trade { mut report, device, nothing, .. } = trade;

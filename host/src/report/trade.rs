@@ -52,7 +52,7 @@ impl TradeReport {
     /// For a terminal.
     pub fn text(&self) -> String {
         let (errors, costs) = (self.grid(&ERRORS, false), self.grid(&COSTS, true));
-        let notes: String = self.notes.iter().map(|n| format!("note: {n}\n")).collect();
+        let notes = self.notes.iter().fold(String::new(), |text, n| text + "note: " + n + "\n");
         let error = if self.by_scan { "scan" } else { "from model" };
         format!(
             "{}\n{}Costs; front, knee and cheapest by \"{error}\" and the cost of a value.\n{}{notes}",
@@ -197,7 +197,7 @@ impl TradeReport {
 
 /// A number as people read it: three digits, none invented.
 fn shown(x: f64) -> String {
-    if x == x.trunc() || x.abs() >= 100.0 {
+    if x.fract().abs() < f64::EPSILON * x.abs() || x.abs() <= 0.0 || x.abs() >= 100.0 {
         format!("{x:.0}")
     } else if x.abs() >= 0.001 {
         let digits = (2.0 - x.abs().log10().floor()).clamp(0.0, 5.0) as usize;

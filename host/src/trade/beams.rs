@@ -41,7 +41,7 @@ impl fmt::Display for Beam {
 
 /// Values of the model in some directions of a beam.
 #[derive(Clone, Debug)]
-struct Values {
+struct Lit {
     which: Beam,
     wi: Direction<f64>,
     values: Vec<(Direction<f64>, f64)>,
@@ -51,7 +51,7 @@ struct Values {
 
 /// All beams of a model.
 #[derive(Clone, Debug)]
-pub(super) struct Beams(Vec<Values>);
+pub(super) struct Beams(Vec<Lit>);
 
 /// The error of an evaluator.
 #[derive(Clone, Debug)]
@@ -82,7 +82,7 @@ impl Beams {
     pub(super) fn of<B: Bsdf<f64> + Sync>(model: &B) -> Self {
         let all = (0..72_u32).into_par_iter().filter_map(|k| {
             let lobe = if k % 2 == 0 { Lobe::Reflection } else { Lobe::Transmission };
-            Values::of(model, Beam { below: k % 4 >= 2, degrees: f64::from(5 * (k / 4)), lobe })
+            Lit::of(model, Beam { below: k % 4 >= 2, degrees: f64::from(5 * (k / 4)), lobe })
         });
         Self(all.collect())
     }
@@ -117,7 +117,7 @@ impl Beams {
     }
 }
 
-impl Values {
+impl Lit {
     /// `None` where the model sends next to no light.
     fn of<B: Bsdf<f64>>(model: &B, which: Beam) -> Option<Self> {
         let (wi, lobe) = (which.incident(), which.lobe);

@@ -4,8 +4,9 @@
 //! parts; the copy that is run has the model in them.
 
 use asperity_core::bsdf::{Ggx, Normals};
+use asperity_core::direction::Side;
 use asperity_core::ndf::law::Profile;
-use asperity_core::table::{BsdfTableRef, Fall, Form, LobeTable};
+use asperity_core::table::{BsdfTableRef, Fall, Form, LobeTable, Storage};
 
 use super::pairs::Pairs;
 use crate::embedded::{EmbeddedTable, Values};
@@ -81,16 +82,12 @@ impl Payload {
         }
     }
 
-    fn of_view<S: Copy>(
+    fn of_view<S: Storage>(
         kind: u32,
         table: &EmbeddedTable,
         view: &BsdfTableRef<'_, S>,
         keep: impl Fn(S, &mut [Vec<u8>; 6]),
-    ) -> Self
-    where
-        S: asperity_core::table::Storage,
-    {
-        use asperity_core::direction::Side;
+    ) -> Self {
         let mut payload = Self::new(kind);
         let header = table.header();
         let [flux_air, flux_inside] = header.fluxes.map(u32::from);
