@@ -38,7 +38,7 @@ fn the_users_models_are_counted_on_a_cortex_m4f_with_the_same_bits() {
     for text in [
         r#"{"asperity": 1, "method": "ggx", "ior": 1.49, "parameters": {"alpha": {"value": 0.23}}}"#,
         r#"{"asperity": 1, "method": "normals", "law": "cauchy", "ior": 1.42,
-            "parameters": {"delta": {"value": 0.1, "unit": "rad"}, "n": {"value": 2.5}, "theta0": {"value": 0.0}}}"#,
+            "parameters": {"delta": {"value": 6.0}, "n": {"value": 2.5}, "theta0": {"value": 1.0}}}"#,
     ] {
         let (_, boundary) = Model::parse(text.as_bytes()).unwrap();
         let rows = counted(&boundary, &[8, 16], &device);
