@@ -32,7 +32,7 @@ use crate::trade::{Axis, Device, NoDevice, Scan, Subject, Work, choose, rows};
 /// thread; with --firmware instructions of the same calls on a Cortex-M4F in QEMU, where the same bits must come out, bytes of
 /// their code with all it calls, of the table, and of the evaluator in RAM without its stack. What was not measured stays empty.
 ///
-/// Marked are the rows that no other beats in error and cost of a value (front; times count with two digits), the knee of the front, and with --max-error
+/// Marked are the rows that no other beats in error and cost of a value (front; times count with two digits, errors in steps of 0.001 %), the knee of the front, and with --max-error
 /// the cheapest that is near enough; the error is that against the scan, without a scan that against the model.
 ///
 /// Exit 1 if --max-error is not reached.

@@ -3,8 +3,8 @@
 use super::pareto::{cheapest, front, knee};
 use super::row::Row;
 
-/// Errors below this count as equal, %: no goniophotometer tells them apart.
-const FLOOR: f64 = 1e-3;
+/// Errors count in steps of this, %: no goniophotometer tells less apart.
+const STEP: f64 = 1e-3;
 
 /// What a value costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,14 +27,14 @@ impl Axis {
         }
     }
 
-    /// Cost (of times two digits) and error of a row, if both are known: eq. (18) against the scan if `by_scan`, else against the model.
+    /// Cost (of times two digits) and error (in steps of 0.001 %) of a row, if both are known: eq. (18) against the scan if `by_scan`, else against the model.
     pub fn point(self, row: &Row, by_scan: bool) -> Option<(f64, f64)> {
         let cost = match self {
             Self::Time => rounded(row.eval_ns?),
             Self::Instructions => f64::from(row.eval_instructions?),
         };
         let error = if by_scan { row.scan_percent? } else { row.distance_percent? };
-        Some((cost, error.max(FLOOR)))
+        Some((cost, (error / STEP).round().max(1.0) * STEP))
     }
 }
 
@@ -122,6 +122,10 @@ pub(crate) mod tests {
             [(true, false), (true, true), (true, false), (false, false)]
         );
         assert_eq!(rows[1].marks.chosen, ["cheapest (ns)", "cheapest (instructions)"]);
+        // of equals to what can be measured the quicker stays alone
+        let mut equal = vec![row(10.0, None, Some(1.094_31)), row(90.0, None, Some(1.094_30))];
+        choose(&mut equal, true, None);
+        assert_eq!([0, 1].map(|k: usize| equal[k].marks.front_ns), [true, false]);
         // without a scan all are as near, and the quickest alone is left
         choose(&mut rows, false, None);
         let front: Vec<bool> = rows.iter().map(|r| r.marks.front_ns).collect();
