@@ -21,6 +21,7 @@ pub mod method;
 pub mod model;
 pub mod energy;
 pub mod tabulate;
+pub mod trade;
 pub mod fit;
 pub mod plot;
 pub mod report;

@@ -33,6 +33,11 @@ fn every_verb_explains_itself_and_names_its_flags() {
              --max-evaluations --max-misfit --ior --opaque --aperture --pixel-um --fill --edges --columns",
             "Table 2",
         ),
+        (
+            "trade",
+            "<SCAN|MODEL>... --map --methods --table-kib --table-rays --max-error --firmware --csv --plot --json --ior --rays --columns",
+            "--table-kib 2,8,32",
+        ),
         ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
         (
             "check",

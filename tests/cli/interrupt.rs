@@ -142,3 +142,28 @@ fn a_comparison_keeps_its_finished_fits() {
     assert!(folder.path("s-all-log.png").exists() && folder.path("report.html").exists());
     assert!(!folder.names().iter().any(|n| n.starts_with('.')), "{:?}", folder.names());
 }
+
+#[test]
+fn a_trade_keeps_its_finished_rows() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    folder.run("scan m.json --sigma 0,30 --step 2 --aperture 2 -o s.csv").ok();
+    let line = "trade s.csv --methods ggx,heights --fit-rays 1e9 --table-kib 8 --csv t.csv";
+    // How long the first method takes is not known: wait twice as long each time.
+    let mut wait = Duration::from_secs(2);
+    let done = loop {
+        let mut run = start(&folder, line, ".t.csv.");
+        sleep(wait);
+        run.interrupt();
+        let done = run.end().with_code(1);
+        if folder.path("t.csv").exists() || wait > LIMIT {
+            break done;
+        }
+        assert!(done.err.contains("no: interrupted before"), "{}", done.err);
+        wait *= 2;
+    };
+    assert!(done.err.contains("no: interrupted; what was finished is written"), "{}", done.err);
+    let text = folder.text("t.csv");
+    assert!(text.lines().count() > 1 && !text.contains("heights"), "{text}");
+    assert_eq!(folder.names(), ["m.json", "s.csv", "t.csv"]);
+}

@@ -10,6 +10,7 @@
 //! | `map_verbs` | light on height maps |
 //! | `hybrid` | rays and waves on one map |
 //! | `compare` | every method side by side |
+//! | `trade` | error against cost of every evaluator |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
@@ -34,6 +35,7 @@ mod map_verbs;
 mod wave;
 mod hybrid;
 mod compare;
+mod trade;
 mod malformed;
 mod map_files;
 mod malformed_maps;

@@ -20,6 +20,8 @@ pub(crate) enum Firmware {
     SelfTest,
     /// The simulated goniophotometer.
     Instrument,
+    /// Counts the instructions of a model that is written into it.
+    Trade,
 }
 
 impl Firmware {
@@ -27,8 +29,10 @@ impl Firmware {
     pub(crate) fn path(self) -> Result<PathBuf, String> {
         static SELF_TEST: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         static INSTRUMENT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+        static TRADE: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         match self {
             Self::SelfTest => SELF_TEST.get_or_init(|| build("selftest", "release")).clone(),
+            Self::Trade => TRADE.get_or_init(|| build("trade", "release")).clone(),
             Self::Instrument => INSTRUMENT.get_or_init(|| build("qemu", "firmware")).clone(),
         }
     }

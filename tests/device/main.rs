@@ -11,6 +11,7 @@ mod emulator;
 mod instrument;
 mod protocol;
 mod selftest;
+mod trade;
 
 use std::io::Write as _;
 

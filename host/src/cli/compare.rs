@@ -4,18 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::comparing::{Sample, Work, verdict};
 use super::error::Failure;
-use super::fitted::Job;
-use super::light::{Light, LightFlags};
-use super::map::MapFlags;
 use super::print;
-use super::source::{ReadFlags, SetupFlags};
-use super::trial::{EffortFlags, check_method, usually_asked};
-use crate::fit::FitOptions;
-use crate::forward::Setup;
-use crate::measurement::Measurement;
-use crate::method::PAPER;
-use crate::provenance::InputFile;
-use crate::surface::{Prepared, Roughness};
+use super::sample::{Loaded, SampleFlags, methods};
+use super::trial::usually_asked;
+use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side
 ///
@@ -52,30 +44,12 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    effort: EffortFlags,
-    #[command(flatten)]
-    setup: SetupFlags,
-    #[command(flatten)]
-    light: LightFlags,
-    #[command(flatten)]
-    map_flags: MapFlags,
-    #[command(flatten)]
-    read: ReadFlags,
-}
-
-/// A scan and its map, read.
-struct Loaded {
-    measurement: Measurement,
-    input: InputFile,
-    setup: Setup,
-    options: FitOptions,
-    map: Option<Prepared>,
-    light: Light,
+    sample: SampleFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let methods = methods(&args.methods)?;
-    args.effort.check()?;
+    args.sample.effort.check()?;
     if !args.maps.is_empty() && args.maps.len() != args.scans.len() {
         return Err(Failure::bad(format!(
             "scans: {}, height maps: {}; give one --map a scan in the same order, or none",
@@ -83,26 +57,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             args.maps.len()
         )));
     }
-    let loaded = (0..args.scans.len()).map(|k| args.load(k)).collect::<Result<Vec<_>, _>>()?;
+    let load = |(k, scan): (usize, &PathBuf)| args.sample.load(scan, args.maps.get(k));
+    let loaded = args.scans.iter().enumerate().map(load).collect::<Result<Vec<_>, _>>()?;
     let mut samples: Vec<Sample<'_>> = Vec::new();
     let names = names(&args.scans);
     for (one, name) in loaded.iter().zip(&names) {
-        let job = Job {
-            measurement: &one.measurement,
-            setup: one.setup,
-            options: one.options,
-            max_misfit: args.effort.max_misfit,
-            map: one.map.as_ref(),
-            light: one.light.clone(),
-            input: &one.input,
-        };
         let title = match &one.map {
             Some(prepared) => {
                 format!("{name} (Rq = {:.2} um)", Roughness::of(&prepared.map).rq_um)
             }
             None => name.clone(),
         };
-        samples.push(Sample::new(name.clone(), title, job, &methods, &usually_asked)?);
+        samples.push(Sample::new(name.clone(), title, one.job(), &methods, &usually_asked)?);
     }
     let work = Work {
         title: "Comparison of the methods".into(),
@@ -123,22 +89,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     verdict(&comparison)
 }
 
-impl Args {
-    /// Reads a scan and its map.
-    fn load(&self, number: usize) -> Result<Loaded, Failure> {
-        let path = &self.scans[number];
-        let (measurement, input) = self.read.read(path)?;
-        let (surface, setup) = self.setup.resolve(&measurement, path)?;
-        let map = match self.maps.get(number) {
-            Some(path) => Some(self.map_flags.load_for_light(path)?),
-            None => None,
-        };
-        let light = self.light.light(Some(&measurement.meta))?;
-        let options = self.effort.options(surface);
-        Ok(Loaded { measurement, input, setup, options, map, light })
-    }
-}
-
 /// What the samples are, by their files and what these say.
 fn samples_text(names: &[String], loaded: &[Loaded]) -> String {
     let one = |(name, l): (&String, &Loaded)| {
@@ -148,21 +98,6 @@ fn samples_text(names: &[String], loaded: &[Loaded]) -> String {
         format!("{name}: scan {}{sample}{}.", l.input.path, map.unwrap_or_default())
     };
     names.iter().zip(loaded).map(one).collect::<Vec<_>>().join(" ")
-}
-
-/// The methods asked for, each once, or all.
-fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
-    let mut methods: Vec<String> = Vec::new();
-    for name in asked.iter().map(|n| n.trim()) {
-        check_method(name)?;
-        if !methods.iter().any(|m| m == name) {
-            methods.push(name.to_owned());
-        }
-    }
-    if methods.is_empty() {
-        methods = PAPER.map(String::from).to_vec();
-    }
-    Ok(methods)
 }
 
 /// Names for the files of the samples: those of the scans, made harmless and different from each other.
@@ -186,7 +121,7 @@ fn names(scans: &[PathBuf]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{PAPER, methods, names};
+    use super::names;
 
     #[test]
     fn names_are_harmless_and_differ() {
@@ -194,13 +129,5 @@ mod tests {
             ["a/scan.csv", "b/scan.csv", "scan-2", "c/SCAN.csv", "x y\u{1b}/o\u{1b}[ü 1.csv"];
         let found = names(&scans.map(Into::into));
         assert_eq!(found, ["scan", "scan-2", "scan-2-2", "SCAN-3", "o__ü_1"]);
-    }
-
-    #[test]
-    fn methods_are_taken_once_and_all_without_a_word() {
-        assert_eq!(methods(&[]).unwrap(), PAPER);
-        let asked = ["normals", "ggx", "normals"].map(String::from);
-        assert_eq!(methods(&asked).unwrap(), ["normals", "ggx"]);
-        assert!(methods(&["phong".into()]).is_err());
     }
 }

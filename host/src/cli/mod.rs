@@ -22,6 +22,7 @@ mod fitted;
 mod trial;
 mod model;
 mod fit;
+mod sample;
 mod comparing;
 mod compare;
 mod scan;
@@ -32,6 +33,7 @@ mod planning;
 mod acquire;
 mod instrument;
 mod tabulate;
+mod trade;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -64,6 +66,7 @@ Examples:
   asperity stats map.x3p                               roughness of a height map
   asperity acquire --port /dev/ttyUSB0 -o scan.csv     measure on a goniophotometer
   asperity tabulate m.json --bytes 8192 -o m.bsdft     a table for a microcontroller
+  asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no or the instrument fails,
 2 bad usage or bad input.";
@@ -81,6 +84,7 @@ enum Verb {
     Acquire(acquire::Args),
     Instrument(instrument::Args),
     Tabulate(tabulate::Args),
+    Trade(trade::Args),
     Completions(completions::Args),
 }
 
@@ -107,6 +111,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Acquire(a) => acquire::run(&a),
         Verb::Instrument(a) => instrument::run(&a),
         Verb::Tabulate(a) => tabulate::run(&a),
+        Verb::Trade(a) => trade::run(&a),
         Verb::Completions(a) => completions::run(&a),
     };
     match done {

@@ -10,6 +10,20 @@ pub enum CurveStyle {
     Measured,
     /// A model: a thin line over the data, told from the others by colour and by dashes.
     Fitted,
+    /// Points by themselves, told from the others by colour.
+    Points,
+    /// A ring around each point, under it.
+    Marked,
+}
+
+impl CurveStyle {
+    /// All, in the order of drawing.
+    pub(super) const ALL: [Self; 4] = [Self::Measured, Self::Marked, Self::Fitted, Self::Points];
+
+    /// Whether its curves have colours of their own.
+    pub(super) fn is_coloured(self) -> bool {
+        matches!(self, Self::Fitted | Self::Points)
+    }
 }
 
 /// One line of a panel.

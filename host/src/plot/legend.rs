@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas};
 use super::figure::{Curve, CurveStyle, Figure};
 use super::layout::{SAMPLE, fitted, size};
-use super::palette::{self, MEASURED, MEASURED_RIM, Rgb};
+use super::palette::{self, INK, MEASURED, MEASURED_RIM, Rgb};
 use super::polyline::Pixel;
 
 /// The curves by name, and how each is drawn.
@@ -22,15 +22,17 @@ pub(super) struct Entry {
 }
 
 impl Legend {
-    /// Every name once, the measured ones first, else in the order of their appearance.
+    /// Every name once, in the order of drawing and then of appearance.
     pub(super) fn of(figure: &Figure) -> Self {
         let mut entries: Vec<Entry> = Vec::new();
-        for style in [CurveStyle::Measured, CurveStyle::Fitted] {
+        // lines and points share the colours
+        let mut coloured = 0;
+        for style in CurveStyle::ALL {
             let first = entries.len();
             for curve in figure.curves().filter(|curve| curve.style == style) {
                 if !entries[first..].iter().any(|entry| entry.label == curve.label) {
-                    let index = entries.len() - first;
-                    entries.push(Entry { label: curve.label.clone(), style, index });
+                    entries.push(Entry { label: curve.label.clone(), style, index: coloured });
+                    coloured += usize::from(style.is_coloured());
                 }
             }
         }
@@ -49,8 +51,8 @@ impl Legend {
     /// The line of a curve.
     pub(super) fn stroke(&self, curve: &Curve) -> palette::Stroke {
         let same = |entry: &&Entry| entry.style == curve.style && entry.label == curve.label;
-        match (curve.style, self.entries.iter().find(same)) {
-            (CurveStyle::Fitted, Some(entry)) => palette::fitted(entry.index),
+        match self.entries.iter().find(same) {
+            Some(entry) if curve.style.is_coloured() => palette::fitted(entry.index),
             _ => MEASURED,
         }
     }
@@ -61,6 +63,11 @@ impl Legend {
             (CurveStyle::Measured, true) => marker(canvas, (left + 0.5 * SAMPLE, middle)),
             (CurveStyle::Measured, false) => {
                 canvas.lines(&[vec![(left, middle), (left + SAMPLE, middle)]], MEASURED);
+            }
+            (CurveStyle::Marked, _) => ring(canvas, (left + 0.5 * SAMPLE, middle)),
+            (CurveStyle::Points, _) => {
+                let color = palette::fitted(entry.index).color;
+                canvas.disc((left + 0.5 * SAMPLE, middle), POINT, color, None);
             }
             (CurveStyle::Fitted, _) => {
                 let line = vec![(left, middle), (left + SAMPLE, middle)];
@@ -81,6 +88,14 @@ impl Legend {
 pub(super) fn marker(canvas: &mut Canvas, place: Pixel) {
     canvas.disc(place, 5.5, Rgb(0xff, 0xff, 0xff), Some(MEASURED_RIM));
 }
+
+/// What a marked point lies on.
+pub(super) fn ring(canvas: &mut Canvas, place: Pixel) {
+    canvas.disc(place, 2.0 * POINT, Rgb(0xff, 0xff, 0xff), Some(INK));
+}
+
+/// Radius of a point.
+pub(super) const POINT: f64 = 6.0;
 
 /// Where letters stand whose digits are centred on `middle`.
 pub(super) fn baseline(middle: f64, letters: u32) -> f64 {

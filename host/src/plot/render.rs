@@ -4,7 +4,7 @@ use super::axis::{Axis, Tick, common_exponent, superscript};
 use super::canvas::{Anchor, Canvas, Medium};
 use super::figure::{Across, Curve, CurveStyle, Figure, Panel, PlotError, Scale};
 use super::layout::{Layout, WIDTH, fitted, size};
-use super::legend::{Legend, baseline, marker};
+use super::legend::{Legend, POINT, baseline, marker, ring};
 use super::palette::{self, GRID, INK};
 use super::polyline::{Frame, Pixel, visible_runs};
 
@@ -114,13 +114,20 @@ impl Plot {
     }
 
     fn curves(&self, canvas: &mut Canvas, panel: &Panel, legend: &Legend) {
-        for style in [CurveStyle::Measured, CurveStyle::Fitted] {
+        for style in CurveStyle::ALL {
             for curve in panel.curves.iter().filter(|curve| curve.style == style) {
-                if style == CurveStyle::Measured && legend.sparse {
-                    let places = curve.points.iter().filter_map(|point| self.place(point));
-                    places.filter(|&p| self.frame.contains(p)).for_each(|p| marker(canvas, p));
-                } else {
-                    self.line(canvas, curve, legend.stroke(curve));
+                let stroke = legend.stroke(curve);
+                let places = curve.points.iter().filter_map(|point| self.place(point));
+                let places = places.filter(|&p| self.frame.contains(p));
+                match style {
+                    CurveStyle::Measured if legend.sparse => {
+                        places.for_each(|p| marker(canvas, p));
+                    }
+                    CurveStyle::Marked => places.for_each(|p| ring(canvas, p)),
+                    CurveStyle::Points => {
+                        places.for_each(|p| canvas.disc(p, POINT, stroke.color, None));
+                    }
+                    CurveStyle::Measured | CurveStyle::Fitted => self.line(canvas, curve, stroke),
                 }
             }
         }

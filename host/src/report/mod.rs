@@ -6,11 +6,13 @@ mod formats;
 mod figures;
 mod heights;
 mod html;
+mod trade;
 
 pub use comparison::{Attempt, Comparison, SampleResult};
 pub use figures::{FigureError, FigureFiles, figure, figure_at};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use html::{Picture, page};
+pub use trade::TradeReport;
 
 use crate::fit::Fit;
 

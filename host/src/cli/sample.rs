@@ -1,0 +1,98 @@
+//! A scan with its map and light, as every method is fitted to it: the common part of `compare` and `trade`.
+
+use std::path::{Path, PathBuf};
+
+use super::error::Failure;
+use super::fitted::Job;
+use super::light::{Light, LightFlags};
+use super::map::MapFlags;
+use super::source::{ReadFlags, SetupFlags};
+use super::trial::{EffortFlags, check_method};
+use crate::fit::FitOptions;
+use crate::forward::Setup;
+use crate::measurement::Measurement;
+use crate::method::PAPER;
+use crate::provenance::InputFile;
+use crate::surface::Prepared;
+
+/// All flags of a sample.
+#[derive(Debug, clap::Args)]
+pub(super) struct SampleFlags {
+    #[command(flatten)]
+    pub(super) effort: EffortFlags,
+    #[command(flatten)]
+    setup: SetupFlags,
+    #[command(flatten)]
+    light: LightFlags,
+    #[command(flatten)]
+    map_flags: MapFlags,
+    #[command(flatten)]
+    read: ReadFlags,
+}
+
+/// A scan and its map, read.
+pub(super) struct Loaded {
+    pub(super) measurement: Measurement,
+    pub(super) input: InputFile,
+    pub(super) setup: Setup,
+    pub(super) map: Option<Prepared>,
+    options: FitOptions,
+    light: Light,
+    max_misfit: f64,
+}
+
+impl SampleFlags {
+    /// Reads a scan and its map.
+    pub(super) fn load(&self, scan: &Path, map: Option<&PathBuf>) -> Result<Loaded, Failure> {
+        let (measurement, input) = self.read.read(scan)?;
+        let (surface, setup) = self.setup.resolve(&measurement, scan)?;
+        let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
+        let light = self.light.light(Some(&measurement.meta))?;
+        let options = self.effort.options(surface);
+        let max_misfit = self.effort.max_misfit;
+        Ok(Loaded { measurement, input, setup, map, options, light, max_misfit })
+    }
+}
+
+impl Loaded {
+    /// What a reconstruction needs.
+    pub(super) fn job(&self) -> Job<'_> {
+        Job {
+            measurement: &self.measurement,
+            setup: self.setup,
+            options: self.options,
+            max_misfit: self.max_misfit,
+            map: self.map.as_ref(),
+            light: self.light.clone(),
+            input: &self.input,
+        }
+    }
+}
+
+/// The methods asked for, each once, or all.
+pub(super) fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
+    let mut methods: Vec<String> = Vec::new();
+    for name in asked.iter().map(|n| n.trim()) {
+        check_method(name)?;
+        if !methods.iter().any(|m| m == name) {
+            methods.push(name.to_owned());
+        }
+    }
+    if methods.is_empty() {
+        methods = PAPER.map(String::from).to_vec();
+    }
+    Ok(methods)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PAPER, methods};
+
+    #[test]
+    fn methods_are_taken_once_and_all_without_a_word() {
+        assert_eq!(methods(&[]).unwrap(), PAPER);
+        let asked = ["normals", "ggx", "normals"].map(String::from);
+        assert_eq!(methods(&asked).unwrap(), ["normals", "ggx"]);
+        assert!(methods(&["phong".into()]).is_err());
+    }
+}

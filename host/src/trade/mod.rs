@@ -1,0 +1,29 @@
+//! The trade of an evaluator: its error against what it costs, in time, in instructions, in bytes.
+//!
+//! [`rows`] makes one [`Row`] for each way to evaluate a model: a closed form in every tier, tables of several sizes, the traced or
+//! waved model itself. All are held against the model in double precision on the same directions (`beams`), timed here, and, if a
+//! [`Device`] is at hand, counted on a Cortex-M4F in QEMU. [`choose`] marks the rows that no other beats.
+
+mod pareto;
+mod tier;
+mod beams;
+mod timing;
+mod pairs;
+mod slot;
+mod thumb;
+mod device;
+mod row;
+mod choice;
+mod formula;
+mod scan;
+mod measure;
+
+pub use choice::{Axis, choose};
+pub use device::{Device, NoDevice};
+pub use measure::{Subject, Work, rows};
+pub use pareto::{cheapest, front, knee};
+pub use row::{Evaluator, Marks, Row, Tier};
+pub use scan::Scan;
+
+#[cfg(test)]
+pub(crate) use choice::tests::rows as tests_rows;

@@ -1,0 +1,57 @@
+//! The scan that an evaluator is judged by: the measured one, and one of its own model.
+
+use asperity_core::bsdf::Bsdf;
+use asperity_core::gonio::Geometry;
+use asperity_core::metric::rmsd_percent;
+use asperity_core::plate::RoughSide;
+use asperity_core::quantity::RelativeIor;
+
+use crate::forward::{Effort, Plan, Sample, Setup, quadrature};
+use crate::measurement::{Measurement, Quantity};
+
+/// Incidences of the scan that tells the distance from the model, and its step, degrees.
+const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
+pub(super) const STEP: f64 = 0.25;
+
+/// What was measured on the goniophotometer.
+#[derive(Clone, Debug)]
+pub struct Scan {
+    setup: Setup,
+    plan: Plan,
+    readings: Vec<f64>,
+}
+
+impl Scan {
+    /// A measurement and how it was made.
+    pub fn of(measurement: &Measurement, setup: Setup) -> Self {
+        let readings = measurement.readings().iter().map(|r| r.value).collect();
+        Self { setup, plan: Plan::of(measurement), readings }
+    }
+
+    /// The scan that any model can be compared on: the GP-200's, in transmission if there is any.
+    pub(super) fn usual<B: Bsdf<f64> + Sync>(model: &B, eta: Option<f64>) -> Option<Self> {
+        let (sample, geometry) = match eta {
+            Some(eta) => {
+                let (eta, rough_side) = (RelativeIor::new(eta).ok()?, RoughSide::Source);
+                (Sample::Plate { eta, rough_side }, Geometry::Transmission)
+            }
+            None => (Sample::Opaque, Geometry::Reflection),
+        };
+        let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
+        let thetas: Vec<f64> = (0..=720).map(|k| -90.0 + STEP * f64::from(k)).collect();
+        let plan = Plan::product(&SIGMAS, &thetas);
+        let readings = quadrature(model, &setup, &plan, Effort::Full).values;
+        Some(Self { setup, plan, readings })
+    }
+
+    /// Its incidences, degrees.
+    pub(super) fn sigmas_deg(&self) -> impl Iterator<Item = f64> + '_ {
+        self.plan.incidences.iter().map(|i| i.sigma_deg)
+    }
+
+    /// Eq. (18) of a law's diffuse light.
+    pub(super) fn error<B: Bsdf<f64> + Sync>(&self, law: &B) -> Option<f64> {
+        let values = quadrature(law, &self.setup, &self.plan, Effort::Full).values;
+        rmsd_percent(&self.readings, &values).filter(|e| e.is_finite())
+    }
+}
