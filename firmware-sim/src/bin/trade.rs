@@ -124,22 +124,22 @@ mod device {
     {
         let words = &slot.words;
         let lobe = |at: usize| {
-            let w = &words[at..at + 9];
+            let w = &words[at..at + 10];
             let shape = Shape {
                 incidences: w[1] as u16,
                 azimuths: w[2] as u16,
                 radii: w[3] as u16,
                 intervals: w[4] as u16,
             };
-            let form = [Form::Masked, Form::Unmasked, Form::Drawn][w[5] as usize % 3];
+            let form = [Form::Masked, Form::Drawn, Form::Direct][w[5] as usize % 3];
             let fall = [Fall::Flat, Fall::Second, Fall::Fourth][w[6] as usize % 3];
-            let [scale, grazing] = [w[7], w[8]].map(f32::from_bits);
-            (w[0] == 1).then_some(LobeHeader { shape, form, fall, scale, grazing })
+            let [scale, grazing, masking] = [w[7], w[8], w[9]].map(f32::from_bits);
+            (w[0] == 1).then_some(LobeHeader { shape, form, fall, scale, grazing, masking })
         };
         let header = Header {
             eta: RelativeIor::new(f32::from_bits(words[10])).ok()?,
             slope: f32::from_bits(words[11]),
-            lobes: [16, 25, 34, 43].map(lobe),
+            lobes: [16, 26, 36, 46].map(lobe),
             fluxes: [words[12] as u16, words[13] as u16],
             grazing: [words[14], words[15]].map(f32::from_bits),
         };

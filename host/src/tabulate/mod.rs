@@ -167,11 +167,17 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Lobes, f64), NoTable> {
     let mut lobes: Lobes = [const { None }; 4];
-    let incidences = if budget < 4096 { 9 } else { 12 };
     let sides = [Side::Air, Side::Dielectric];
     let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
     let (mut done, mut slope) = (0, None);
     for (at, side) in sides.into_iter().enumerate() {
+        // from inside much changes about the critical angle
+        let incidences = match (budget < 4096, side) {
+            (true, Side::Air) => 9,
+            (true, Side::Dielectric) => 12,
+            (false, Side::Air) => 14,
+            (false, Side::Dielectric) => 20,
+        };
         let fitted = |azimuths| search::fitted::<S>(incidences, azimuths, budget);
         let chosen = pilot::chosen(boundary, (eta, side), incidences, fitted, plan.rays);
         slope = slope.or(Some(chosen[0].1));

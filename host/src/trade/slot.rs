@@ -12,7 +12,7 @@ use super::pairs::Pairs;
 use crate::embedded::{EmbeddedTable, Values};
 
 const MAGIC: [u32; 4] = [0x6173_7065, 0x7269_7479, 0x7472_6164, 0x6531_8d5f];
-/// Words of the model's numbers, and where those of the first lobe begin; nine a lobe.
+/// Words of the model's numbers, and where those of the first lobe begin; ten a lobe.
 const WORDS: usize = 64;
 const LOBES: usize = 16;
 /// Bytes of an element of each part after the lengths: words, pairs, gains, fluxes, quantiles, leans, bytes, halves.
@@ -102,7 +102,7 @@ impl Payload {
             grazing_inside,
         ]);
         let mut add = |at: usize, lobe: &LobeTable<'_, S>| {
-            payload.words[at..at + 9].copy_from_slice(&lobe_words(lobe));
+            payload.words[at..at + 10].copy_from_slice(&lobe_words(lobe));
             let arrays = &mut payload.arrays;
             arrays[0].extend(lobe.gains.iter().flat_map(|x| x.to_le_bytes()));
             arrays[2].extend(lobe.quantiles.iter().flat_map(|x| x.to_le_bytes()));
@@ -113,7 +113,7 @@ impl Payload {
             let side = view.side(side);
             for (j, lobe) in [&side.reflection, &side.transmission].into_iter().enumerate() {
                 if let Some(lobe) = lobe {
-                    add(LOBES + 9 * (2 * k + j), lobe);
+                    add(LOBES + 10 * (2 * k + j), lobe);
                 }
             }
         }
@@ -157,13 +157,13 @@ fn start(elf: &[u8]) -> Option<usize> {
     elf.windows(magic.len()).position(|w| w == magic).map(|at| at + magic.len())
 }
 
-fn lobe_words<S>(lobe: &LobeTable<'_, S>) -> [u32; 9] {
+fn lobe_words<S>(lobe: &LobeTable<'_, S>) -> [u32; 10] {
     let shape = lobe.shape;
     let nodes = [shape.incidences, shape.azimuths, shape.radii, shape.intervals].map(u32::from);
     let form = match lobe.form {
         Form::Masked => 0,
-        Form::Unmasked => 1,
-        Form::Drawn => 2,
+        Form::Drawn => 1,
+        Form::Direct => 2,
     };
     let fall = match lobe.fall {
         Fall::Flat => 0,
@@ -171,5 +171,6 @@ fn lobe_words<S>(lobe: &LobeTable<'_, S>) -> [u32; 9] {
         Fall::Fourth => 2,
     };
     let [a, b, c, d] = nodes;
-    [1, a, b, c, d, form, fall, lobe.scale.to_bits(), lobe.grazing.to_bits()]
+    let [scale, grazing, masking] = [lobe.scale, lobe.grazing, lobe.masking].map(f32::to_bits);
+    [1, a, b, c, d, form, fall, scale, grazing, masking]
 }
