@@ -12,9 +12,11 @@
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::quantity::RelativeIor;
+use crate::scope;
 
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "table"), allow(dead_code, reason = "tables ask for all of it"))]
 pub(crate) struct HalfVector<T> {
     /// Whether there is one: no direction in the surface, no facet turned away, no matched media, no NaN.
     /// If not, the other fields mean nothing, and may be infinite or NaN.
@@ -42,8 +44,12 @@ impl<T: Real> HalfVector<T> {
         let [ix, iy, iz] = wi.xyz();
         let [ox, oy, oz] = wo.xyz();
         let sign_i = T::ONE.copysign(iz);
-        let mirrored = sign_i * oz > T::ZERO;
-        let (n, below) = (eta.get(), iz < T::ZERO);
+        let (mirrored, below) = (sign_i * oz > T::ZERO, iz < T::ZERO);
+        let answered = scope::lobe(mirrored) & scope::side(below);
+        // known to the compiler where this build has one lobe, or one side, only
+        let mirrored = scope::REFLECTION & (mirrored | !scope::TRANSMISSION);
+        let below = scope::DIELECTRIC & (below | !scope::AIR);
+        let n = eta.get();
         let r = if below { eta.inverse() } else { n };
         // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
         // the common index is left out.
@@ -81,7 +87,7 @@ impl<T: Real> HalfVector<T> {
         // All of these are positive if there is a facet; the last term makes NaN of any NaN.
         let least = choose(mirrored, || hh, seen).min(iz.abs()).min(oz.abs()) + T::ZERO * hh;
         Self {
-            possible: (least > T::ZERO) & !eta.is_matched(),
+            possible: (least > T::ZERO) & !eta.is_matched() & answered,
             xy2,
             z2,
             ih: c,

@@ -4,21 +4,30 @@
 //! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
+#[cfg(feature = "ggx")]
 mod ggx;
+#[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
 mod half;
+#[cfg(feature = "normals")]
 mod normals;
+#[cfg(feature = "ggx")]
 mod opaque;
 mod smooth;
 
+#[cfg(feature = "ggx")]
 pub use ggx::Ggx;
+#[cfg(feature = "normals")]
 pub use normals::Normals;
+#[cfg(feature = "ggx")]
 pub use opaque::OpaqueGgx;
 pub use smooth::Smooth;
 
+#[cfg(feature = "table")]
 pub(crate) use half::HalfVector;
 
-use crate::direction::Direction;
+use crate::direction::{Direction, Side};
 use crate::math::Real;
+use crate::scope;
 
 /// A scattered ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,21 +62,40 @@ impl<T: Real, S: Scatter<T>> Scatter<T> for &S {
     }
 }
 
+/// The side light from `wi` comes from; `None` in the surface, or if this build leaves that side out.
+#[inline(always)]
+#[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
+pub(crate) fn lit<T: Real>(wi: Direction<T>) -> Option<Side> {
+    wi.side().filter(|side| scope::side(*side == Side::Dielectric))
+}
+
+/// Light that meets no boundary.
+#[cfg(any(feature = "ggx", feature = "normals"))]
+fn straight<T: Real>(wi: Direction<T>) -> Option<Scattered<T>> {
+    let seen = wi.side().is_none_or(|side| scope::side(side == Side::Dielectric));
+    (scope::TRANSMISSION && seen).then(|| Scattered { wo: wi.opposite(), weight: T::ONE })
+}
+
 /// A ray sent by one facet of unit normal `m`, with the Fresnel share of the lobe as its weight.
 ///
-/// `None` if the facet cannot: total reflection, or a ray that would meet the surface again.
+/// `None` if the facet cannot: total reflection, or a ray that would meet the surface again; or if this build leaves it out.
+#[cfg(any(feature = "ggx", feature = "normals"))]
 fn facet_ray<T: Real>(
     wi: Direction<T>,
     m: Direction<T>,
     eta: T,
     lobe: Lobe,
 ) -> Option<Scattered<T>> {
+    let side = lit(wi)?;
+    if !scope::lobe(lobe == Lobe::Reflection) {
+        return None;
+    }
     let fresnel = crate::fresnel::dielectric(m.dot(wi).abs(), eta);
     let (wo, weight) = match lobe {
         Lobe::Reflection => (wi.reflect(m), fresnel.reflected),
         Lobe::Transmission => (wi.refract(m, eta)?, fresnel.transmitted),
     };
-    let same_side = wo.side()? == wi.side()?;
+    let same_side = wo.side()? == side;
     (same_side == (lobe == Lobe::Reflection)).then_some(Scattered { wo, weight })
 }
 

@@ -3,13 +3,17 @@
 //! Nothing else in this crate calls `libm` or an inherent float function that needs `std`. The same
 //! source therefore gives the same bits on a workstation and on a Cortex-M, in debug and release.
 
+#[cfg(feature = "fast")]
 mod fast;
 mod hardware;
+#[cfg(feature = "fast")]
+#[cfg_attr(not(all(feature = "f32", feature = "f64")), allow(dead_code, reason = "one precision"))]
 mod polynomial;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, clippy::float_cmp, reason = "oracles, and exact values")]
 mod tests_fast;
 
+#[cfg(feature = "fast")]
 pub use fast::{Fast, FastVec3};
 
 use core::fmt::{Debug, Display};
@@ -136,6 +140,7 @@ pub trait Real:
     }
 }
 
+#[cfg(any(feature = "f32", feature = "f64"))]
 macro_rules! implement {
     ($t:ty, $vec:ty, $sqrt:path, $cbrt:path, $sincos:path, $tan:path, $asin:path, $acos:path, $atan2:path,
      $exp:path, $ln:path, $pow:path, $floor:path, $mantissa:expr) => {
@@ -246,6 +251,7 @@ macro_rules! implement {
     };
 }
 
+#[cfg(feature = "f32")]
 implement!(
     f32,
     glam::Vec3,
@@ -262,6 +268,7 @@ implement!(
     libm::floorf,
     24
 );
+#[cfg(feature = "f64")]
 implement!(
     f64,
     glam::DVec3,

@@ -1,5 +1,8 @@
 //! Distributions of microfacet normals.
 
+#[cfg(feature = "ggx")]
 pub mod ggx;
+#[cfg(feature = "normals")]
 pub mod law;
+#[cfg(feature = "normals")]
 pub mod normals;

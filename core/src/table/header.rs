@@ -5,6 +5,7 @@ use super::side::SideTable;
 use super::storage::Storage;
 use super::view::{BsdfTableRef, TableError};
 use crate::quantity::RelativeIor;
+use crate::scope;
 
 /// The numbers of one lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,57 +93,75 @@ impl Header {
         if given != self.lengths() {
             return Err(TableError::Length);
         }
-        let [air, dielectric] = self.split(arrays).ok_or(TableError::Length)?;
-        BsdfTableRef::new(self.eta, self.slope, air, dielectric)
+        let view = self.view(arrays).ok_or(TableError::Length)?;
+        view.check()?;
+        Ok(view)
     }
 
     /// The same without a look at the numbers, for arrays that [`Self::table`] has taken before; any others give wrong
     /// values, never a panic.
     #[inline]
     pub fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
-        Some(BsdfTableRef::of_checked(self.eta, self.slope, self.split(arrays)?))
+        let mut view = BsdfTableRef::dark(self.eta, self.slope);
+        self.fill(arrays, &mut view).then_some(view)
     }
 
-    /// The two sides of arrays that are at least as long as they must be.
-    pub(super) fn split<'a, S: Storage>(
+    /// The same in place, for storage that is none of Rust's: a copy of a whole view costs a device a `memcpy`.
+    ///
+    /// `view` is a [dark](BsdfTableRef::dark) table; `false` if the arrays have too few numbers for the rest of it.
+    #[inline(always)]
+    pub fn fill<'a, S: Storage>(
         &self,
         mut arrays: Arrays<'a, S>,
-    ) -> Option<[SideTable<'a, S>; 2]> {
-        let mut sides = [SideTable::DARK; 2];
-        let [air_r, air_t, inside_r, inside_t] = self.lobes;
-        let lobes = [[air_r, air_t], [inside_r, inside_t]];
-        for (((side, [r, t]), rows), grazing) in
-            sides.iter_mut().zip(lobes).zip(self.fluxes).zip(self.grazing)
-        {
-            if let Some(header) = r {
-                side.reflection = Some(next_lobe(header, &mut arrays)?);
-            }
-            if let Some(header) = t {
-                side.transmission = Some(next_lobe(header, &mut arrays)?);
-            }
-            side.fluxes = take(&mut arrays.fluxes, usize::from(rows))?;
-            side.grazing = grazing;
+        view: &mut BsdfTableRef<'a, S>,
+    ) -> bool {
+        let [air, dielectric] = view.sides_mut();
+        self.split(&mut arrays, air, dielectric).is_some()
+    }
+
+    fn split<'a, S: Storage>(
+        &self,
+        from: &mut Arrays<'a, S>,
+        air: &mut SideTable<'a, S>,
+        dielectric: &mut SideTable<'a, S>,
+    ) -> Option<()> {
+        let [air_r, air_t, inside_r, inside_t] = &self.lobes;
+        next_lobe(air_r, from, &mut air.reflection, scope::AIR && scope::REFLECTION)?;
+        next_lobe(air_t, from, &mut air.transmission, scope::AIR && scope::TRANSMISSION)?;
+        let (r, t) = (&mut dielectric.reflection, &mut dielectric.transmission);
+        next_lobe(inside_r, from, r, scope::DIELECTRIC && scope::REFLECTION)?;
+        next_lobe(inside_t, from, t, scope::DIELECTRIC && scope::TRANSMISSION)?;
+        let [above, below] = self.fluxes;
+        let rows = take(&mut from.fluxes, usize::from(above))?;
+        if scope::AIR {
+            (air.fluxes, [air.grazing, _]) = (rows, self.grazing);
         }
-        Some(sides)
+        let rows = take(&mut from.fluxes, usize::from(below))?;
+        if scope::DIELECTRIC {
+            (dielectric.fluxes, [_, dielectric.grazing]) = (rows, self.grazing);
+        }
+        Some(())
     }
 }
 
+/// Takes the numbers of a lobe, and puts them where they belong if they are wanted.
+#[inline(never)]
 fn next_lobe<'a, S: Storage>(
-    header: LobeHeader,
+    header: &Option<LobeHeader>,
     from: &mut Arrays<'a, S>,
-) -> Option<LobeTable<'a, S>> {
-    let LobeHeader { shape, form, fall, scale, grazing } = header;
-    Some(LobeTable {
-        shape,
-        form,
-        fall,
-        scale,
-        grazing,
-        gains: take(&mut from.gains, usize::from(shape.incidences))?,
-        values: take(&mut from.values, shape.values())?,
-        quantiles: take(&mut from.quantiles, shape.quantiles())?,
-        leans: take(&mut from.leans, shape.leans())?,
-    })
+    to: &mut Option<LobeTable<'a, S>>,
+    wanted: bool,
+) -> Option<()> {
+    let Some(LobeHeader { shape, form, fall, scale, grazing }) = *header else { return Some(()) };
+    let gains = take(&mut from.gains, usize::from(shape.incidences))?;
+    let values = take(&mut from.values, shape.values())?;
+    let quantiles = take(&mut from.quantiles, shape.quantiles())?;
+    let leans = take(&mut from.leans, shape.leans())?;
+    if wanted {
+        *to =
+            Some(LobeTable { shape, form, fall, scale, grazing, gains, values, quantiles, leans });
+    }
+    Some(())
 }
 
 fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {

@@ -162,6 +162,9 @@ fn payload() -> Vec<u32> {
     bytes.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect()
 }
 
+static ETA: f32 = 1.5;
+static MATCHED: f32 = 1.0;
+static SLOPE: f32 = 0.3;
 const BYTES: usize = 8 + 8 + 8 + 2 + 16;
 
 #[test]
@@ -170,8 +173,8 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
     let lobes: [[u16; 6]; 4] = [[0; 6], [2, 2, 2, 1, 0, 4], [0; 6], [0; 6]];
     let scales = [[0.0_f32; 2], [0.3, 1.0], [0.0; 2], [0.0; 2]];
     let source = AsperityTableSource {
-        eta: 1.5,
-        slope: 0.3,
+        eta: &raw const ETA,
+        slope: &raw const SLOPE,
         lobes: lobes.as_ptr().cast(),
         scales: scales.as_ptr().cast(),
         flux_incidences: [2, 0].as_ptr(),
@@ -204,7 +207,7 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
         Status::UnknownOption
     );
     assert_eq!(
-        init(&AsperityTableSource { eta: 1.0, ..source }, start, BYTES),
+        init(&AsperityTableSource { eta: &raw const MATCHED, ..source }, start, BYTES),
         Status::TableNumber
     );
     assert_eq!(
