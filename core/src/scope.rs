@@ -18,6 +18,11 @@
 //!
 //! The smooth boundary, Fresnel's and Snell's laws know no lobes or sides to leave out.
 
+#![cfg_attr(
+    not(any(feature = "ggx", feature = "normals", feature = "table")),
+    allow(dead_code, reason = "without a law nobody asks")
+)]
+
 /// Light may come from the air.
 pub(crate) const AIR: bool = cfg!(feature = "air");
 /// Light may come from the dielectric.

@@ -1,7 +1,8 @@
 //! GGX rough dielectric, reflection and transmission from both sides \[Walter2007; Sokolov eqs 1-3\].
 
+use super::facet::{facet_ray, lit, straight};
 use super::half::HalfVector;
-use super::{Bsdf, Lobe, Scatter, Scattered, facet_ray, lit, straight};
+use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::fresnel;
 use crate::math::Real;

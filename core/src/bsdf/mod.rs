@@ -4,6 +4,8 @@
 //! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
+#[cfg(any(feature = "ggx", feature = "normals"))]
+mod facet;
 #[cfg(feature = "ggx")]
 mod ggx;
 #[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
@@ -25,9 +27,8 @@ pub use smooth::Smooth;
 #[cfg(feature = "table")]
 pub(crate) use half::HalfVector;
 
-use crate::direction::{Direction, Side};
+use crate::direction::Direction;
 use crate::math::Real;
-use crate::scope;
 
 /// A scattered ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,43 +61,6 @@ impl<T: Real, S: Scatter<T>> Scatter<T> for &S {
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
         (**self).sample(wi, uniform)
     }
-}
-
-/// The side light from `wi` comes from; `None` in the surface, or if this build leaves that side out.
-#[inline(always)]
-#[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
-pub(crate) fn lit<T: Real>(wi: Direction<T>) -> Option<Side> {
-    wi.side().filter(|side| scope::side(*side == Side::Dielectric))
-}
-
-/// Light that meets no boundary.
-#[cfg(any(feature = "ggx", feature = "normals"))]
-fn straight<T: Real>(wi: Direction<T>) -> Option<Scattered<T>> {
-    let seen = wi.side().is_none_or(|side| scope::side(side == Side::Dielectric));
-    (scope::TRANSMISSION && seen).then(|| Scattered { wo: wi.opposite(), weight: T::ONE })
-}
-
-/// A ray sent by one facet of unit normal `m`, with the Fresnel share of the lobe as its weight.
-///
-/// `None` if the facet cannot: total reflection, or a ray that would meet the surface again; or if this build leaves it out.
-#[cfg(any(feature = "ggx", feature = "normals"))]
-fn facet_ray<T: Real>(
-    wi: Direction<T>,
-    m: Direction<T>,
-    eta: T,
-    lobe: Lobe,
-) -> Option<Scattered<T>> {
-    let side = lit(wi)?;
-    if !scope::lobe(lobe == Lobe::Reflection) {
-        return None;
-    }
-    let fresnel = crate::fresnel::dielectric(m.dot(wi).abs(), eta);
-    let (wo, weight) = match lobe {
-        Lobe::Reflection => (wi.reflect(m), fresnel.reflected),
-        Lobe::Transmission => (wi.refract(m, eta)?, fresnel.transmitted),
-    };
-    let same_side = wo.side()? == side;
-    (same_side == (lobe == Lobe::Reflection)).then_some(Scattered { wo, weight })
 }
 
 /// A scattering law with a value.

@@ -1,7 +1,8 @@
 //! The `Normals` method: one facet at each hit, drawn from a density of normals \[Sokolov section 2.2\].
 
+use super::facet::{facet_ray, lit, straight};
 use super::half::HalfVector;
-use super::{Bsdf, Lobe, Scatter, Scattered, facet_ray, lit, straight};
+use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::fresnel;
 use crate::math::Real;

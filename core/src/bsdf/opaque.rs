@@ -1,6 +1,7 @@
 //! Opaque GGX surface with a Lambert floor: what a reflection scan of a metal is fitted with.
 
-use super::{Bsdf, Lobe, Scatter, Scattered, lit};
+use super::facet::lit;
+use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::math::Real;
 use crate::ndf::ggx::{d_of_vector, sample_visible, shadow_sum};

@@ -3,7 +3,7 @@
 //! IEEE 754 demands a correctly rounded square root, so hardware and software agree in every bit;
 //! only the cost differs (Cortex-M4F: 4 instructions against 76). On x86-64 the intrinsics also let
 //! the compiler turn a loop of square roots into vector instructions, which a call cannot be.
-#![expect(unsafe_code, reason = "intrinsics and one C symbol; no pointers, no state")]
+#![allow(unsafe_code, reason = "intrinsics and one C symbol; no pointers, no state")]
 
 /// Square root of an `f32`.
 #[cfg(feature = "f32")]

@@ -7,7 +7,6 @@
 mod fast;
 mod hardware;
 #[cfg(feature = "fast")]
-#[cfg_attr(not(all(feature = "f32", feature = "f64")), allow(dead_code, reason = "one precision"))]
 mod polynomial;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, clippy::float_cmp, reason = "oracles, and exact values")]
