@@ -117,10 +117,25 @@ impl<T: Real> RelativeIor<T> {
     }
 }
 
+impl RelativeIor<f32> {
+    /// [`Self::new`] in a constant; `None` outside its domain.
+    pub const fn constant(eta: f32) -> Option<Self> {
+        let fine = eta >= Self::LEAST as f32 && eta <= Self::MOST as f32;
+        if fine { Some(Self { value: eta, inverse: 1.0 / eta }) } else { None }
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{Alpha, QuantityError, RelativeIor};
+
+    #[test]
+    fn a_constant_is_the_same_quantity() {
+        for x in [0.05_f32, 0.1, 0.7, 1.0, 1.49, 10.0, 10.5, f32::NAN, f32::INFINITY] {
+            assert_eq!(RelativeIor::constant(x), RelativeIor::new(x).ok(), "{x}");
+        }
+    }
 
     #[test]
     fn a_quantity_outside_its_domain_is_refused_with_the_reason() {

@@ -99,73 +99,87 @@ impl Header {
     }
 
     /// The same without a look at the numbers, for arrays that [`Self::table`] has taken before; any others give wrong
-    /// values, never a panic.
+    /// values, never a panic. In a constant the device has nothing to do.
     #[inline]
-    pub fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
+    pub const fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
         let mut view = BsdfTableRef::dark(self.eta, self.slope);
-        self.fill(arrays, &mut view).then_some(view)
+        if self.fill(arrays, &mut view) { Some(view) } else { None }
     }
 
     /// The same in place, for storage that is none of Rust's: a copy of a whole view costs a device a `memcpy`.
     ///
     /// `view` is a [dark](BsdfTableRef::dark) table; `false` if the arrays have too few numbers for the rest of it.
     #[inline(always)]
-    pub fn fill<'a, S: Storage>(
+    pub const fn fill<'a, S: Storage>(
         &self,
         mut arrays: Arrays<'a, S>,
         view: &mut BsdfTableRef<'a, S>,
     ) -> bool {
         let [air, dielectric] = view.sides_mut();
-        self.split(&mut arrays, air, dielectric).is_some()
+        self.split(&mut arrays, air, dielectric)
     }
 
-    fn split<'a, S: Storage>(
+    const fn split<'a, S: Storage>(
         &self,
         from: &mut Arrays<'a, S>,
         air: &mut SideTable<'a, S>,
         dielectric: &mut SideTable<'a, S>,
-    ) -> Option<()> {
-        let [air_r, air_t, inside_r, inside_t] = &self.lobes;
-        next_lobe(air_r, from, &mut air.reflection, scope::AIR && scope::REFLECTION)?;
-        next_lobe(air_t, from, &mut air.transmission, scope::AIR && scope::TRANSMISSION)?;
+    ) -> bool {
+        let ([air_r, air_t, inside_r, inside_t], [above, below]) = (&self.lobes, self.fluxes);
+        let [grazing_above, grazing_below] = self.grazing;
         let (r, t) = (&mut dielectric.reflection, &mut dielectric.transmission);
-        next_lobe(inside_r, from, r, scope::DIELECTRIC && scope::REFLECTION)?;
-        next_lobe(inside_t, from, t, scope::DIELECTRIC && scope::TRANSMISSION)?;
-        let [above, below] = self.fluxes;
-        let rows = take(&mut from.fluxes, usize::from(above))?;
-        if scope::AIR {
-            (air.fluxes, [air.grazing, _]) = (rows, self.grazing);
-        }
-        let rows = take(&mut from.fluxes, usize::from(below))?;
-        if scope::DIELECTRIC {
-            (dielectric.fluxes, [_, dielectric.grazing]) = (rows, self.grazing);
-        }
-        Some(())
+        next_lobe(air_r, from, &mut air.reflection, scope::AIR && scope::REFLECTION)
+            && next_lobe(air_t, from, &mut air.transmission, scope::AIR && scope::TRANSMISSION)
+            && next_lobe(inside_r, from, r, scope::DIELECTRIC && scope::REFLECTION)
+            && next_lobe(inside_t, from, t, scope::DIELECTRIC && scope::TRANSMISSION)
+            && next_fluxes(above, grazing_above, from, air, scope::AIR)
+            && next_fluxes(below, grazing_below, from, dielectric, scope::DIELECTRIC)
     }
 }
 
 /// Takes the numbers of a lobe, and puts them where they belong if they are wanted.
 #[inline(never)]
-fn next_lobe<'a, S: Storage>(
+const fn next_lobe<'a, S: Storage>(
     header: &Option<LobeHeader>,
     from: &mut Arrays<'a, S>,
     to: &mut Option<LobeTable<'a, S>>,
     wanted: bool,
-) -> Option<()> {
-    let Some(LobeHeader { shape, form, fall, scale, grazing }) = *header else { return Some(()) };
-    let gains = take(&mut from.gains, usize::from(shape.incidences))?;
-    let values = take(&mut from.values, shape.values())?;
-    let quantiles = take(&mut from.quantiles, shape.quantiles())?;
-    let leans = take(&mut from.leans, shape.leans())?;
+) -> bool {
+    let Some(LobeHeader { shape, form, fall, scale, grazing }) = *header else { return true };
+    let (Some(gains), Some(values), Some(quantiles), Some(leans)) = (
+        take(&mut from.gains, shape.incidences as usize),
+        take(&mut from.values, shape.values()),
+        take(&mut from.quantiles, shape.quantiles()),
+        take(&mut from.leans, shape.leans()),
+    ) else {
+        return false;
+    };
     if wanted {
         *to =
             Some(LobeTable { shape, form, fall, scale, grazing, gains, values, quantiles, leans });
     }
-    Some(())
+    true
 }
 
-fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {
-    let (head, rest) = from.split_at_checked(count)?;
+/// The same for the fluxes of a side.
+#[inline(always)]
+const fn next_fluxes<'a, S: Storage>(
+    rows: u16,
+    grazing: f32,
+    from: &mut Arrays<'a, S>,
+    to: &mut SideTable<'a, S>,
+    wanted: bool,
+) -> bool {
+    let Some(fluxes) = take(&mut from.fluxes, rows as usize) else { return false };
+    if wanted {
+        to.fluxes = fluxes;
+        to.grazing = grazing;
+    }
+    true
+}
+
+const fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {
+    let Some((head, rest)) = from.split_at_checked(count) else { return None };
     *from = rest;
     Some(head)
 }

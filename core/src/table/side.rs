@@ -35,7 +35,7 @@ pub struct SideTable<'a, S> {
 impl<S: Storage> SideTable<'_, S> {
     /// [`Self::DARK`], made and not copied.
     #[inline(always)]
-    pub(super) fn dark() -> Self {
+    pub(super) const fn dark() -> Self {
         Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] }
     }
 

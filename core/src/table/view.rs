@@ -85,13 +85,13 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
 
     /// A table of nothing.
     #[inline(always)]
-    pub fn dark(eta: RelativeIor<f32>, slope: f32) -> Self {
+    pub const fn dark(eta: RelativeIor<f32>, slope: f32) -> Self {
         Self { eta, slope, air: SideTable::dark(), dielectric: SideTable::dark() }
     }
 
     /// Both sides, from the air first.
     #[inline(always)]
-    pub(super) fn sides_mut(&mut self) -> [&mut SideTable<'a, S>; 2] {
+    pub(super) const fn sides_mut(&mut self) -> [&mut SideTable<'a, S>; 2] {
         [&mut self.air, &mut self.dielectric]
     }
 
