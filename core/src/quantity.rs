@@ -117,6 +117,7 @@ impl<T: Real> RelativeIor<T> {
     }
 }
 
+#[cfg(feature = "f32")]
 impl RelativeIor<f32> {
     /// [`Self::new`] in a constant; `None` outside its domain.
     pub const fn constant(eta: f32) -> Option<Self> {

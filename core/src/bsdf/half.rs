@@ -47,8 +47,8 @@ impl<T: Real> HalfVector<T> {
         let (mirrored, below) = (sign_i * oz > T::ZERO, iz < T::ZERO);
         let answered = scope::lobe(mirrored) & scope::side(below);
         // known to the compiler where this build has one lobe, or one side, only
-        let mirrored = scope::REFLECTION & (mirrored | !scope::TRANSMISSION);
-        let below = scope::DIELECTRIC & (below | !scope::AIR);
+        let mirrored = scope::REFLECTION && (mirrored || !scope::TRANSMISSION);
+        let below = scope::DIELECTRIC && (below || !scope::AIR);
         let n = eta.get();
         let r = if below { eta.inverse() } else { n };
         // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection

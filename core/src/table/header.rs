@@ -128,10 +128,15 @@ impl Header {
         let ([air_r, air_t, inside_r, inside_t], [above, below]) = (&self.lobes, self.fluxes);
         let [grazing_above, grazing_below] = self.grazing;
         let (r, t) = (&mut dielectric.reflection, &mut dielectric.transmission);
-        next_lobe(air_r, from, &mut air.reflection, scope::AIR && scope::REFLECTION)
-            && next_lobe(air_t, from, &mut air.transmission, scope::AIR && scope::TRANSMISSION)
-            && next_lobe(inside_r, from, r, scope::DIELECTRIC && scope::REFLECTION)
-            && next_lobe(inside_t, from, t, scope::DIELECTRIC && scope::TRANSMISSION)
+        next_lobe(air_r.as_ref(), from, &mut air.reflection, scope::AIR && scope::REFLECTION)
+            && next_lobe(
+                air_t.as_ref(),
+                from,
+                &mut air.transmission,
+                scope::AIR && scope::TRANSMISSION,
+            )
+            && next_lobe(inside_r.as_ref(), from, r, scope::DIELECTRIC && scope::REFLECTION)
+            && next_lobe(inside_t.as_ref(), from, t, scope::DIELECTRIC && scope::TRANSMISSION)
             && next_fluxes(above, grazing_above, from, air, scope::AIR)
             && next_fluxes(below, grazing_below, from, dielectric, scope::DIELECTRIC)
     }
@@ -140,12 +145,12 @@ impl Header {
 /// Takes the numbers of a lobe, and puts them where they belong if they are wanted.
 #[inline(never)]
 const fn next_lobe<'a, S: Storage>(
-    header: &Option<LobeHeader>,
+    header: Option<&LobeHeader>,
     from: &mut Arrays<'a, S>,
     to: &mut Option<LobeTable<'a, S>>,
     wanted: bool,
 ) -> bool {
-    let Some(LobeHeader { shape, form, fall, scale, grazing }) = *header else { return true };
+    let Some(&LobeHeader { shape, form, fall, scale, grazing }) = header else { return true };
     let (Some(gains), Some(values), Some(quantiles), Some(leans)) = (
         take(&mut from.gains, shape.incidences as usize),
         take(&mut from.values, shape.values()),

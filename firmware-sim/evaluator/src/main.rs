@@ -18,6 +18,7 @@ mod example;
 
 #[cfg(target_os = "none")]
 mod device {
+    use core::hint::black_box;
     use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
     use cortex_m_rt::entry;
@@ -39,11 +40,11 @@ mod device {
         let law = law();
         loop {
             let [ix, iy, iz, ox, oy, oz] =
-                FROM_SENSOR.each_ref().map(|bits| f32::from_bits(bits.load(Relaxed)));
+                black_box(&FROM_SENSOR).each_ref().map(|bits| f32::from_bits(bits.load(Relaxed)));
             if let Some(law) = &law
                 && let Some(value) = law([ix, iy, iz], [ox, oy, oz])
             {
-                TO_MOTOR.store(value.to_bits(), Relaxed);
+                black_box(&TO_MOTOR).store(value.to_bits(), Relaxed);
             }
         }
     }

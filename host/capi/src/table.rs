@@ -97,7 +97,9 @@ pub(crate) enum Stored<'a> {
 
 /// A kind of value this library was built for.
 pub(crate) trait Value: Storage {
-    fn stored(view: BsdfTableRef<'_, Self>) -> Stored<'_>;
+    /// A table of nothing.
+    fn dark(header: &Header) -> Stored<'static>;
+    /// The view of a table of this kind.
     fn view<'b, 'a>(stored: &'b mut Stored<'a>) -> Option<&'b mut BsdfTableRef<'a, Self>>;
 }
 
@@ -106,8 +108,8 @@ macro_rules! value {
         #[cfg(feature = $feature)]
         impl Value for $t {
             #[inline(always)]
-            fn stored(view: BsdfTableRef<'_, Self>) -> Stored<'_> {
-                Stored::$variant(view)
+            fn dark(header: &Header) -> Stored<'static> {
+                Stored::$variant(BsdfTableRef::dark(header.eta, header.slope))
             }
             #[inline(always)]
             fn view<'b, 'a>(stored: &'b mut Stored<'a>) -> Option<&'b mut BsdfTableRef<'a, Self>> {

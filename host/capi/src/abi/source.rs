@@ -1,6 +1,6 @@
 //! The numbers and arrays of a table, as C has them.
 
-use asperity_core::table::{Arrays, BsdfTableRef, Header};
+use asperity_core::table::{Arrays, Header};
 
 use super::pointer::{begin, finish, read, refer, slice};
 use super::table::AsperityTable;
@@ -112,15 +112,13 @@ impl AsperityTableSource {
                 leans: slice(self.leans, self.leans_length)?,
                 fluxes: slice(self.fluxes.cast(), self.fluxes_length / 4)?,
             };
-            if trusted {
-                let dark = BsdfTableRef::dark(header.eta, header.slope);
-                let law = begin(to, TableLaw { table: S::stored(dark), tier });
-                let Some(view) = S::view(&mut law.table) else { return Err(Status::UnknownOption) };
-                if !header.fill(arrays, view) {
-                    return Err(Status::TableLength);
-                }
-            } else {
-                begin(to, TableLaw { table: S::stored(header.table(arrays)?), tier });
+            let checked = if trusted { None } else { Some(header.table(arrays)?) };
+            let law = begin(to, TableLaw { table: S::dark(header), tier });
+            let Some(view) = S::view(&mut law.table) else { return Err(Status::UnknownOption) };
+            if let Some(table) = checked {
+                *view = table;
+            } else if !header.fill(arrays, view) {
+                return Err(Status::TableLength);
             }
             finish(to);
         }
