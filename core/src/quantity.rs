@@ -177,10 +177,46 @@ impl<T: Real> RelativeIor<T> {
     }
 }
 
+#[cfg(feature = "f32")]
+impl RelativeIor<f32> {
+    /// [`Self::new`] in a constant; `None` outside its domain.
+    pub const fn constant(eta: f32) -> Option<Self> {
+        let fine = eta >= Self::LEAST as f32 && eta <= Self::MOST as f32;
+        if fine { Some(Self::of(eta)) } else { None }
+    }
+
+    /// The numbers of [`Self::new`], known when a program is built.
+    const fn of(value: f32) -> Self {
+        const fn in_two(x: f64) -> [f32; 2] {
+            let high = x as f32;
+            [high, (x - high as f64) as f32]
+        }
+        let n = value as f64;
+        let step = (n - 1.0) * (n + 1.0);
+        let size = if step < 0.0 { -step } else { step };
+        let nan = [f32::NAN; 2];
+        let matched = (value - 1.0).abs() <= 4.0 * f32::EPSILON;
+        let limits = if matched {
+            [nan; 3]
+        } else {
+            [in_two(-4.0 * step), in_two(4.0 * step / (n * n)), in_two(size)]
+        };
+        let through = [(n / (8.0 * step * size)) as f32, (1.0 / n / (8.0 * step * size)) as f32];
+        Self { value, inverse: 1.0 / value, limits, squares: (n * n + 1.0) as f32, through }
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{Alpha, QuantityError, RelativeIor};
+
+    #[test]
+    fn a_constant_is_the_same_quantity() {
+        for x in [0.05_f32, 0.1, 0.7, 1.0, 1.49, 10.0, 10.5, f32::NAN, f32::INFINITY] {
+            assert_eq!(RelativeIor::constant(x), RelativeIor::new(x).ok(), "{x}");
+        }
+    }
 
     #[test]
     fn a_quantity_outside_its_domain_is_refused_with_the_reason() {

@@ -10,11 +10,12 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 5] = [
+const MAY_IMPORT: [(&str, &[&str]); 6] = [
     ("asperity-core", &[]),
     ("asperity", &["asperity-core"]),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
+    ("asperity-evaluator", &["asperity-core"]),
     ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim"]),
 ];
 

@@ -73,8 +73,10 @@ static int normals(void) {
 }
 
 static int table(void) {
+  const float nan = NAN, negative = -1.0f;
   float wi[3] = {0.0f, 0.0f, 1.0f}, out;
-  asperity_table_source good = ASPERITY_TABLE_SOURCE(bsdf_example), bad;
+  static const asperity_table_source good = ASPERITY_TABLE_SOURCE(bsdf_example);
+  asperity_table_source bad;
   asperity_table law;
   uint16_t lobes[4][6];
   uint16_t *copy;
@@ -94,9 +96,11 @@ static int table(void) {
   REFUSED(asperity_table_init(&law, &bad, 0), TABLE_LENGTH);
   bad = good, bad.value_bytes = 8;
   REFUSED(asperity_table_init(&law, &bad, 0), UNKNOWN_OPTION);
-  bad = good, bad.eta = NAN;
+  bad = good, bad.eta = NULL;
+  REFUSED(asperity_table_init(&law, &bad, 0), NULL_POINTER);
+  bad = good, bad.eta = &nan;
   REFUSED(asperity_table_init(&law, &bad, 0), NOT_FINITE);
-  bad = good, bad.slope = -1.0f;
+  bad = good, bad.slope = &negative;
   REFUSED(asperity_table_init(&law, &bad, 0), TABLE_NUMBER);
   memcpy(lobes, bsdf_example_lobes, sizeof lobes);
   lobes[1][0] = lobes[1][1] = lobes[1][2] = lobes[1][3] = 0xffff;

@@ -44,30 +44,44 @@ pub(crate) fn host_library() -> &'static Path {
     })
 }
 
-/// Builds it once for the device.
-pub(crate) fn device_library() -> Result<&'static Path, String> {
-    static LIBRARY: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    let built = LIBRARY.get_or_init(|| {
+/// What a library for the device answers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Scope {
+    /// Both lobes from both sides.
+    Whole,
+    /// What a detector behind a plate sees: light from the air, transmitted.
+    Transmission,
+}
+
+/// Builds it once for the device, with 16-bit tables.
+pub(crate) fn device_library(scope: Scope) -> Result<&'static Path, String> {
+    static LIBRARIES: OnceLock<Result<[PathBuf; 2], String>> = OnceLock::new();
+    let built = LIBRARIES.get_or_init(|| {
         let settings = std::env::var("ASPERITY_DEVICE_ENV").unwrap_or_default();
         if settings.is_empty() && !target_is_installed() {
             return Err(format!("no Rust target {TARGET}; install it: rustup target add {TARGET}"));
         }
-        let features = "panic-handler,table-u16";
-        let dir = build(
-            &[
-                "--profile",
-                "firmware",
-                "--target",
-                TARGET,
-                "--no-default-features",
-                "--features",
-                features,
-            ],
-            &settings,
-        );
-        Ok(dir.join(TARGET).join("firmware").join("libasperity_capi.a"))
+        let one = |name: &str, scope: &str| {
+            let features = format!("panic-handler,table-u16,{scope}");
+            let profile = ["--profile", "firmware", "--target", TARGET];
+            let choice = ["--no-default-features", "--features", &features];
+            let dir = build(&[&profile[..], &choice[..]].concat(), &settings);
+            // the next one has the same name
+            let own = dir.join(name);
+            let made = dir.join(TARGET).join("firmware").join("libasperity_capi.a");
+            std::fs::copy(made, &own).unwrap();
+            own
+        };
+        Ok([
+            one("whole.a", "air,dielectric,reflection,transmission"),
+            one("transmission.a", "air,transmission"),
+        ])
     });
-    built.as_ref().map(PathBuf::as_path).map_err(String::clone)
+    let [whole, transmission] = built.as_ref().map_err(String::clone)?;
+    Ok(match scope {
+        Scope::Whole => whole,
+        Scope::Transmission => transmission,
+    })
 }
 
 fn build(arguments: &[&str], settings: &str) -> PathBuf {

@@ -8,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-const TARGET: &str = "thumbv7em-none-eabihf";
+pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// QEMU needs half a second; a firmware that hangs must not hang the tests.
 const TIME_LIMIT: Duration = Duration::from_mins(2);
@@ -31,25 +31,34 @@ impl Firmware {
         static INSTRUMENT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         static TRADE: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         match self {
-            Self::SelfTest => SELF_TEST.get_or_init(|| build("selftest", "release")).clone(),
-            Self::Trade => TRADE.get_or_init(|| build("trade", "release")).clone(),
-            Self::Instrument => INSTRUMENT.get_or_init(|| build("qemu", "firmware")).clone(),
+            Self::SelfTest => SELF_TEST.get_or_init(|| build_qemu("selftest", "release")).clone(),
+            Self::Trade => TRADE.get_or_init(|| build_qemu("trade", "release")).clone(),
+            Self::Instrument => INSTRUMENT.get_or_init(|| build_qemu("qemu", "firmware")).clone(),
         }
     }
 }
 
-fn build(program: &str, profile: &str) -> Result<PathBuf, String> {
+fn build_qemu(program: &str, profile: &str) -> Result<PathBuf, String> {
+    let choice = ["--no-default-features", "--features", "qemu", "--bin", program];
+    let package = ["--package", "asperity-firmware-sim", "--profile", profile];
+    let folder = build(&[&package[..], &choice[..]].concat(), "")?;
+    Ok(folder.join(TARGET).join(profile).join(program))
+}
+
+/// Runs `cargo build` for the device; the folder of what it makes.
+pub(crate) fn build(arguments: &[&str], flags: &str) -> Result<PathBuf, String> {
     let settings = std::env::var("ASPERITY_DEVICE_ENV").unwrap_or_default();
     if settings.is_empty() && !target_is_installed() {
         return Err(format!("no Rust target {TARGET}; install it: rustup target add {TARGET}"));
     }
     // A directory of its own: the outer cargo holds the lock of the other one.
-    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("device");
+    let name = if flags.is_empty() { "device" } else { "device-strict" };
+    let target_dir = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name(name);
     let mut cargo = Command::new(env!("CARGO"));
     cargo
         .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
-        .args(["build", "--package", "asperity-firmware-sim", "--profile", profile])
-        .args(["--no-default-features", "--features", "qemu", "--bin", program])
+        .arg("build")
+        .args(arguments)
         .args(["--target", TARGET, "--target-dir"])
         .arg(&target_dir)
         .envs(settings.split_whitespace().filter_map(|s| s.split_once('=')));
@@ -57,10 +66,13 @@ fn build(program: &str, profile: &str) -> Result<PathBuf, String> {
     for name in ["RUSTFLAGS", "CARGO_ENCODED_RUSTFLAGS", "CARGO_BUILD_TARGET"] {
         cargo.env_remove(name);
     }
+    if !flags.is_empty() {
+        cargo.env("RUSTFLAGS", flags);
+    }
     let out = cargo.output().unwrap_or_else(|e| panic!("cannot start cargo: {e}"));
     let log = String::from_utf8_lossy(&out.stderr);
-    assert!(out.status.success(), "the firmware does not build:\n{log}");
-    Ok(target_dir.join(TARGET).join(profile).join(program))
+    assert!(out.status.success(), "{arguments:?} does not build:\n{log}");
+    Ok(target_dir)
 }
 
 fn target_is_installed() -> bool {

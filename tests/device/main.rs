@@ -8,6 +8,8 @@
 mod corruption;
 mod elf;
 mod emulator;
+mod evaluator;
+mod features;
 mod instrument;
 mod protocol;
 mod selftest;

@@ -1,7 +1,8 @@
 //! GGX rough dielectric, reflection and transmission from both sides \[Walter2007; Sokolov eqs 1-3\].
 
+use super::facet::{facet_ray, lit, straight};
 use super::half::HalfVector;
-use super::{Bsdf, Lobe, Scatter, Scattered, facet_ray};
+use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::fresnel;
 use crate::math::Real;
@@ -33,7 +34,7 @@ impl<T: Real> Ggx<T> {
     /// A facet normal visible from `wi`, and the index of the far medium over that of `wi`'s.
     #[inline(always)]
     fn facet(&self, wi: Direction<T>, u: [T; 2]) -> Option<(Direction<T>, T)> {
-        let (front, eta) = match wi.side()? {
+        let (front, eta) = match lit(wi)? {
             Side::Air => (wi, self.eta.get()),
             Side::Dielectric => (wi.opposite(), self.eta.inverse()),
         };
@@ -50,7 +51,7 @@ impl<T: Real> Scatter<T> for Ggx<T> {
         let u = [uniform(), uniform()];
         let choice = uniform();
         if self.eta.is_matched() {
-            return Some(Scattered { wo: wi.opposite(), weight: T::ONE });
+            return straight(wi);
         }
         let (m, eta) = self.facet(wi, u)?;
         let reflected = fresnel::dielectric(m.dot(wi).abs(), eta).reflected;
@@ -86,8 +87,7 @@ impl<T: Real> Bsdf<T> for Ggx<T> {
 
     fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
         if self.eta.is_matched() {
-            let wo = wi.opposite();
-            return (lobe == Lobe::Transmission).then_some(Scattered { wo, weight: T::ONE });
+            return straight(wi).filter(|_| lobe == Lobe::Transmission);
         }
         let (m, eta) = self.facet(wi, u)?;
         let ray = facet_ray(wi, m, eta, lobe)?;

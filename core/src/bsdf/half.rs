@@ -26,9 +26,11 @@
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::quantity::RelativeIor;
+use crate::scope;
 
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(not(feature = "table"), allow(dead_code, reason = "tables ask for all of it"))]
 pub(crate) struct HalfVector<T> {
     /// Whether there is one: no direction in the surface, no facet turned away, no matched media, no NaN.
     /// If not, the other fields mean nothing, and may be infinite or NaN.
@@ -56,18 +58,27 @@ impl<T: Real> HalfVector<T> {
     #[inline(always)]
     pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
         let (iz, oz) = (wi.z(), wo.z());
+        let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+        let answered = scope::lobe(mirrored) & scope::side(iz < T::ZERO);
         if !cfg!(target_arch = "arm") {
-            let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
             let inclined = (iz != T::ZERO) & (oz != T::ZERO);
             let half = Self::of(eta, wi, wo, mirrored, iz < T::ZERO);
-            return Self { possible: half.possible & inclined, ..half };
+            return Self { possible: half.possible & inclined & answered, ..half };
         }
         // A microcontroller gets a copy for each way of the light, in which nothing is left to choose.
         match (iz > T::ZERO, oz > T::ZERO) {
-            (true, true) => Self::of(eta, wi, wo, true, false),
-            (true, false) if oz < T::ZERO => Self::of(eta, wi, wo, false, false),
-            (false, true) if iz < T::ZERO => Self::of(eta, wi, wo, false, true),
-            (false, false) if (iz < T::ZERO) & (oz < T::ZERO) => Self::of(eta, wi, wo, true, true),
+            (true, true) if scope::AIR && scope::REFLECTION => Self::of(eta, wi, wo, true, false),
+            (true, false) if scope::AIR && scope::TRANSMISSION && oz < T::ZERO => {
+                Self::of(eta, wi, wo, false, false)
+            }
+            (false, true) if scope::DIELECTRIC && scope::TRANSMISSION && iz < T::ZERO => {
+                Self::of(eta, wi, wo, false, true)
+            }
+            (false, false)
+                if scope::DIELECTRIC && scope::REFLECTION && (iz < T::ZERO) & (oz < T::ZERO) =>
+            {
+                Self::of(eta, wi, wo, true, true)
+            }
             _ => {
                 let [xy2, z2, ih, cosine, along, turn, share] = [T::ZERO; 7];
                 Self { possible: false, xy2, z2, ih, cosine, along, turn, share }

@@ -4,17 +4,27 @@
 //! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
+#[cfg(any(feature = "ggx", feature = "normals"))]
+mod facet;
+#[cfg(feature = "ggx")]
 mod ggx;
+#[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
 mod half;
+#[cfg(feature = "normals")]
 mod normals;
+#[cfg(feature = "ggx")]
 mod opaque;
 mod smooth;
 
+#[cfg(feature = "ggx")]
 pub use ggx::Ggx;
+#[cfg(feature = "normals")]
 pub use normals::Normals;
+#[cfg(feature = "ggx")]
 pub use opaque::OpaqueGgx;
 pub use smooth::Smooth;
 
+#[cfg(feature = "table")]
 pub(crate) use half::HalfVector;
 
 use crate::direction::Direction;
@@ -51,24 +61,6 @@ impl<T: Real, S: Scatter<T>> Scatter<T> for &S {
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
         (**self).sample(wi, uniform)
     }
-}
-
-/// A ray sent by one facet of unit normal `m`, with the Fresnel share of the lobe as its weight.
-///
-/// `None` if the facet cannot: total reflection, or a ray that would meet the surface again.
-fn facet_ray<T: Real>(
-    wi: Direction<T>,
-    m: Direction<T>,
-    eta: T,
-    lobe: Lobe,
-) -> Option<Scattered<T>> {
-    let fresnel = crate::fresnel::dielectric(m.dot(wi).abs(), eta);
-    let (wo, weight) = match lobe {
-        Lobe::Reflection => (wi.reflect(m), fresnel.reflected),
-        Lobe::Transmission => (wi.refract(m, eta)?, fresnel.transmitted),
-    };
-    let same_side = wo.side()? == wi.side()?;
-    (same_side == (lobe == Lobe::Reflection)).then_some(Scattered { wo, weight })
 }
 
 /// A scattering law with a value.

@@ -1,7 +1,8 @@
 //! The `Normals` method: one facet at each hit, drawn from a density of normals \[Sokolov section 2.2\].
 
+use super::facet::{facet_ray, lit, straight};
 use super::half::HalfVector;
-use super::{Bsdf, Lobe, Scatter, Scattered, facet_ray};
+use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::fresnel;
 use crate::math::Real;
@@ -50,9 +51,9 @@ impl<T: Real, const N: usize> Normals<T, N> {
 impl<T: Real, const N: usize> Scatter<T> for Normals<T, N> {
     /// Takes two uniforms for each normal drawn, and one to choose between reflection and refraction.
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
-        let side = wi.side()?;
+        let side = lit(wi)?;
         if self.eta.is_matched() {
-            return Some(Scattered { wo: wi.opposite(), weight: T::ONE });
+            return straight(wi);
         }
         let (above, eta) = self.near_side(side);
         let m = (0..Self::DRAWS)
@@ -90,10 +91,9 @@ impl<T: Real, const N: usize> Bsdf<T> for Normals<T, N> {
 
     fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
         if self.eta.is_matched() {
-            let wo = wi.opposite();
-            return (lobe == Lobe::Transmission).then_some(Scattered { wo, weight: T::ONE });
+            return straight(wi).filter(|_| lobe == Lobe::Transmission);
         }
-        let (above, eta) = self.near_side(wi.side()?);
+        let (above, eta) = self.near_side(lit(wi)?);
         let m = self.density.sample(u);
         // Normals that face away are not drawn again, but weighted: zero for them, 1 / V for the rest.
         if (m.dot(wi) > T::ZERO) != above {

@@ -1,11 +1,13 @@
 //! Opaque GGX surface with a Lambert floor: what a reflection scan of a metal is fitted with.
 
+use super::facet::lit;
 use super::{Bsdf, Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::math::Real;
 use crate::ndf::ggx::{d_of_vector, sample_visible, shadow_sum};
 use crate::quantity::Alpha;
 use crate::sampling::cosine_hemisphere;
+use crate::scope;
 
 /// `f = gain D G / (4 |cos_i cos_o|) + lambert`, from the air side only; nothing is transmitted.
 ///
@@ -42,7 +44,7 @@ impl<T: Real> OpaqueGgx<T> {
 
     /// A ray off the facets or off the floor; the weight is that of the mixture.
     fn draw(&self, wi: Direction<T>, u: [T; 2], facets: bool) -> Option<Scattered<T>> {
-        if wi.side()? != Side::Air {
+        if lit(wi)? != Side::Air || !scope::REFLECTION {
             return None;
         }
         let wo = if facets {
@@ -57,7 +59,7 @@ impl<T: Real> OpaqueGgx<T> {
 
     /// `D` and the two shadow sums, if both directions are in the air.
     fn lobe(&self, wi: Direction<T>, wo: Direction<T>) -> Option<(T, T, T)> {
-        if wi.side()? != Side::Air || wo.side()? != Side::Air {
+        if lit(wi)? != Side::Air || wo.side()? != Side::Air || !scope::REFLECTION {
             return None;
         }
         let (i, o) = (wi.xyz(), wo.xyz());

@@ -7,7 +7,10 @@
 use core::fmt;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::polynomial::{double, single};
+#[cfg(feature = "f64")]
+use super::polynomial::double;
+#[cfg(feature = "f32")]
+use super::polynomial::single;
 use super::{Real, Vector, sealed};
 
 /// An `f32` or `f64` of the fast tier.
@@ -198,5 +201,7 @@ macro_rules! implement {
     };
 }
 
+#[cfg(feature = "f32")]
 implement!(f32, single);
+#[cfg(feature = "f64")]
 implement!(f64, double);

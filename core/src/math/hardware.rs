@@ -3,9 +3,10 @@
 //! IEEE 754 demands a correctly rounded square root, so hardware and software agree in every bit;
 //! only the cost differs (Cortex-M4F: 4 instructions against 76). On x86-64 the intrinsics also let
 //! the compiler turn a loop of square roots into vector instructions, which a call cannot be.
-#![expect(unsafe_code, reason = "intrinsics and one C symbol; no pointers, no state")]
+#![allow(unsafe_code, reason = "intrinsics and one C symbol; no pointers, no state")]
 
 /// Square root of an `f32`.
+#[cfg(feature = "f32")]
 #[inline(always)]
 pub(super) fn sqrt_f32(x: f32) -> f32 {
     #[cfg(target_arch = "x86_64")]
@@ -30,6 +31,7 @@ pub(super) fn sqrt_f32(x: f32) -> f32 {
 }
 
 /// Square root of an `f64`.
+#[cfg(feature = "f64")]
 #[inline(always)]
 pub(super) fn sqrt_f64(x: f64) -> f64 {
     #[cfg(target_arch = "x86_64")]

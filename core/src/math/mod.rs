@@ -3,13 +3,16 @@
 //! Nothing else in this crate calls `libm` or an inherent float function that needs `std`. The same
 //! source therefore gives the same bits on a workstation and on a Cortex-M, in debug and release.
 
+#[cfg(feature = "fast")]
 mod fast;
 mod hardware;
+#[cfg(feature = "fast")]
 mod polynomial;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, clippy::float_cmp, reason = "oracles, and exact values")]
 mod tests_fast;
 
+#[cfg(feature = "fast")]
 pub use fast::{Fast, FastVec3};
 
 use core::fmt::{Debug, Display};
@@ -178,6 +181,7 @@ pub trait Real:
     }
 }
 
+#[cfg(any(feature = "f32", feature = "f64"))]
 macro_rules! implement {
     ($t:ty, $vec:ty, $sqrt:path, $cbrt:path, $sincos:path, $tan:path, $asin:path, $acos:path, $atan2:path,
      $exp:path, $ln:path, $pow:path, $floor:path, $mantissa:expr) => {
@@ -289,6 +293,7 @@ macro_rules! implement {
     };
 }
 
+#[cfg(feature = "f32")]
 implement!(
     f32,
     glam::Vec3,
@@ -305,6 +310,7 @@ implement!(
     libm::floorf,
     24
 );
+#[cfg(feature = "f64")]
 implement!(
     f64,
     glam::DVec3,

@@ -179,6 +179,7 @@ macro_rules! functions {
     };
 }
 
+#[cfg(feature = "f32")]
 functions!(
     single, f32, u32, i32, 23, 127,
     round: 12_582_912.0, widest_exp: 89.0, least_exp: -104.0, last_power: 126.0,
@@ -199,6 +200,7 @@ functions!(
     ln: [0.666666852122811, 0.3998871822958476, 0.2958258692153881]
 );
 
+#[cfg(feature = "f64")]
 functions!(
     double, f64, u64, i64, 52, 1023,
     round: 6_755_399_441_055_744.0, widest_exp: 710.0, least_exp: -746.0, last_power: 1022.0,

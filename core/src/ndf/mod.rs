@@ -1,7 +1,12 @@
 //! Distributions of microfacet normals.
 
+#[cfg(feature = "ggx")]
 pub mod ggx;
+#[cfg(feature = "normals")]
 pub mod law;
+#[cfg(feature = "normals")]
 mod edge;
+#[cfg(feature = "normals")]
 mod visible;
+#[cfg(feature = "normals")]
 pub mod normals;

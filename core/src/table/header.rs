@@ -5,6 +5,7 @@ use super::side::SideTable;
 use super::storage::Storage;
 use super::view::{BsdfTableRef, TableError};
 use crate::quantity::RelativeIor;
+use crate::scope;
 
 /// The numbers of one lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,63 +95,112 @@ impl Header {
         if given != self.lengths() {
             return Err(TableError::Length);
         }
-        let [air, dielectric] = self.split(arrays).ok_or(TableError::Length)?;
-        BsdfTableRef::new(self.eta, self.slope, air, dielectric)
+        let view = self.view(arrays).ok_or(TableError::Length)?;
+        view.check()?;
+        Ok(view)
     }
 
     /// The same without a look at the numbers, for arrays that [`Self::table`] has taken before; any others give wrong
-    /// values, never a panic.
+    /// values, never a panic. In a constant the device has nothing to do.
     #[inline]
-    pub fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
-        Some(BsdfTableRef::of_checked(self.eta, self.slope, self.split(arrays)?))
+    pub const fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
+        let mut view = BsdfTableRef::dark(self.eta, self.slope);
+        if self.fill(arrays, &mut view) { Some(view) } else { None }
     }
 
-    /// The two sides of arrays that are at least as long as they must be.
-    pub(super) fn split<'a, S: Storage>(
+    /// The same in place, for storage that is none of Rust's: a copy of a whole view costs a device a `memcpy`.
+    ///
+    /// `view` is a [dark](BsdfTableRef::dark) table; `false` if the arrays have too few numbers for the rest of it.
+    #[inline(always)]
+    pub const fn fill<'a, S: Storage>(
         &self,
         mut arrays: Arrays<'a, S>,
-    ) -> Option<[SideTable<'a, S>; 2]> {
-        let mut sides = [SideTable::DARK; 2];
-        let [air_r, air_t, inside_r, inside_t] = self.lobes;
-        let lobes = [[air_r, air_t], [inside_r, inside_t]];
-        for (((side, [r, t]), rows), grazing) in
-            sides.iter_mut().zip(lobes).zip(self.fluxes).zip(self.grazing)
-        {
-            if let Some(header) = r {
-                side.reflection = Some(next_lobe(header, &mut arrays)?);
-            }
-            if let Some(header) = t {
-                side.transmission = Some(next_lobe(header, &mut arrays)?);
-            }
-            side.fluxes = take(&mut arrays.fluxes, usize::from(rows))?;
-            side.grazing = grazing;
-        }
-        Some(sides)
+        view: &mut BsdfTableRef<'a, S>,
+    ) -> bool {
+        let [air, dielectric] = view.sides_mut();
+        self.split(&mut arrays, air, dielectric)
+    }
+
+    const fn split<'a, S: Storage>(
+        &self,
+        from: &mut Arrays<'a, S>,
+        air: &mut SideTable<'a, S>,
+        dielectric: &mut SideTable<'a, S>,
+    ) -> bool {
+        let ([air_r, air_t, inside_r, inside_t], [above, below]) = (&self.lobes, self.fluxes);
+        let [grazing_above, grazing_below] = self.grazing;
+        let (r, t) = (&mut dielectric.reflection, &mut dielectric.transmission);
+        next_lobe(air_r.as_ref(), from, &mut air.reflection, scope::AIR && scope::REFLECTION)
+            && next_lobe(
+                air_t.as_ref(),
+                from,
+                &mut air.transmission,
+                scope::AIR && scope::TRANSMISSION,
+            )
+            && next_lobe(inside_r.as_ref(), from, r, scope::DIELECTRIC && scope::REFLECTION)
+            && next_lobe(inside_t.as_ref(), from, t, scope::DIELECTRIC && scope::TRANSMISSION)
+            && next_fluxes(above, grazing_above, from, air, scope::AIR)
+            && next_fluxes(below, grazing_below, from, dielectric, scope::DIELECTRIC)
     }
 }
 
-fn next_lobe<'a, S: Storage>(
-    header: LobeHeader,
+/// Takes the numbers of a lobe, and puts them where they belong if they are wanted.
+#[inline(never)]
+const fn next_lobe<'a, S: Storage>(
+    header: Option<&LobeHeader>,
     from: &mut Arrays<'a, S>,
-) -> Option<LobeTable<'a, S>> {
-    let LobeHeader { shape, form, fall, scale, grazing, masking } = header;
-    Some(LobeTable {
-        shape,
-        form,
-        fall,
-        scale,
-        grazing,
-        masking,
-        cells: shape.cells(),
-        gains: take(&mut from.gains, usize::from(shape.incidences))?,
-        values: take(&mut from.values, shape.values())?,
-        quantiles: take(&mut from.quantiles, shape.quantiles())?,
-        leans: take(&mut from.leans, shape.leans())?,
-    })
+    to: &mut Option<LobeTable<'a, S>>,
+    wanted: bool,
+) -> bool {
+    let Some(&LobeHeader { shape, form, fall, scale, grazing, masking }) = header else {
+        return true;
+    };
+    let (Some(gains), Some(values), Some(quantiles), Some(leans)) = (
+        take(&mut from.gains, shape.incidences as usize),
+        take(&mut from.values, shape.values()),
+        take(&mut from.quantiles, shape.quantiles()),
+        take(&mut from.leans, shape.leans()),
+    ) else {
+        return false;
+    };
+    if wanted {
+        let cells = shape.cells();
+        *to = Some(LobeTable {
+            shape,
+            form,
+            fall,
+            scale,
+            grazing,
+            masking,
+            cells,
+            gains,
+            values,
+            quantiles,
+            leans,
+        });
+    }
+    true
 }
 
-fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {
-    let (head, rest) = from.split_at_checked(count)?;
+/// The same for the fluxes of a side.
+#[inline(always)]
+const fn next_fluxes<'a, S: Storage>(
+    rows: u16,
+    grazing: f32,
+    from: &mut Arrays<'a, S>,
+    to: &mut SideTable<'a, S>,
+    wanted: bool,
+) -> bool {
+    let Some(fluxes) = take(&mut from.fluxes, rows as usize) else { return false };
+    if wanted {
+        to.fluxes = fluxes;
+        to.grazing = grazing;
+    }
+    true
+}
+
+const fn take<'a, V>(from: &mut &'a [V], count: usize) -> Option<&'a [V]> {
+    let Some((head, rest)) = from.split_at_checked(count) else { return None };
     *from = rest;
     Some(head)
 }

@@ -1,7 +1,6 @@
 //! A table that owns its arrays, of sizes known when the program is built.
 
 use super::header::{Arrays, Header};
-use super::side::SideTable;
 use super::storage::Storage;
 use super::view::{BsdfTableRef, TableError};
 
@@ -50,8 +49,8 @@ impl<S: Storage, const V: usize, const Q: usize, const N: usize> BsdfTable<S, V,
     pub fn view(&self) -> BsdfTableRef<'_, S> {
         let Self { header, gains, values, quantiles, leans, fluxes } = self;
         let arrays = Arrays { gains, values, quantiles, leans, fluxes };
-        let sides = header.split(arrays).unwrap_or([SideTable::DARK; 2]);
-        BsdfTableRef::of_checked(header.eta, header.slope, sides)
+        // never none: the lengths were checked when it was made
+        header.view(arrays).unwrap_or(BsdfTableRef::dark(header.eta, header.slope))
     }
 }
 

@@ -7,6 +7,7 @@ use crate::bsdf::{Lobe, Scatter, Scattered};
 use crate::direction::{Direction, Side};
 use crate::fresnel::{self, Fresnel};
 use crate::math::Real;
+use crate::scope;
 
 impl<'a, S: Storage> BsdfTableRef<'a, S> {
     /// Draws a ray of a lobe; the weight is `ars` over the density of the draw.
@@ -19,7 +20,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         u: [T; 2],
     ) -> Option<Scattered<T>> {
         let [x, y, z] = wi.xyz();
-        let side = wi.side()?;
+        let side = wi.side().filter(|_| scope::lobe(which == Lobe::Reflection))?;
         let s = (x * x + y * y).sqrt();
         let place = lobe.incidence(s, z.abs());
         let Drawn { m, p, r, q, density } = lobe.draw(place, u)?;

@@ -4,6 +4,7 @@ use super::axes::{Place, cells, incidence_place, real, whole};
 use super::lobe::LobeTable;
 use super::storage::Storage;
 use crate::math::Real;
+use crate::scope;
 
 /// Fractions of the incident flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,6 +33,24 @@ pub struct SideTable<'a, S> {
 }
 
 impl<S: Storage> SideTable<'_, S> {
+    /// [`Self::DARK`], made and not copied.
+    #[inline(always)]
+    pub(super) const fn dark() -> Self {
+        Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] }
+    }
+
+    /// What this build answers of light from `below` or above.
+    #[inline(always)]
+    pub(super) fn answered(self, below: bool) -> Self {
+        if scope::side(below) {
+            let reflection = if scope::REFLECTION { self.reflection } else { None };
+            let transmission = if scope::TRANSMISSION { self.transmission } else { None };
+            Self { reflection, transmission, ..self }
+        } else {
+            Self::DARK
+        }
+    }
+
     /// A side without any light.
     pub const DARK: Self = Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] };
 
@@ -43,13 +62,15 @@ impl<S: Storage> SideTable<'_, S> {
         let rows = self.fluxes.get(y.cell..).and_then(|rows| rows.first_chunk());
         let Some([low, high]) = rows else { return Fluxes::default() };
         let unit = T::from_f64(1.0 / 65535.0);
-        let mix = |low: u16, high: u16| y.mix(whole(low), whole(high)) * unit;
+        let mix = |mirrored: bool, low: u16, high: u16| {
+            if scope::lobe(mirrored) { y.mix(whole(low), whole(high)) * unit } else { T::ZERO }
+        };
         let (&[a, b, c, d], &[e, f, g, h]) = (low, high);
         Fluxes {
-            reflected: mix(a, e),
-            transmitted: mix(b, f),
-            coherent_reflected: mix(c, g),
-            coherent_transmitted: mix(d, h),
+            reflected: mix(true, a, e),
+            transmitted: mix(false, b, f),
+            coherent_reflected: mix(true, c, g),
+            coherent_transmitted: mix(false, d, h),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::view::BsdfTableRef;
 use crate::bsdf::{Bsdf, HalfVector, Lobe, Scattered};
 use crate::direction::Direction;
 use crate::math::Real;
+use crate::scope;
 
 /// A pair of directions in the coordinates of its lobe.
 struct Found<'b, 'a, T, S> {
@@ -24,6 +25,9 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         let [x, y, z] = wi.xyz();
         let below = z < T::ZERO;
         let mirrored = (z < T::ZERO) == (wo.z() < T::ZERO);
+        if !(scope::side(below) && scope::lobe(mirrored)) {
+            return None;
+        }
         let side = if below { &self.dielectric } else { &self.air };
         let lobe = if mirrored { &side.reflection } else { &side.transmission }.as_ref()?;
         let half = match lobe.form {

@@ -10,6 +10,7 @@ use crate::direction::{Direction, Side};
 use crate::fresnel::{self, Fresnel};
 use crate::math::Real;
 use crate::quantity::RelativeIor;
+use crate::scope;
 
 /// Why arrays are no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,10 +76,30 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         air: SideTable<'a, S>,
         dielectric: SideTable<'a, S>,
     ) -> Result<Self, TableError> {
-        if !(slope > 0.0 && slope.is_finite()) || eta.is_matched() {
+        let (air, dielectric) = (air.answered(false), dielectric.answered(true));
+        let table = Self { eta, slope, air, dielectric };
+        table.check()?;
+        Ok(table)
+    }
+
+    /// A table of nothing.
+    #[inline(always)]
+    pub const fn dark(eta: RelativeIor<f32>, slope: f32) -> Self {
+        Self { eta, slope, air: SideTable::dark(), dielectric: SideTable::dark() }
+    }
+
+    /// Both sides, from the air first.
+    #[inline(always)]
+    pub(super) const fn sides_mut(&mut self) -> [&mut SideTable<'a, S>; 2] {
+        [&mut self.air, &mut self.dielectric]
+    }
+
+    /// Whether all numbers are in their domains and belong together.
+    pub(super) fn check(&self) -> Result<(), TableError> {
+        if !(self.slope > 0.0 && self.slope.is_finite()) || self.eta.is_matched() {
             return Err(TableError::Number);
         }
-        for side in [&air, &dielectric] {
+        for side in [&self.air, &self.dielectric] {
             let mut lobes = side.reflection.iter().chain(&side.transmission).peekable();
             if side.fluxes.len() < 2 && lobes.peek().is_some() {
                 return Err(TableError::Shape);
@@ -94,16 +115,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
                 return Err(TableError::Energy);
             }
         }
-        Ok(Self { eta, slope, air, dielectric })
-    }
-
-    /// From parts that were checked before.
-    pub(super) fn of_checked(
-        eta: RelativeIor<f32>,
-        slope: f32,
-        [air, dielectric]: [SideTable<'a, S>; 2],
-    ) -> Self {
-        Self { eta, slope, air, dielectric }
+        Ok(())
     }
 
     /// Index of the dielectric over that of air.
@@ -124,8 +136,9 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     pub fn lobe(&self, side: Side, lobe: Lobe) -> Option<&LobeTable<'a, S>> {
         let side = self.side(side);
         match lobe {
-            Lobe::Reflection => side.reflection.as_ref(),
-            Lobe::Transmission => side.transmission.as_ref(),
+            Lobe::Reflection if scope::REFLECTION => side.reflection.as_ref(),
+            Lobe::Transmission if scope::TRANSMISSION => side.transmission.as_ref(),
+            _ => None,
         }
     }
 

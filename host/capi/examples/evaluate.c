@@ -77,7 +77,7 @@ static void normals(void) {
 }
 
 static void table(void) {
-  const asperity_table_source source = ASPERITY_TABLE_SOURCE(bsdf_example);
+  static const asperity_table_source source = ASPERITY_TABLE_SOURCE(bsdf_example);
   asperity_table law;
   asperity_ray rays[PAIRS];
   float values[PAIRS];

@@ -67,7 +67,7 @@ class Table {
 int main() {
   const Direction wi = {{0.6f, 0.0f, 0.8f}}, wo = {{-0.4f, 0.0f, -0.9f}};
   try {
-    const asperity_table_source source = ASPERITY_TABLE_SOURCE(bsdf_example);
+    static const asperity_table_source source = ASPERITY_TABLE_SOURCE(bsdf_example);
     std::printf("ggx %a\n", static_cast<double>(Ggx(0.25f, 1.49f)(wi, wo)));
     std::printf("normals %a\n", static_cast<double>(Normals(0.12f, 2.5f, 1.49f)(wi, wo)));
     std::printf("table %a\n", static_cast<double>(Table(source)(wi, wo)));

@@ -250,11 +250,11 @@ typedef struct asperity_table_source {
   /*
    Index of the dielectric over that of air.
    */
-  float eta;
+  const float *eta;
   /*
    Typical slope of the facets.
    */
-  float slope;
+  const float *slope;
   /*
    4 rows of 6: incidences, azimuths, radii, intervals, form, fall; zeros for a lobe left out.
    */
@@ -576,9 +576,9 @@ const char *asperity_status_text(int32_t status);
 #endif  /* ASPERITY_H */
 
 /* An `asperity_table_source` of the arrays in a header made by `asperity tabulate --c`; `name` is the prefix
-   of its names, such as bsdf_example. It is an initialiser of a local variable. */
+   of its names, such as bsdf_example. Make it `static const`: then nothing is copied at start-up. */
 #define ASPERITY_TABLE_SOURCE(name)                                                                 \
-  { name##_eta, name##_slope, &name##_lobes[0][0], &name##_scales[0][0], name##_flux_incidences,    \
+  { &name##_eta, &name##_slope, &name##_lobes[0][0], &name##_scales[0][0], name##_flux_incidences,  \
     name##_flux_grazing, name##_gains, name##_values, name##_quantiles, name##_leans, name##_fluxes, \
     sizeof name##_gains / sizeof name##_gains[0], sizeof name##_values / sizeof name##_values[0],   \
     sizeof name##_quantiles / sizeof name##_quantiles[0],                                           \

@@ -7,7 +7,7 @@
 //! ```text
 //! cargo build --release -p asperity-capi                       # libasperity_capi.a and .so
 //! cargo rustc --profile firmware -p asperity-capi --crate-type staticlib \
-//!     --no-default-features --features panic-handler,table-u16 --target thumbv7em-none-eabihf
+//!     --no-default-features --features panic-handler,table-u16,air,transmission --target thumbv7em-none-eabihf
 //! ```
 //!
 //! **No panic crosses the border.** Core has no path to one, and this crate adds none: the linked firmware

@@ -2,7 +2,7 @@
 
 use asperity_core::direction::{Direction, Side};
 use asperity_core::quantity::RelativeIor;
-use asperity_core::table::{BsdfTableRef, Fall, Form, Header, LobeHeader, Shape};
+use asperity_core::table::{BsdfTableRef, Fall, Form, Header, LobeHeader, Shape, Storage};
 
 use crate::law::{AsperityRay, Law, exact_ray, exact_value, fast_ray};
 use crate::options::{AsperityQuantity as Quantity, AsperityTier as Tier};
@@ -25,22 +25,35 @@ pub(crate) struct Numbers<'a> {
 }
 
 impl Numbers<'_> {
-    /// The header of the table; its arrays have lengths that can be computed.
-    pub(crate) fn header(&self) -> Result<Header, Status> {
-        let mut lobes = [None; 4];
-        for ((to, row), scale) in lobes.iter_mut().zip(self.lobes).zip(self.scales) {
-            *to = lobe(row, *scale)?;
-        }
-        if self.flux_incidences.iter().any(|n| *n > MOST_NODES) {
-            return Err(Status::TableShape);
-        }
-        Ok(Header {
-            eta: RelativeIor::new(self.eta)?,
+    /// The index, which must be one.
+    #[inline(always)]
+    pub(crate) fn eta(&self) -> Result<RelativeIor<f32>, Status> {
+        Ok(RelativeIor::new(self.eta)?)
+    }
+
+    /// The header of the table without its lobes.
+    #[inline(always)]
+    pub(crate) fn without_lobes(&self, eta: RelativeIor<f32>) -> Header {
+        Header {
+            eta,
             slope: self.slope,
-            lobes,
+            // no constant: that would be copied
+            lobes: [None, None, None, None],
             fluxes: self.flux_incidences,
             grazing: self.flux_grazing,
-        })
+        }
+    }
+
+    /// Adds the lobes; the arrays then have lengths that can be computed. In place: a `Result` of a header is copied
+    /// by a `memcpy`, which costs a device more than the rest of its making.
+    pub(crate) fn add_lobes(&self, header: &mut Header) -> Result<(), Status> {
+        for ((to, row), scale) in header.lobes.iter_mut().zip(self.lobes).zip(self.scales) {
+            *to = lobe(row, *scale)?;
+        }
+        if header.fluxes.iter().any(|n| *n > MOST_NODES) {
+            return Err(Status::TableShape);
+        }
+        Ok(())
     }
 }
 
@@ -81,6 +94,38 @@ pub(crate) enum Stored<'a> {
     #[cfg(feature = "table-f32")]
     F32(BsdfTableRef<'a, f32>),
 }
+
+/// A kind of value this library was built for.
+pub(crate) trait Value: Storage {
+    /// A table of nothing.
+    fn dark(header: &Header) -> Stored<'static>;
+    /// The view of a table of this kind.
+    fn view<'b, 'a>(stored: &'b mut Stored<'a>) -> Option<&'b mut BsdfTableRef<'a, Self>>;
+}
+
+macro_rules! value {
+    ($feature:literal, $t:ty, $variant:ident) => {
+        #[cfg(feature = $feature)]
+        impl Value for $t {
+            #[inline(always)]
+            fn dark(header: &Header) -> Stored<'static> {
+                Stored::$variant(BsdfTableRef::dark(header.eta, header.slope))
+            }
+            #[inline(always)]
+            fn view<'b, 'a>(stored: &'b mut Stored<'a>) -> Option<&'b mut BsdfTableRef<'a, Self>> {
+                match stored {
+                    Stored::$variant(view) => Some(view),
+                    #[allow(unreachable_patterns, reason = "a library of one kind")]
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+value!("table-u8", u8, U8);
+value!("table-u16", u16, U16);
+value!("table-f32", f32, F32);
 
 #[cfg(not(any(feature = "table-u8", feature = "table-u16", feature = "table-f32")))]
 compile_error!("choose a storage of tables: a feature `table-u8`, `table-u16` or `table-f32`");

@@ -9,12 +9,12 @@ use super::{EmbeddedTable, Values};
 /// Numbers on a line of the source.
 const PER_LINE: usize = 16;
 
-/// A Rust module with the arrays as statics and a function `table()` that views them.
+/// A Rust module with the arrays as statics, and `TABLE`, a view of them made when the firmware is built.
 pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
     let header = table.header();
     let mut text = format!(
         "//! BSDF table made by asperity of a model of method {method}; {} bytes.\n//! Do not edit: make it anew.\n\n\
-         use asperity_core::quantity::{{QuantityError, RelativeIor}};\n\
+         use asperity_core::quantity::RelativeIor;\n\
          use asperity_core::table::{{Arrays, BsdfTableRef, Fall, Form, Header, LobeHeader, Shape, TableError}};\n\n",
         table.bytes()
     );
@@ -46,17 +46,20 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "/// Index of the dielectric over that of air.\npub const ETA: f32 = {:?};\n\n\
-         /// The numbers of the table.\n///\n/// # Errors\n/// None that a table as it was made could give.\n\
-         pub fn header() -> Result<Header, QuantityError> {{\n    Ok(Header {{\n        eta: RelativeIor::new(ETA)?,\n        slope: {:e},\n        \
-         lobes: [\n{}\n        ],\n        fluxes: {:?},\n        grazing: {:?},\n    }})\n}}\n\n\
-         /// The table, checked; to be called once.\n///\n/// # Errors\n/// None that a table as it was made could give.\n\
-         pub fn table() -> Result<BsdfTableRef<'static, {name}>, TableError> {{\n    \
-         header().map_err(|_| TableError::Number)?.table(Arrays {{\n        gains: &GAINS,\n        values: &VALUES,\n        \
-         quantiles: &QUANTILES,\n        leans: &LEANS,\n        fluxes: &FLUXES,\n    }})\n}}\n",
+        "/// Index of the dielectric over that of air.\npub const ETA: RelativeIor<f32> = match RelativeIor::constant({:?}) {{\n    \
+         Some(eta) => eta,\n    None => unreachable!(),\n}};\n\n\
+         /// The numbers of the table.\npub const HEADER: Header = Header {{\n    eta: ETA,\n    slope: {:e},\n    \
+         lobes: [\n{}\n    ],\n    fluxes: {:?},\n    grazing: {:?},\n}};\n\n\
+         /// The arrays of the table.\npub const ARRAYS: Arrays<'static, {name}> = Arrays {{\n    gains: &GAINS,\n    values: &VALUES,\n    \
+         quantiles: &QUANTILES,\n    leans: &LEANS,\n    fluxes: &FLUXES,\n}};\n\n\
+         /// The table: a constant, so that the device has nothing to do before it evaluates.\n\
+         pub static TABLE: BsdfTableRef<'static, {name}> = match HEADER.view(ARRAYS) {{\n    \
+         Some(table) => table,\n    None => unreachable!(),\n}};\n\n\
+         /// The same with every number checked, for a test.\n///\n/// # Errors\n/// None that a table as it was made could give.\n\
+         pub fn table() -> Result<BsdfTableRef<'static, {name}>, TableError> {{\n    HEADER.table(ARRAYS)\n}}\n",
         header.eta.get(),
         header.slope,
-        lobes.iter().map(|l| format!("            {l},")).collect::<Vec<_>>().join("\n"),
+        lobes.iter().map(|l| format!("        {l},")).collect::<Vec<_>>().join("\n"),
         header.fluxes,
         header.grazing,
     );

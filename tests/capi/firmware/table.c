@@ -6,7 +6,7 @@ volatile float from_sensor[6];
 volatile float to_motor;
 
 void reset(void) {
-  const asperity_table_source source = ASPERITY_TABLE_SOURCE(bsdf_example);
+  static const asperity_table_source source = ASPERITY_TABLE_SOURCE(bsdf_example);
   asperity_table law;
   if (asperity_table_init_trusted(&law, &source, ASPERITY_TIER_FAST) == ASPERITY_STATUS_OK)
     for (;;) {

@@ -11,7 +11,7 @@ use crate::status::AsperityStatus as Status;
 pub type AsperityUniform = Option<unsafe extern "C" fn(state: *mut c_void) -> f32>;
 
 /// Neither null nor misaligned.
-fn check<T>(p: *const T) -> Result<(), Status> {
+pub(super) fn check<T>(p: *const T) -> Result<(), Status> {
     if p.is_null() {
         Err(Status::NullPointer)
     } else if p.is_aligned() {
@@ -99,6 +99,23 @@ pub(super) unsafe fn store<S: Storage>(p: *mut S, law: Result<S::Law, Status>) -
             e
         }
     }
+}
+
+/// Puts the beginning of a law in its storage, which counts as empty until [`finish`].
+#[inline(always)]
+pub(super) unsafe fn begin<'a, S: Storage>(p: *mut S, law: S::Law) -> &'a mut S::Law {
+    let marked = p.cast::<Marked<S::Law>>();
+    // SAFETY: the caller has checked the pointer; large enough as `store` asserts, and by the promise writable
+    unsafe {
+        marked.write(Marked { mark: 0, law });
+        &mut (*marked).law
+    }
+}
+
+/// Marks a storage as one that holds a law.
+pub(super) unsafe fn finish<S: Storage>(p: *mut S) {
+    // SAFETY: the mark is the first word of any storage
+    unsafe { p.cast::<u32>().write(S::MARK) };
 }
 
 /// The law in a storage.

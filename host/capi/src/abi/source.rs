@@ -1,11 +1,12 @@
 //! The numbers and arrays of a table, as C has them.
 
-use asperity_core::table::{Arrays, BsdfTableRef, Header, Storage};
+use asperity_core::table::{Arrays, Header};
 
-use super::pointer::{read, refer, slice};
-use crate::options;
+use super::pointer::{begin, finish, read, refer, slice};
+use super::table::AsperityTable;
+use crate::options::{self, AsperityTier};
 use crate::status::AsperityStatus as Status;
-use crate::table::{Numbers, Stored, TableLaw};
+use crate::table::{Numbers, TableLaw, Value};
 
 /// The numbers and arrays of a table: those of the C header that `asperity tabulate --c` writes, under the same names.
 /// `ASPERITY_TABLE_SOURCE` fills it. Lengths count numbers, not bytes. A missing array is null, of length 0.
@@ -13,9 +14,9 @@ use crate::table::{Numbers, Stored, TableLaw};
 #[derive(Clone, Copy, Debug)]
 pub struct AsperityTableSource {
     /// Index of the dielectric over that of air.
-    pub eta: f32,
+    pub eta: *const f32,
     /// Typical slope of the facets.
-    pub slope: f32,
+    pub slope: *const f32,
     /// 4 rows of 6: incidences, azimuths, radii, intervals, form, fall; zeros for a lobe left out.
     pub lobes: *const u16,
     /// 4 rows of 2: scale of slopes, crowding of incidences.
@@ -50,65 +51,78 @@ pub struct AsperityTableSource {
 
 impl AsperityTableSource {
     /// The numbers.
-    unsafe fn header(&self) -> Result<Header, Status> {
+    #[inline(always)]
+    unsafe fn numbers(&self) -> Result<Numbers<'_>, Status> {
         // SAFETY: the promise of `abi`
-        let numbers = unsafe {
-            Numbers {
-                eta: self.eta,
-                slope: self.slope,
+        unsafe {
+            Ok(Numbers {
+                eta: read(self.eta)?,
+                slope: read(self.slope)?,
                 lobes: refer(self.lobes.cast())?,
                 scales: refer(self.scales.cast())?,
                 flux_incidences: read(self.flux_incidences.cast())?,
                 flux_grazing: read(self.flux_grazing.cast())?,
-            }
-        };
-        numbers.header()
+            })
+        }
     }
 
-    /// The table, checked, but for the numbers in the arrays of a trusted one.
+    /// Puts the table in its storage, checked, but for the numbers in the arrays of a trusted one.
     #[inline(always)]
-    pub(super) unsafe fn law(&self, tier: u32, trusted: bool) -> Result<TableLaw<'static>, Status> {
+    pub(super) unsafe fn init(
+        &self,
+        to: *mut AsperityTable,
+        tier: u32,
+        trusted: bool,
+    ) -> Result<(), Status> {
         let tier = options::tier(tier)?;
         // SAFETY: the promise of `abi`
-        let table = unsafe {
-            let header = self.header()?;
+        unsafe {
+            let numbers = self.numbers()?;
+            let mut header = numbers.without_lobes(numbers.eta()?);
+            numbers.add_lobes(&mut header)?;
             match self.value_bytes {
                 #[cfg(feature = "table-u8")]
-                1 => Stored::U8(self.view(&header, trusted)?),
+                1 => self.view::<u8>(&header, to, tier, trusted),
                 #[cfg(feature = "table-u16")]
-                2 => Stored::U16(self.view(&header, trusted)?),
+                2 => self.view::<u16>(&header, to, tier, trusted),
                 #[cfg(feature = "table-f32")]
-                4 => Stored::F32(self.view(&header, trusted)?),
-                _ => return Err(Status::UnknownOption),
+                4 => self.view::<f32>(&header, to, tier, trusted),
+                _ => Err(Status::UnknownOption),
             }
-        };
-        Ok(TableLaw { table, tier })
+        }
     }
 
     #[inline(always)]
-    unsafe fn view<S: Storage>(
+    unsafe fn view<S: Value>(
         &self,
         header: &Header,
+        to: *mut AsperityTable,
+        tier: AsperityTier,
         trusted: bool,
-    ) -> Result<BsdfTableRef<'static, S>, Status> {
+    ) -> Result<(), Status> {
         if !self.fluxes_length.is_multiple_of(4) {
             return Err(Status::TableLength);
         }
-        // SAFETY: the promise of `abi`
-        let arrays = unsafe {
-            Arrays::<S> {
+        // SAFETY: the promise of `abi`; all of the caller's memory is read before its storage is written
+        unsafe {
+            let arrays = Arrays::<S> {
                 gains: slice(self.gains, self.gains_length)?,
                 values: slice(self.values.cast(), self.values_length)?,
                 quantiles: slice(self.quantiles, self.quantiles_length)?,
                 leans: slice(self.leans, self.leans_length)?,
                 fluxes: slice(self.fluxes.cast(), self.fluxes_length / 4)?,
+            };
+            let checked = if trusted { None } else { Some(header.table(arrays)?) };
+            let law = begin(to, TableLaw { table: S::dark(header), tier });
+            let Some(view) = S::view(&mut law.table) else { return Err(Status::UnknownOption) };
+            if let Some(table) = checked {
+                *view = table;
+            } else if !header.fill(arrays, view) {
+                return Err(Status::TableLength);
             }
-        };
-        if trusted {
-            header.view(arrays).ok_or(Status::TableLength)
-        } else {
-            Ok(header.table(arrays)?)
+            finish(to);
         }
+        Ok(())
     }
 
     /// The same numbers with the arrays of a payload.
@@ -123,7 +137,10 @@ impl AsperityTableSource {
             return Err(Status::Misaligned);
         }
         // SAFETY: the promise of `abi`
-        let [gains, values, quantiles, leans, rows] = unsafe { self.header() }?.lengths();
+        let numbers = unsafe { self.numbers() }?;
+        let mut header = numbers.without_lobes(numbers.eta()?);
+        numbers.add_lobes(&mut header)?;
+        let [gains, values, quantiles, leans, rows] = header.lengths();
         let ends = [4 * gains, self.value_bytes as usize * values, 2 * quantiles, leans, 8 * rows];
         if ends.iter().sum::<usize>() != bytes {
             return Err(Status::TableLength);

@@ -29,6 +29,30 @@ impl Storage for AsperityTable {
     const MARK: u32 = 0x5441_4231;
 }
 
+#[inline(always)]
+unsafe fn init(
+    table: *mut AsperityTable,
+    source: Result<&AsperityTableSource, AsperityStatus>,
+    tier: u32,
+    trusted: bool,
+) -> AsperityStatus {
+    if let Err(e) = pointer::check(table) {
+        return e;
+    }
+    // SAFETY: the promise of `abi`; the storage has been checked
+    unsafe {
+        // no closure: it would be one function for trusted and other tables
+        let done = match source {
+            Ok(source) => source.init(table, tier, trusted),
+            Err(e) => Err(e),
+        };
+        match done {
+            Ok(()) => AsperityStatus::Ok,
+            Err(e) => pointer::store(table, Err(e)),
+        }
+    }
+}
+
 /// Checks the arrays of `source` and views them: they must outlive the object and its copies. `tier` is an
 /// `asperity_tier`.
 #[unsafe(no_mangle)]
@@ -38,7 +62,7 @@ pub unsafe extern "C" fn asperity_table_init(
     tier: u32,
 ) -> AsperityStatus {
     // SAFETY: the promise of `abi`
-    unsafe { pointer::store(table, pointer::refer(source).and_then(|s| s.law(tier, false))) }
+    unsafe { init(table, pointer::refer(source), tier, false) }
 }
 
 /// The BSDF in 1/sr, without cosine. `wi` and `wo` are three floats each.
@@ -132,7 +156,7 @@ pub unsafe extern "C" fn asperity_table_init_trusted(
     tier: u32,
 ) -> AsperityStatus {
     // SAFETY: the promise of `abi`
-    unsafe { pointer::store(table, pointer::refer(source).and_then(|s| s.law(tier, true))) }
+    unsafe { init(table, pointer::refer(source), tier, true) }
 }
 
 /// The same of a payload: what follows the first line of a `.bsdft` file. Of `source` the arrays and their lengths are
@@ -150,7 +174,7 @@ pub unsafe extern "C" fn asperity_table_init_payload(
     // SAFETY: the promise of `abi`
     unsafe {
         let source = pointer::refer(source).and_then(|s| s.over(payload.cast(), bytes));
-        pointer::store(table, source.and_then(|s| s.law(tier, false)))
+        init(table, source.as_ref().map_err(|e| *e), tier, false)
     }
 }
 

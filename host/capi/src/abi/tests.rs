@@ -162,6 +162,29 @@ fn payload() -> Vec<u32> {
     bytes.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect()
 }
 
+static ETA: f32 = 1.5;
+static MATCHED: f32 = 1.0;
+static SLOPE: f32 = 0.3;
+/// Without anything but an index.
+const SOURCE: AsperityTableSource = AsperityTableSource {
+    eta: &raw const ETA,
+    slope: &raw const SLOPE,
+    lobes: null(),
+    scales: null(),
+    flux_incidences: null(),
+    flux_grazing: null(),
+    gains: null(),
+    values: null(),
+    quantiles: null(),
+    leans: null(),
+    fluxes: null(),
+    gains_length: 0,
+    values_length: 0,
+    quantiles_length: 0,
+    leans_length: 0,
+    fluxes_length: 0,
+    value_bytes: 1,
+};
 const BYTES: usize = 8 + 8 + 8 + 2 + 16;
 
 #[test]
@@ -170,23 +193,11 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
     let lobes: [[u16; 6]; 4] = [[0; 6], [2, 2, 2, 1, 0, 4], [0; 6], [0; 6]];
     let scales = [[0.0_f32; 3], [0.3, 1.0, 0.3], [0.0; 3], [0.0; 3]];
     let source = AsperityTableSource {
-        eta: 1.5,
-        slope: 0.3,
         lobes: lobes.as_ptr().cast(),
         scales: scales.as_ptr().cast(),
         flux_incidences: [2, 0].as_ptr(),
         flux_grazing: [1.0, 0.0].as_ptr(),
-        gains: null(),
-        values: null(),
-        quantiles: null(),
-        leans: null(),
-        fluxes: null(),
-        gains_length: 0,
-        values_length: 0,
-        quantiles_length: 0,
-        leans_length: 0,
-        fluxes_length: 0,
-        value_bytes: 1,
+        ..SOURCE
     };
     let start = words.as_ptr().cast::<u8>();
     let mut table = AsperityTable::EMPTY;
@@ -204,7 +215,7 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
         Status::UnknownOption
     );
     assert_eq!(
-        init(&AsperityTableSource { eta: 1.0, ..source }, start, BYTES),
+        init(&AsperityTableSource { eta: &raw const MATCHED, ..source }, start, BYTES),
         Status::TableNumber
     );
     assert_eq!(
@@ -237,4 +248,73 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
             Status::NotInitialised
         );
     }
+}
+
+/// Gains, values, quantiles, leans and fluxes of a lobe of `incidences`, 3 azimuths, `radii` and one interval, whose
+/// values have `bytes` bytes; and how far each array is from the start.
+fn parts(incidences: usize, radii: usize, bytes: usize) -> (Vec<u8>, [usize; 5]) {
+    let mut all = Vec::new();
+    let mut starts = [0; 5];
+    for _ in 0..incidences {
+        all.extend(1.0_f32.to_le_bytes());
+    }
+    starts[1] = all.len();
+    for k in 0..incidences * 3 * radii {
+        all.extend_from_slice(&(k as u32 + 50).to_le_bytes()[..bytes]);
+    }
+    starts[2] = all.len();
+    for _ in 0..incidences {
+        all.extend([0_u16, 40_000].iter().flat_map(|q| q.to_le_bytes()));
+    }
+    starts[3] = all.len();
+    all.resize(all.len() + incidences, 5);
+    starts[4] = all.len();
+    all.extend([0_u16, 50_000, 0, 0, 0, 40_000, 0, 0].iter().flat_map(|f| f.to_le_bytes()));
+    (all, starts)
+}
+
+#[test]
+fn a_payload_at_any_address_is_viewed_or_refused_as_misaligned() {
+    let mut seen = [0; 2];
+    for (incidences, radii, bytes) in [(2, 2, 1), (2, 2, 2), (3, 2, 1), (3, 3, 1), (3, 2, 2)] {
+        let (content, starts) = parts(incidences, radii, bytes);
+        let n = u16::try_from(incidences).unwrap();
+        let lobes = [[0; 6], [n, 3, u16::try_from(radii).unwrap(), 1, 0, 4], [0; 6], [0; 6]];
+        let scales = [[0.0_f32; 2], [0.3, 1.0], [0.0; 2], [0.0; 2]];
+        let source = AsperityTableSource {
+            lobes: lobes.as_ptr().cast(),
+            scales: scales.as_ptr().cast(),
+            flux_incidences: [2, 0].as_ptr(),
+            flux_grazing: [1.0, 0.0].as_ptr(),
+            value_bytes: u32::try_from(bytes).unwrap(),
+            ..SOURCE
+        };
+        // words, so that offset 0 is aligned to all
+        let mut room = std::vec![0_u64; content.len() / 8 + 3];
+        let start = room.as_mut_ptr().cast::<u8>();
+        for offset in 0..8 {
+            let mut table = AsperityTable::EMPTY;
+            let (t, mut out) = (&raw mut table, 0.0_f32);
+            // SAFETY: the room has eight bytes more than the content at the farthest offset
+            let (status, value) = unsafe {
+                let at = start.add(offset);
+                at.copy_from_nonoverlapping(content.as_ptr(), content.len());
+                let status =
+                    asperity_table_init_payload(t, &raw const source, at.cast(), content.len(), 0);
+                let value = asperity_table_eval(t, WI.as_ptr(), WO.as_ptr(), &raw mut out);
+                (status, value)
+            };
+            let aligns = [4, bytes, 2, 1, 2];
+            let fine = starts.iter().zip(aligns).all(|(s, a)| (s + offset).is_multiple_of(a));
+            seen[usize::from(fine)] += 1;
+            if fine {
+                assert_eq!((status, value), (Status::Ok, Status::Ok), "{bytes} at {offset}");
+                assert!(out > 0.0 && out.is_finite());
+            } else {
+                let refused = (Status::Misaligned, Status::NotInitialised);
+                assert_eq!((status, value), refused, "{bytes} at {offset}");
+            }
+        }
+    }
+    assert_eq!(seen, [36, 4]);
 }

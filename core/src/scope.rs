@@ -1,0 +1,45 @@
+//! What this build answers: the features of cargo as constants, so that the compiler leaves out what is off.
+//!
+//! All are on by default and only ever add. What is off scatters nothing: values, densities and fluxes of light
+//! from a side, or into a lobe, that was left out are 0, and its rays are lost (`None`), as many as there would
+//! be; what remains keeps its bits. Laws, precisions and tools that were left out cannot be named.
+//!
+//! | feature | without it |
+//! |---|---|
+//! | `air`, `dielectric` | light from that side scatters nothing |
+//! | `reflection`, `transmission` | that lobe is empty |
+//! | `ggx` | no [`bsdf::Ggx`](crate::bsdf), no `OpaqueGgx`, no `ndf::ggx` |
+//! | `normals` (needs `f64`) | no `bsdf::Normals`, no `ndf::law` and `ndf::normals`, no `quadrature` |
+//! | `table` (needs `f32`) | no `table` |
+//! | `f32`, `f64` | that type is no [`Real`](crate::math::Real) |
+//! | `fast` | no `math::Fast` |
+//! | `gonio` | no `plate`, `gonio` and `metric` |
+//! | `protocol` | no `protocol`, and no dependency on postcard, serde and crc |
+//!
+//! The smooth boundary, Fresnel's and Snell's laws know no lobes or sides to leave out.
+
+#![cfg_attr(
+    not(any(feature = "ggx", feature = "normals", feature = "table")),
+    allow(dead_code, reason = "without a law nobody asks")
+)]
+
+/// Light may come from the air.
+pub(crate) const AIR: bool = cfg!(feature = "air");
+/// Light may come from the dielectric.
+pub(crate) const DIELECTRIC: bool = cfg!(feature = "dielectric");
+/// Light may go back to its side.
+pub(crate) const REFLECTION: bool = cfg!(feature = "reflection");
+/// Light may go through.
+pub(crate) const TRANSMISSION: bool = cfg!(feature = "transmission");
+
+/// Whether light from a side, `below` or above, is answered.
+#[inline(always)]
+pub(crate) const fn side(below: bool) -> bool {
+    (AIR && !below) || (DIELECTRIC && below)
+}
+
+/// Whether a lobe, `mirrored` or not, is answered.
+#[inline(always)]
+pub(crate) const fn lobe(mirrored: bool) -> bool {
+    (REFLECTION && mirrored) || (TRANSMISSION && !mirrored)
+}

@@ -1,0 +1,32 @@
+//! Core with some of its features only: every choice that makes sense builds for the device without a warning.
+
+use crate::emulator::build;
+use crate::skip;
+
+const CHOICES: [&str; 14] = [
+    "",
+    "f32",
+    "f64",
+    "f32,fast",
+    "f32,ggx,air,transmission",
+    "f32,ggx,air,reflection",
+    "f64,fast,ggx,air,dielectric,reflection,transmission",
+    "f64,normals,air,dielectric,transmission",
+    "f32,fast,normals,air,dielectric,reflection,transmission",
+    "table,air,transmission",
+    "table,fast,dielectric,reflection",
+    "table,ggx,normals",
+    "f32,gonio",
+    "protocol",
+];
+
+#[test]
+fn core_builds_without_warnings_for_any_choice_of_features() {
+    for choice in CHOICES {
+        let arguments =
+            ["--package", "asperity-core", "--no-default-features", "--features", choice];
+        if let Err(remedy) = build(&arguments, "-Dwarnings") {
+            return skip(&remedy);
+        }
+    }
+}
