@@ -228,8 +228,9 @@ fn show(table: &Table) {
     }
     for (tier, name) in TIERS.iter().enumerate() {
         let most = table.values().max_by(|a, b| a.most(tier).total_cmp(&b.most(tier)));
-        most.iter()
-            .for_each(|r| println!("  worst {name}: {:.2e} {}", r.most(tier), r.place[tier]));
+        if let Some(r) = most {
+            println!("  worst {name}: {:.2e} {}", r.most(tier), r.place[tier]);
+        }
     }
 }
 

@@ -120,7 +120,7 @@ impl<S: Storage> LobeTable<'_, S> {
             && self.values.len() == self.shape.values()
             && self.quantiles.len() == self.shape.quantiles()
             && self.leans.len() == self.shape.leans()
-            && self.cells == self.shape.cells();
+            && self.cells.map(f32::to_bits) == self.shape.cells().map(f32::to_bits);
         if !lengths {
             return Err(TableError::Length);
         }
