@@ -41,7 +41,7 @@ fn closed_forms() -> Vec<(String, Boundary)> {
 }
 
 /// A rough surface without a preferred direction: a sum of waves that fit into the map.
-fn traced() -> Boundary {
+fn traced(height: f64) -> Boundary {
     const SIDE: usize = 256;
     let mut random = Random::new(77);
     let waves: Vec<[f64; 3]> = (0..240)
@@ -54,12 +54,12 @@ fn traced() -> Boundary {
             ]
         })
         .collect();
-    let height = |n: usize| {
+    let at = |n: usize| {
         let (x, y) = ((n % SIDE) as f64 / SIDE as f64, (n / SIDE) as f64 / SIDE as f64);
         let wave = |[a, b, c]: &[f64; 3]| (std::f64::consts::TAU * (a * x + b * y) + c).sin();
-        (0.08 * waves.iter().map(wave).sum::<f64>()) as f32
+        (height * waves.iter().map(wave).sum::<f64>()) as f32
     };
-    let heights = (0..SIDE * SIDE).map(|n| height(n).into()).collect();
+    let heights = (0..SIDE * SIDE).map(|n| at(n).into()).collect();
     let map = HeightMap::new((SIDE, SIDE), (1.0, 1.0), heights).unwrap();
     let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
     Boundary::Traced(TracedBoundary { field, eta: ior(1.49) })
@@ -74,24 +74,34 @@ fn tables_of_closed_forms_give_the_readings_and_the_flux_of_their_models() {
             let table = table_of(&boundary, bytes);
             let stop = AtomicBool::new(false);
             let distance = distance_percent(&boundary, &table, 0.5, RAYS, &stop).unwrap();
-            let energy = energy_error(&boundary, &table).unwrap();
+            let energy = energy_error(&boundary, &table, RAYS).unwrap();
             println!("{name}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
             assert!(distance <= allowed.allowed, "{name} {bytes}: {distance} %");
-            assert!(energy <= tolerance::TABLE_FLUX.allowed, "{name} {bytes}: flux {energy}");
+            let flux =
+                if bytes == 8 << 10 { tolerance::TABLE_FLUX_8 } else { tolerance::TABLE_FLUX };
+            assert!(energy <= flux.allowed, "{name} {bytes}: flux {energy}");
         }
     }
 }
 
+/// Slopes of 0.12 and 0.32: the light of the first meets one facet mostly, that of the other several.
 #[test]
-fn a_table_of_a_traced_map_gives_the_readings_of_the_map() {
-    let boundary = traced();
-    for bytes in [8 << 10, 32 << 10] {
+fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
+    let cases = [
+        (0.03, 8 << 10, tolerance::TABLE_8_KIB),
+        (0.03, 32 << 10, tolerance::TABLE_32_KIB),
+        (0.08, 8 << 10, tolerance::TABLE_8_KIB),
+        (0.08, 32 << 10, tolerance::TABLE_STEEP),
+    ];
+    for (height, bytes, allowed) in cases {
+        let boundary = traced(height);
         let table = table_of(&boundary, bytes);
         let stop = AtomicBool::new(false);
-        let rays = Rays { count: 2_000_000, ..RAYS };
-        let distance = distance_percent(&boundary, &table, 0.5, rays, &stop).unwrap();
-        println!("traced, {bytes} bytes: {distance:.4} %");
-        assert!(distance <= tolerance::TABLE_TRACED.allowed, "{bytes}: {distance} %");
+        let distance = distance_percent(&boundary, &table, 0.5, RAYS, &stop).unwrap();
+        let energy = energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }).unwrap();
+        println!("traced {height}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
+        assert!(distance <= allowed.allowed, "{height} {bytes}: {distance} %");
+        assert!(energy <= tolerance::TABLE_FLUX_TRACED.allowed, "{height} {bytes}: flux {energy}");
     }
 }
 

@@ -170,21 +170,27 @@ impl<S: Storage> LobeTable<'_, S> {
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
         let at = (y.cell * rows + p.cell) * columns + r.cell;
         let beyond = at + rows * columns;
-        let pair = |from: usize| -> Option<T> {
-            let &[a, b] = self.values.get(from..from + 2)?.first_chunk()?;
-            Some(r.mix(a.get(), b.get()))
-        };
-        let plane = |from: usize| Some(p.mix(pair(from)?, pair(from + columns)?));
         let Some(&[low, high]) = self.gains.get(y.cell..).and_then(|g| g.first_chunk()) else {
             return T::ZERO;
         };
-        match (plane(at), plane(beyond)) {
-            (Some(a), Some(b)) => {
-                let (a, b) = (a * real(low), b * real(high));
-                y.mix(a * a, b * b)
-            }
-            _ => T::ZERO,
-        }
+        let (Some(a), Some(b), Some(c), Some(d)) = (
+            self.pair(at),
+            self.pair(at + columns),
+            self.pair(beyond),
+            self.pair(beyond + columns),
+        ) else {
+            return T::ZERO;
+        };
+        let mix = |[a, b]: [T; 2], [c, d]: [T; 2]| p.mix(r.mix(a, b), r.mix(c, d));
+        let (a, b) = (mix(a, b) * real(low), mix(c, d) * real(high));
+        y.mix(a * a, b * b)
+    }
+
+    /// Two values that lie side by side.
+    #[inline(always)]
+    fn pair<T: Real>(&self, from: usize) -> Option<[T; 2]> {
+        let &[a, b] = self.values.get(from..)?.first_chunk()?;
+        Some([a.get(), b.get()])
     }
 
     /// `Q` from `v^2` and `q`.

@@ -67,7 +67,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     /// The indices by which `wi` and `wo` count in `h_xy`, and the sign that turns it towards the mirror direction.
     #[inline(always)]
     pub(super) fn indices<T: Real>(&self, below: bool, to_below: bool) -> (T, T, T) {
-        let n = self.eta.cast().get();
+        let n = real(self.eta.get());
         match (below, to_below) {
             (false, true) => (T::ONE, n, -T::ONE),
             (true, false) => (n, T::ONE, -T::ONE),

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use super::axes::real;
 use super::lobe::LobeTable;
 use super::side::SideTable;
 use super::storage::Storage;
@@ -177,9 +178,11 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     /// Index of the far medium over that of the near one.
     #[inline(always)]
     pub(super) fn beyond<T: Real>(&self, side: Side) -> T {
+        let n: T = real(self.eta.get());
         match side {
-            Side::Air => self.eta.cast().get(),
-            Side::Dielectric => self.eta.cast().inverse(),
+            Side::Air => n,
+            Side::Dielectric if T::EPSILON.to_f64() < f64::from(f32::EPSILON) => T::ONE / n,
+            Side::Dielectric => real(self.eta.inverse()),
         }
     }
 }

@@ -110,7 +110,7 @@ struct Answer {
     nodes: Vec<Option<[u16; 3]>>,
     /// Eq. (18) of a scan of the table against one of the model; null if it cannot be told.
     distance_percent: Option<f64>,
-    /// Largest absolute error of the flux of a lobe; null for a model that is traced.
+    /// Largest absolute error of the flux of a lobe; null if it cannot be told.
     energy_error: Option<f64>,
 }
 
@@ -160,7 +160,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             .map(|l| l.map(|l| [l.shape.incidences, l.shape.azimuths, l.shape.radii]))
             .collect(),
         distance_percent: distance,
-        energy_error: energy_error(&boundary, &table),
+        energy_error: energy_error(
+            &boundary,
+            &table,
+            Rays { count: args.rays, seed: args.seed + 7 },
+        ),
     };
     print(&if args.json {
         serde_json::to_string_pretty(&answer).map_err(Failure::bad)? + "\n"

@@ -1,14 +1,14 @@
 //! Flux: what the model has, what the table has, and never more than there is.
 
-use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Storage, incidence_cosine, incidence_place};
 use rayon::prelude::*;
 
 use super::grid::{LobeGrid, node};
-use crate::boundary::Boundary;
+use super::rays::Turning;
+use crate::boundary::{Boundary, with_boundary};
 use crate::energy::balance;
-use crate::forward::Rays;
+use crate::forward::{Rays, count_flux};
 use crate::kirchhoff::CoherentFlux;
 
 /// Places between two nodes of incidence where the flux is looked at.
@@ -18,23 +18,29 @@ const ROUNDS: usize = 12;
 /// What is left below 1 for the rounding of storage and sums.
 const MARGIN: f64 = 2e-4;
 
-/// Diffuse flux of a law at a cosine of incidence.
-pub(super) fn model_flux(boundary: &Boundary, (side, lobe): (Side, Lobe), cos: f64) -> f64 {
-    let flux = balance(boundary, side, cos.acos().to_degrees(), Rays { count: 1, seed: 0 });
+/// What a law gives beyond what it receives by rounding and noise.
+const ROUNDING: f64 = 1e-3;
+
+/// Diffusely reflected and transmitted flux of a model at a cosine of incidence; `None` if it gives more than it receives.
+pub(super) fn model_fluxes(
+    boundary: &Boundary,
+    side: Side,
+    cos: f64,
+    rays: Rays,
+) -> Option<[f64; 2]> {
+    let (reflected, transmitted) = with_boundary!(boundary, _law => {
+        let flux = balance(boundary, side, cos.acos().to_degrees(), rays);
+        (flux.reflected, flux.transmitted)
+    }, traced t => {
+        let flux = count_flux(&Turning(t), incident(side, cos), rays);
+        (flux.reflected, flux.transmitted)
+    });
     let coherent = match boundary {
         Boundary::Wave(wave) => wave.coherent(incident(side, cos)),
         _ => CoherentFlux::default(),
     };
-    match lobe {
-        Lobe::Reflection => (flux.reflected - coherent.reflected).max(0.0),
-        Lobe::Transmission => (flux.transmitted - coherent.transmitted).max(0.0),
-    }
-}
-
-/// All light of a law, diffuse and coherent, at a cosine of incidence; of some laws more than 1.
-pub(super) fn model_all(boundary: &Boundary, side: Side, cos: f64) -> f64 {
-    let flux = balance(boundary, side, cos.acos().to_degrees(), Rays { count: 1, seed: 0 });
-    flux.reflected + flux.transmitted
+    let [r, t] = [reflected - coherent.reflected, transmitted - coherent.transmitted];
+    (reflected + transmitted <= 1.0 + ROUNDING).then_some([r.max(0.0), t.max(0.0)])
 }
 
 /// The direction that light comes from, at a cosine of incidence.

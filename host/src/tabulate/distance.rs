@@ -84,29 +84,26 @@ pub fn distance_percent(
     })
 }
 
-/// Largest difference of the flux of a table's lobes and the model's, absolute, over incidences 0 to 80 degrees.
+/// Largest difference of the flux of a table's lobes and the model's, absolute, over incidences 0 to 80 degrees. A model that must be
+/// sampled is counted with `rays` an incidence.
 ///
-/// `None` for a model that must be sampled.
-pub fn energy_error(boundary: &Boundary, table: &EmbeddedTable) -> Option<f64> {
-    if boundary.is_traced() {
-        return None;
-    }
-    let mut worst = 0.0_f64;
-    for (k, which) in super::grid::LOBES.into_iter().enumerate() {
-        if table.header().lobes[k].is_none() {
-            continue;
-        }
+/// Incidences at which the model itself gives more than it receives, as waves may, are left out: no table follows it there.
+/// `None` if there are no others.
+pub fn energy_error(boundary: &Boundary, table: &EmbeddedTable, rays: Rays) -> Option<f64> {
+    let mut worst: Option<f64> = None;
+    for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
         for deg in [0.0_f64, 11.0, 25.0, 37.0, 45.0, 52.0, 60.0, 70.0, 80.0] {
             let cos = deg.to_radians().cos();
-            let model = balance::model_flux(boundary, which, cos);
-            // waves may give more than they receive, which no table does
-            let all = balance::model_all(boundary, which.0, cos);
-            let model = model / all.max(1.0);
-            let own = summed(table, which, cos);
-            worst = worst.max((model - own).abs());
+            let Some(model) = balance::model_fluxes(boundary, side, cos, rays) else { continue };
+            for (j, lobe) in [Lobe::Reflection, Lobe::Transmission].into_iter().enumerate() {
+                if table.header().lobes[2 * k + j].is_some() {
+                    let off = (model[j] - summed(table, (side, lobe), cos)).abs();
+                    worst = Some(worst.unwrap_or(0.0).max(off));
+                }
+            }
         }
     }
-    Some(worst)
+    worst
 }
 
 /// Flux of a lobe of the table itself: the mean weight of its samples over a lattice.

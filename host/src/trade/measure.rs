@@ -269,7 +269,7 @@ impl Bench<'_> {
             tier: Tier::Fast,
             precision: "f32",
             distance_percent: distance,
-            energy_percent: energy_error(boundary, &table).map(|e| 100.0 * e),
+            energy_percent: energy_error(boundary, &table, rays).map(|e| 100.0 * e),
             data_bytes: Some(table.bytes()),
             table_seconds: Some(seconds),
             ..row
