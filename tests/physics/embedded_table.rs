@@ -115,11 +115,11 @@ fn a_table_never_gives_more_than_it_receives() {
         for air in [true, false] {
             for k in 0..30 {
                 let wi = dir(incidence(3.0 * f64::from(k) + 0.37, air));
-                let n = 10_946_u32;
+                let n = 46_368_u32;
                 let mut sum = 0.0;
                 for k in 0..n {
                     let u = [
-                        f64::from((u64::from(k) * 6765 % u64::from(n)) as u32),
+                        f64::from((u64::from(k) * 28_657 % u64::from(n)) as u32),
                         f64::from(k) + 0.5,
                     ]
                     .map(|u| u / f64::from(n));

@@ -169,28 +169,25 @@ impl<S: Storage> LobeTable<'_, S> {
         let r = Place::of(r, outwards);
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
         let at = (y.cell * rows + p.cell) * columns + r.cell;
-        let beyond = at + rows * columns;
-        let Some(&[low, high]) = self.gains.get(y.cell..).and_then(|g| g.first_chunk()) else {
-            return T::ZERO;
-        };
-        let (Some(a), Some(b), Some(c), Some(d)) = (
-            self.pair(at),
-            self.pair(at + columns),
-            self.pair(beyond),
-            self.pair(beyond + columns),
-        ) else {
-            return T::ZERO;
-        };
+        let plane = rows * columns;
         let mix = |[a, b]: [T; 2], [c, d]: [T; 2]| p.mix(r.mix(a, b), r.mix(c, d));
-        let (a, b) = (mix(a, b) * real(low), mix(c, d) * real(high));
-        y.mix(a * a, b * b)
+        let Some([a, b]) = self.corners(at, columns) else { return T::ZERO };
+        let low = mix(a, b);
+        let Some([a, b]) = self.corners(at + plane, columns) else { return T::ZERO };
+        let high = mix(a, b);
+        let Some(&[a, b]) = self.gains.get(y.cell..).and_then(|g| g.first_chunk()) else {
+            return T::ZERO;
+        };
+        let (low, high) = (low * real(a), high * real(b));
+        y.mix(low * low, high * high)
     }
 
-    /// Two values that lie side by side.
+    /// Two neighbours, and the same a row on.
     #[inline(always)]
-    fn pair<T: Real>(&self, from: usize) -> Option<[T; 2]> {
-        let &[a, b] = self.values.get(from..)?.first_chunk()?;
-        Some([a.get(), b.get()])
+    fn corners<T: Real>(&self, at: usize, columns: usize) -> Option<[[T; 2]; 2]> {
+        let block = self.values.get(at..at + columns + 2)?;
+        let (&[a, b], &[c, d]) = (block.first_chunk()?, block.last_chunk()?);
+        Some([[a.get(), b.get()], [c.get(), d.get()]])
     }
 
     /// `Q` from `v^2` and `q`.
@@ -208,14 +205,14 @@ impl<S: Storage> LobeTable<'_, S> {
     fn interval<T: Real>(&self, y: Place<T>, k: usize) -> Option<(T, T, T)> {
         let count = usize::from(self.shape.intervals);
         let unit = T::from_f64(1.0 / 65536.0);
-        let ends = |row: usize| -> Option<&[u16; 2]> {
-            self.quantiles.get(row * (count + 1) + k..)?.first_chunk()
-        };
-        let (&[a, b], &[c, d]) = (ends(y.cell)?, ends(y.cell + 1)?);
-        let lean = |row: usize| -> Option<T> {
-            self.leans.get(row * count + k).map(|&l| T::from_f64(f64::from(l)))
-        };
-        let lean = y.mix(lean(y.cell)?, lean(y.cell + 1)?) * T::from_f64(1.0 / 128.0);
+        // both incidences in one piece: their ends are its ends
+        let at = y.cell * count + k;
+        let ends = self.quantiles.get(at + y.cell..at + y.cell + count + 3)?;
+        let (&[a, b], &[c, d]) = (ends.first_chunk()?, ends.last_chunk()?);
+        let leans = self.leans.get(at..at + count + 1)?;
+        let (&low, &high) = (leans.first()?, leans.last()?);
+        let lean = |l: i8| T::from_f64(f64::from(l));
+        let lean = y.mix(lean(low), lean(high)) * T::from_f64(1.0 / 128.0);
         Some((y.mix(whole(a), whole(c)) * unit, y.mix(whole(b), whole(d)) * unit, lean))
     }
 

@@ -66,11 +66,16 @@ impl<S: Storage> SideTable<'_, S> {
             if scope::lobe(mirrored) { y.mix(whole(low), whole(high)) * unit } else { T::ZERO }
         };
         let (&[a, b, c, d], &[e, f, g, h]) = (low, high);
-        Fluxes {
+        let diffuse = Fluxes {
             reflected: mix(true, a, e),
             transmitted: mix(false, b, f),
-            coherent_reflected: mix(true, c, g),
-            coherent_transmitted: mix(false, d, h),
+            coherent_reflected: T::ZERO,
+            coherent_transmitted: T::ZERO,
+        };
+        if c | d | g | h == 0 {
+            return diffuse;
         }
+        let (coherent_reflected, coherent_transmitted) = (mix(true, c, g), mix(false, d, h));
+        Fluxes { coherent_reflected, coherent_transmitted, ..diffuse }
     }
 }

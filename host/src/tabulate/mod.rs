@@ -1,9 +1,9 @@
 //! Makes the table of a boundary for a microcontroller.
 //!
 //! A law that can be evaluated is looked up at the nodes, and what is divided out, the scale of slopes and the numbers of nodes
-//! are those that err least (`search`). A boundary that can only be sampled sends rays (`rays`). Then the
-//! lobes are given the flux of the model at each node of incidence, and where the table would give more than it receives
-//! between nodes, both are lowered (`balance`).
+//! are those that err least (`search`). A boundary that can only be sampled sends rays: some choose these (`pilot`), many fill
+//! the nodes (`rays`). Then the lobes are given the flux of the model at each node of incidence, and where the table would give
+//! more than it receives between nodes, both are lowered (`balance`).
 
 mod facet;
 mod grid;

@@ -7,7 +7,7 @@ use asperity_core::table::{Fall, Form, LobeHeader, Shape, incidence_cosine};
 use rayon::prelude::*;
 
 use super::grid::{LobeGrid, node};
-use super::rays::{Left, corners, plane_size, sharpen, trace};
+use super::rays::{Left, complete, corners, plane_size, sharpen, trace};
 use crate::forward::{Rays, mix};
 
 /// Kinds that are tried. A facet's share of GGX tails serves what is met once, the others what is met more often.
@@ -139,6 +139,7 @@ fn parts(
     [fill, judge]: [&[Shot]; 2],
 ) -> Vec<[f64; 2]> {
     let mut grid = LobeGrid::new(eta, (side, which), header);
+    let mut lit = Vec::new();
     for (j, Shot { left, .. }) in fill.iter().enumerate() {
         let mut wanted = vec![0.0; plane_size(&grid)];
         for ray in left.iter().filter(|ray| ray.lobe == which) {
@@ -148,8 +149,9 @@ fn parts(
                 }
             }
         }
-        sharpen(&mut grid, j, &wanted, left.len() as f64);
+        lit.push(sharpen(&mut grid, j, &wanted, left.len() as f64));
     }
+    complete(&mut grid, &lit);
     let judged = grid.with_table::<f32, _>(|table| {
         let one = |Shot { cos, left }: &Shot| {
             let beam = grid.beam(*cos);

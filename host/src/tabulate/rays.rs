@@ -53,6 +53,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
     let [mut reflection, mut transmission] = lobes;
     let count = reflection.as_ref().or(transmission.as_ref())?.header.shape.incidences;
     let mut fluxes = Vec::new();
+    let mut lit = [Vec::new(), Vec::new()];
     for j in 0..usize::from(count) {
         if stop.load(Ordering::Relaxed) {
             return None;
@@ -60,13 +61,19 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         let views = [reflection.as_deref(), transmission.as_deref()];
         let found = gather(boundary, views, j, rays);
         fluxes.push(found.flux.map(|f| f / found.rays));
-        for (grid, nodes) in [&mut reflection, &mut transmission].into_iter().zip(&found.nodes) {
+        let grids = [&mut reflection, &mut transmission];
+        for ((grid, nodes), lit) in grids.into_iter().zip(&found.nodes).zip(&mut lit) {
             if let Some(grid) = grid {
                 let wanted: Vec<f64> = nodes.iter().map(|w| w / found.rays).collect();
-                sharpen(grid, j, &wanted, found.rays);
+                lit.push(sharpen(grid, j, &wanted, found.rays));
             }
         }
         progress();
+    }
+    for (grid, lit) in [&mut reflection, &mut transmission].into_iter().zip(&lit) {
+        if let Some(grid) = grid {
+            complete(grid, lit);
+        }
     }
     Some(fluxes)
 }
@@ -170,8 +177,13 @@ pub(super) fn corners(grid: &LobeGrid, s: f64, p: f64) -> [(usize, f64); 4] {
     ]
 }
 
-/// Finds values whose means about the nodes are those wanted.
-pub(super) fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64) {
+/// Finds values whose means about the nodes are those wanted; tells at which nodes a facet sends light at all.
+pub(super) fn sharpen(
+    grid: &mut LobeGrid,
+    incidence: usize,
+    wanted: &[f64],
+    rays: f64,
+) -> Vec<bool> {
     let cos = grid.cosine(incidence);
     let beam: Beam = grid.beam(cos);
     let (fall, s0) = (grid.header.fall, f64::from(grid.header.scale));
@@ -219,6 +231,24 @@ pub(super) fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], ray
         *v = v.min(MOST * mean);
     }
     grid.plane(incidence).copy_from_slice(&v);
+    reached.iter().map(|r| *r > least).collect()
+}
+
+/// Nodes at which no facet sends light go on as the nearest incidence at which one does: between the two it sends some.
+pub(super) fn complete(grid: &mut LobeGrid, lit: &[Vec<bool>]) {
+    let count = lit.len();
+    let before: Vec<Vec<f64>> = (0..count).map(|j| grid.plane(j).to_vec()).collect();
+    for (j, own) in lit.iter().enumerate() {
+        for node in (0..own.len()).filter(|n| !own[*n]) {
+            let near = (1..count)
+                .flat_map(|d| [j.checked_sub(d), Some(j + d).filter(|k| *k < count)])
+                .flatten()
+                .find(|k| lit[*k][node]);
+            if let Some(k) = near {
+                grid.plane(j)[node] = before[k][node];
+            }
+        }
+    }
 }
 
 /// Where hardly a ray or no facet leads, values go on as at the next facets that are known: outwards, towards the pole, and
