@@ -93,6 +93,7 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
         (0.08, 8 << 10, tolerance::TABLE_8_KIB),
         (0.08, 32 << 10, tolerance::TABLE_STEEP),
     ];
+    let mut bad = Vec::new();
     for (height, bytes, allowed) in cases {
         let boundary = traced(height);
         let table = table_of(&boundary, bytes);
@@ -100,9 +101,12 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
         let distance = distance_percent(&boundary, &table, 0.5, RAYS, &stop).unwrap();
         let energy = energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }).unwrap();
         println!("traced {height}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
-        assert!(distance <= allowed.allowed, "{height} {bytes}: {distance} %");
-        assert!(energy <= tolerance::TABLE_FLUX_TRACED.allowed, "{height} {bytes}: flux {energy}");
+        let fine = distance <= allowed.allowed && energy <= tolerance::TABLE_FLUX_TRACED.allowed;
+        if !fine {
+            bad.push((height, bytes, distance, energy));
+        }
     }
+    assert!(bad.is_empty(), "{bad:?}");
 }
 
 /// Flux of all light at dense incidences, by the samples' own weights.

@@ -12,11 +12,11 @@ use crate::forward::{Rays, count_flux};
 use crate::kirchhoff::CoherentFlux;
 
 /// Places between two nodes of incidence where the flux is looked at.
-const BETWEEN: usize = 4;
+const BETWEEN: usize = 10;
 /// Rounds of lowering.
 const ROUNDS: usize = 12;
 /// What is left below 1 for the rounding of storage and sums.
-const MARGIN: f64 = 2e-4;
+const MARGIN: f64 = 5e-4;
 
 /// What a law gives beyond what it receives by rounding and noise.
 const ROUNDING: f64 = 1e-3;
@@ -69,8 +69,12 @@ pub(super) fn between(known: &[(f64, f64)], cos: f64) -> f64 {
     f + share * (g - f)
 }
 
-/// Scales each incidence so that its flux is the model's.
-pub(super) fn to_model(grid: &mut LobeGrid, model: impl Fn(f64, &LobeGrid) -> f64 + Sync) {
+/// Scales each incidence so that its flux is the model's, but by no more than `most`.
+pub(super) fn to_model(
+    grid: &mut LobeGrid,
+    most: f64,
+    model: impl Fn(f64, &LobeGrid) -> f64 + Sync,
+) {
     let cosines: Vec<f64> =
         (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
     let own = grid.with_table::<f32, _>(|table| {
@@ -81,7 +85,7 @@ pub(super) fn to_model(grid: &mut LobeGrid, model: impl Fn(f64, &LobeGrid) -> f6
         let wanted = model(*cos, grid);
         if own > 0.0 {
             // at grazing incidence sums of either kind are rough: no more than a correction
-            let factor = (wanted / own).clamp(0.5, 2.0).sqrt();
+            let factor = (wanted / own).clamp(1.0 / most, most).sqrt();
             grid.plane(j).iter_mut().for_each(|v| *v *= factor);
         }
     }

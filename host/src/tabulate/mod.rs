@@ -147,7 +147,7 @@ fn of_storage<S: Storage>(
                 return Err(NoTable::Stopped);
             }
             let mut grid = search::best::<_, S>(b, eta, which, budget);
-            balance::to_model(&mut grid, |cos, grid| grid.flux_of(b, cos));
+            balance::to_model(&mut grid, 2.0, |cos, grid| grid.flux_of(b, cos));
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
@@ -200,7 +200,8 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             if let Some(mut grid) = grid {
                 let known: Vec<(f64, f64)> =
                     fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
-                balance::to_model(&mut grid, |cos, _| balance::between(&known, cos));
+                // a node beyond which facets begin to send light must not be judged by the few that do
+                balance::to_model(&mut grid, 1.05, |cos, _| balance::between(&known, cos));
                 lobes[2 * at + k] = Some(grid);
             }
         }

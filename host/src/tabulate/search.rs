@@ -122,7 +122,7 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         .map(|(_, header)| {
             let mut grid = LobeGrid::new(eta, which, header);
             grid.fill(law);
-            super::balance::to_model(&mut grid, |cos, grid| grid.flux_of(law, cos));
+            super::balance::to_model(&mut grid, 2.0, |cos, grid| grid.flux_of(law, cos));
             (flux_error::<_, S>(&grid, law), header)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
