@@ -40,6 +40,32 @@ impl<T: Real> Ggx<T> {
         };
         Some((sample_visible(self.alpha, front, u), eta))
     }
+
+    #[inline(always)]
+    fn value(&self, wi: Direction<T>, wo: Direction<T>, h: &HalfVector<T>) -> T {
+        let a = self.alpha.get();
+        let masked = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
+        let f = d_of_vector(a, h.xy2, h.z2) * h.share * T::from_f64(4.0) / masked;
+        // the quotient of a narrow peak by cosines next to nothing is larger than any number
+        if h.possible { f.min(T::MAX) } else { T::ZERO }
+    }
+
+    /// [`Bsdf::ars`] for loops over many pairs: a value, and whether it is that of `ars` to the last bit. Where it is
+    /// not, as for a few pairs in a hundred, `ars` has to be asked.
+    ///
+    /// `lost(a, b, product)` is `a * b - product`, exactly: [`Real::product_error`], or a fused multiplication where
+    /// the processor has one. It is not asked for more than it can do: pairs with overflow, or underflow that matters,
+    /// are among those left over.
+    #[inline(always)]
+    pub fn ars_or_not(
+        &self,
+        wi: Direction<T>,
+        wo: Direction<T>,
+        lost: impl Fn(T, T, T) -> T,
+    ) -> (T, bool) {
+        let (h, all) = HalfVector::plainly(self.eta, wi, wo, lost);
+        (self.value(wi, wo, &h) * wo.z().abs(), all)
+    }
 }
 
 impl<T: Real> Scatter<T> for Ggx<T> {
@@ -64,12 +90,7 @@ impl<T: Real> Scatter<T> for Ggx<T> {
 impl<T: Real> Bsdf<T> for Ggx<T> {
     #[inline(always)]
     fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        let a = self.alpha.get();
-        let h = HalfVector::between(self.eta, wi, wo);
-        let masked = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
-        let f = d_of_vector(a, h.xy2, h.z2) * h.share * T::from_f64(4.0) / masked;
-        // the quotient of a narrow peak by cosines next to nothing is larger than any number
-        if h.possible { f.min(T::MAX) } else { T::ZERO }
+        self.value(wi, wo, &HalfVector::between(self.eta, wi, wo))
     }
 
     #[inline(always)]

@@ -28,6 +28,35 @@ use crate::math::Real;
 use crate::quantity::RelativeIor;
 use crate::scope;
 
+/// One of two values. Where loops become vector instructions both are computed, and neither costs a branch
+/// that random directions mispredict; on a microcontroller only the one that is wanted is. The bits are
+/// the same.
+///
+/// A macro and not a function of two closures: the compiler may leave a large closure out of line, and no loop
+/// with a call in it becomes vector instructions.
+macro_rules! choose {
+    ($condition:expr, $yes:expr, $no:expr) => {
+        if cfg!(target_arch = "arm") {
+            if $condition { $yes } else { $no }
+        } else {
+            let (yes, no) = ($yes, $no);
+            if $condition { yes } else { no }
+        }
+    };
+}
+
+/// A function of each of three, in line for the same reason; on a microcontroller as small as possible.
+macro_rules! each {
+    ($three:expr, $function:ident($($other:expr),*)) => {
+        if cfg!(target_arch = "arm") {
+            $three.map(|one| $function(one, $($other),*))
+        } else {
+            let [x, y, z] = $three;
+            [$function(x, $($other),*), $function(y, $($other),*), $function(z, $($other),*)]
+        }
+    };
+}
+
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(not(feature = "table"), allow(dead_code, reason = "tables ask for all of it"))]
@@ -99,6 +128,24 @@ impl<T: Real> HalfVector<T> {
         squares([swap(ix, ox), swap(iy, oy), swap(iz, oz)], eta.get(), mirrored)
     }
 
+    /// The facet without the difference in two parts, and whether all its bits are those of [`Self::between`]: not
+    /// where that difference is needed, nor where a direction is not `ordinary`. For loops over many pairs.
+    ///
+    /// `lost(a, b, product)` is `a * b - product`, exactly wherever that is a number.
+    #[inline(always)]
+    pub(crate) fn plainly(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+        lost: impl Fn(T, T, T) -> T,
+    ) -> (Self, bool) {
+        let (iz, oz) = (wi.z(), wo.z());
+        let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+        let answered = scope::lobe(mirrored) & scope::side(iz < T::ZERO);
+        let (half, near) = Self::in_one_or_two::<false>(eta, wi, wo, mirrored, iz < T::ZERO, lost);
+        (Self { possible: half.possible & answered, ..half }, !near & ordinary(wi) & ordinary(wo))
+    }
+
     #[inline(always)]
     fn of(
         eta: RelativeIor<T>,
@@ -107,13 +154,26 @@ impl<T: Real> HalfVector<T> {
         mirrored: bool,
         below: bool,
     ) -> Self {
+        Self::in_one_or_two::<true>(eta, wi, wo, mirrored, below, T::product_error).0
+    }
+
+    /// The facet, and whether `|h|^2` and its limit nearly cancel: their difference is then taken in `TWO` parts, or
+    /// else the caller has to.
+    #[inline(always)]
+    fn in_one_or_two<const TWO: bool>(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+        mirrored: bool,
+        below: bool,
+        lost: impl Fn(T, T, T) -> T,
+    ) -> (Self, bool) {
         let ([ix, iy, iz], [ox, oy, oz], n) = (wi.xyz(), wo.xyz(), eta.get());
         // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
         // the common index is left out.
         let swap = |i: T, o: T| if below & !mirrored { [o, i] } else { [i, o] };
         let pairs = [swap(ix, ox), swap(iy, oy), swap(iz, oz)];
-        let sum = |[a, b]: [T; 2]| choose(mirrored, || a + b, || sum_of_product(a, n, b).0);
-        let [hx, hy, hz] = pairs.map(sum);
+        let [hx, hy, hz] = each!(pairs, component(n, mirrored, &lost));
         let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
         let hh = xy2 + z2;
 
@@ -123,24 +183,37 @@ impl<T: Real> HalfVector<T> {
         let limit = limits[0];
         let rough = hh - limit;
         let near = T::IN_TWO & (rough.abs() * T::from_f64(32.0) < hh);
-        let excess = choose(near, || difference(pairs, n, mirrored, limits), || rough);
+        let excess = choose!(near & TWO, difference(pairs, n, mirrored, limits), rough);
 
         // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess, negative on total reflection.
-        let partly = || {
+        // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
+        let bounced = || {
             let cg = (hh * excess).sqrt();
-            // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
             let (u, v) = (cg + (hh - T::from_f64(4.0)), cg - (hh - T::from_f64(4.0)));
-            let rs_v = limit / ((hh + excess + (cg + cg)) * v);
-            T::from_f64(0.125) * (rs_v * rs_v) * (u * u + v * v)
+            [u, v, (hh + excess + (cg + cg)) * v]
         };
-        let quarter = T::from_f64(0.25);
-        let reflected = || choose(excess > T::ZERO, partly, || quarter);
-
         // Transmission, from 2 a.h and 2 n b.h, of which one is the small difference. Their sizes sum to 2 |s|, so
         // ts ~ 1 / |s|, and tp = ts / cos of the deviation, 2 n cos = n^2 + 1 - |h|^2.
         let (small, large) = (-excess, hh + limit);
         let [squares, through] = eta.transmission(below);
-        let part = small * large / hh;
+
+        // A quotient takes a loop longer than all that is chosen here: one for both, unless only one is computed.
+        let [u, v, whole] = if cfg!(target_arch = "arm") { [T::ZERO; 3] } else { bounced() };
+        let both = || choose!(mirrored, limit, small * large) / choose!(mirrored, whole, hh);
+        let both = if cfg!(target_arch = "arm") { T::ZERO } else { both() };
+
+        let partly = || {
+            let [u, v, rs_v] = if cfg!(target_arch = "arm") {
+                let [u, v, whole] = bounced();
+                [u, v, limit / whole]
+            } else {
+                [u, v, both]
+            };
+            T::from_f64(0.125) * (rs_v * rs_v) * (u * u + v * v)
+        };
+        let quarter = T::from_f64(0.25);
+        let reflected = || choose!(excess > T::ZERO, partly(), quarter);
+        let part = if cfg!(target_arch = "arm") { small * large / hh } else { both };
         let transmitted = || {
             let w = (n + n) / (squares - hh);
             through.abs() * (part * part) * (T::ONE + w * w)
@@ -156,44 +229,67 @@ impl<T: Real> HalfVector<T> {
         // No comparison holds for a NaN, nor for the limits of matched media; what is infinite becomes one.
         let mirror = || hh + T::ZERO * excess > T::ZERO;
         let crossed = || seen() & (hh > T::ZERO);
-        let cosine = choose(mirrored, || hh, crossing);
-        Self {
-            possible: choose(mirrored, mirror, crossed),
+        let cosine = choose!(mirrored, hh, crossing());
+        let half = Self {
+            possible: choose!(mirrored, mirror(), crossed()),
             xy2,
             z2,
             ih: T::HALF * cosine,
             cosine,
             along: (ix * hx + iy * hy) * T::ONE.copysign(hz),
-            turn: choose(mirrored, || quarter, turned),
-            share: choose(mirrored, reflected, transmitted),
-        }
+            turn: choose!(mirrored, quarter, turned()),
+            share: choose!(mirrored, reflected(), transmitted()),
+        };
+        (half, near)
     }
+}
+
+/// Whether no product with a component can overflow, nor what its rounding loses be too small for a number where
+/// it matters: a height that is neither tiny nor huge, and nothing huge beside it. No NaN.
+/// A tiny `x` or `y` does not matter: if the sum it belongs to is not tiny too, what is lost is far below half a
+/// unit of it; if it is, its square is 0.
+#[inline(always)]
+fn ordinary<T: Real>(w: Direction<T>) -> bool {
+    let ([x, y, z], small, large) = (w.xyz(), T::from_f64(1e-24), T::from_f64(1e24));
+    (z.abs() > small) & (z.abs() < large) & (x * x + y * y < large)
 }
 
 /// `a + n b`, and what its rounding took. Where the two cancel their sum is exact \[Sterbenz\] and only the product was
 /// rounded.
 #[inline(always)]
-fn sum_of_product<T: Real>(a: T, n: T, b: T) -> (T, T) {
+fn sum_of_product<T: Real>(a: T, n: T, b: T, lost: impl Fn(T, T, T) -> T) -> (T, T) {
     let product = n * b;
     let sum = a + product;
     if !T::IN_TWO {
         return (sum, T::ZERO);
     }
-    let lost = n.product_error(b, product);
+    let lost = lost(n, b, product);
     let value = sum + lost;
     (value, (sum - value) + (a.sum_error(product, sum) + lost))
+}
+
+/// `a + b`, or `a + n b`.
+#[inline(always)]
+fn component<T: Real>([a, b]: [T; 2], n: T, mirrored: bool, lost: impl Fn(T, T, T) -> T) -> T {
+    choose!(mirrored, a + b, sum_of_product(a, n, b, lost).0)
+}
+
+/// The square of `a + b`, or of `a + n b`, and what its roundings took.
+#[inline(always)]
+fn square<T: Real>([a, b]: [T; 2], n: T, mirrored: bool) -> [T; 2] {
+    let (value, rest) = choose!(
+        mirrored,
+        (a + b, a.sum_error(b, a + b)),
+        sum_of_product(a, n, b, T::product_error)
+    );
+    let square = value * value;
+    [square, value.product_error(value, square) + value * (rest + rest)]
 }
 
 /// `h_x^2 + h_y^2` and `h_z^2` of `h = a + b`, or `a + n b`, of each pair, and what their roundings took.
 #[inline(always)]
 fn squares<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool) -> [[T; 2]; 2] {
-    let square = |[a, b]: [T; 2]| {
-        let sum = || (a + b, a.sum_error(b, a + b));
-        let (value, rest) = choose(mirrored, sum, || sum_of_product(a, n, b));
-        let square = value * value;
-        [square, value.product_error(value, square) + value * (rest + rest)]
-    };
-    let [[x2, x_low], [y2, y_low], z] = pairs.map(square);
+    let [[x2, x_low], [y2, y_low], z] = each!(pairs, square(n, mirrored));
     let xy2 = x2 + y2;
     [[xy2, x2.sum_error(y2, xy2) + (x_low + y_low)], z]
 }
@@ -205,17 +301,4 @@ fn difference<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool, limit: [T; 2]) 
     let ([[xy2, xy_low], [z2, z_low]], [limit, limit_low]) = (squares(pairs, n, mirrored), limit);
     let hh = xy2 + z2;
     (hh - limit) + (xy_low + z_low + xy2.sum_error(z2, hh) - limit_low)
-}
-
-/// One of two values. Where loops become vector instructions both are computed, and neither costs a branch
-/// that random directions mispredict; on a microcontroller only the one that is wanted is. The bits are
-/// the same.
-#[inline(always)]
-fn choose<T>(condition: bool, yes: impl FnOnce() -> T, no: impl FnOnce() -> T) -> T {
-    if cfg!(target_arch = "arm") {
-        if condition { yes() } else { no() }
-    } else {
-        let (yes, no) = (yes(), no());
-        if condition { yes } else { no }
-    }
 }
