@@ -115,6 +115,7 @@ fn a_table_answers_what_it_is_built_for() {
         fall: Fall::Fourth,
         scale: 0.3,
         grazing: 1.0,
+        masking: 0.3,
     };
     let header = Header {
         eta: eta(),

@@ -57,7 +57,7 @@ fn traced() -> Boundary {
     let height = |n: usize| {
         let (x, y) = ((n % SIDE) as f64 / SIDE as f64, (n / SIDE) as f64 / SIDE as f64);
         let wave = |[a, b, c]: &[f64; 3]| (std::f64::consts::TAU * (a * x + b * y) + c).sin();
-        (0.03 * waves.iter().map(wave).sum::<f64>()) as f32
+        (0.08 * waves.iter().map(wave).sum::<f64>()) as f32
     };
     let heights = (0..SIDE * SIDE).map(|n| height(n).into()).collect();
     let map = HeightMap::new((SIDE, SIDE), (1.0, 1.0), heights).unwrap();

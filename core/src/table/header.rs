@@ -20,6 +20,8 @@ pub struct LobeHeader {
     pub scale: f32,
     /// Crowding of incidences towards grazing.
     pub grazing: f32,
+    /// Width of the masking that is divided out.
+    pub masking: f32,
 }
 
 /// The numbers of a table.
@@ -150,7 +152,9 @@ const fn next_lobe<'a, S: Storage>(
     to: &mut Option<LobeTable<'a, S>>,
     wanted: bool,
 ) -> bool {
-    let Some(&LobeHeader { shape, form, fall, scale, grazing }) = header else { return true };
+    let Some(&LobeHeader { shape, form, fall, scale, grazing, masking }) = header else {
+        return true;
+    };
     let (Some(gains), Some(values), Some(quantiles), Some(leans)) = (
         take(&mut from.gains, shape.incidences as usize),
         take(&mut from.values, shape.values()),
@@ -160,8 +164,18 @@ const fn next_lobe<'a, S: Storage>(
         return false;
     };
     if wanted {
-        *to =
-            Some(LobeTable { shape, form, fall, scale, grazing, gains, values, quantiles, leans });
+        *to = Some(LobeTable {
+            shape,
+            form,
+            fall,
+            scale,
+            grazing,
+            masking,
+            gains,
+            values,
+            quantiles,
+            leans,
+        });
     }
     true
 }

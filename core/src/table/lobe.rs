@@ -3,16 +3,18 @@
 use super::axes::{Place, real, whole};
 use super::storage::Storage;
 use super::view::TableError;
+use crate::direction::Direction;
 use crate::math::Real;
+use crate::ndf::ggx::shadow_sum;
 
 /// What is divided out of a lobe. `S = |wi.m| J F` is the exact share of one facet: its Fresnel factor
 /// (reflected or transmitted), its Jacobian `J = d omega_m / d omega_o` and its projection on `wi`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// `f = Q S`: facets that shadow each other, whose `Q` stays finite at the horizon (GGX; traced maps).
+    /// `f = 4 Q S / (M(wi) M(wo))` with `M = |cos| + sqrt(cos^2 + a^2 sin^2)`, which is Smith's masking of GGX facets of
+    /// width `a` \[Walter2007, eq. 34\]: exact for them, near for what facets of any law hide from each other, and
+    /// `f = Q S / |cos_i cos_o|`, facets met in proportion to their projected area (Kirchhoff's waves), for `a` = 0.
     Masked,
-    /// `f = Q S / |cos_i cos_o|`: facets met in proportion to their projected area (Kirchhoff's waves).
-    Unmasked,
     /// `f = Q S / (|wi.m| |cos_o|)`: facets met in proportion to their number (the method `normals`).
     Drawn,
 }
@@ -70,6 +72,8 @@ pub struct LobeTable<'a, S> {
     pub scale: f32,
     /// `k`, by which nodes of incidence crowd towards grazing.
     pub grazing: f32,
+    /// `a` of [`Form::Masked`].
+    pub masking: f32,
     /// What one unit of the stored values is worth, one an incidence.
     pub gains: &'a [f32],
     /// `v`: radii run fastest, then azimuths, then incidences.
@@ -112,6 +116,7 @@ impl<S: Storage> LobeTable<'_, S> {
         let fine = |x: f32, least: f32, most: f32| (least..=most).contains(&x);
         let numbers = fine(self.scale, 1e-7, 1e4)
             && fine(self.grazing, 0.0, 100.0)
+            && fine(self.masking, 0.0, 1e4)
             && self.gains.iter().all(|&g| fine(g, 0.0, 1e15))
             && self.values.iter().all(|v| fine(v.get::<f32>(), 0.0, S::FULL));
         if !numbers {
@@ -127,6 +132,14 @@ impl<S: Storage> LobeTable<'_, S> {
         } else {
             Err(TableError::Quantiles)
         }
+    }
+
+    /// `4 |cos_o| / (M(wi) M(wo))` of [`Form::Masked`].
+    #[inline(always)]
+    pub(super) fn unmasked<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        let a: T = real(self.masking);
+        let sums = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
+        T::from_f64(4.0) * wo.z().abs() / sums.max(T::MIN_POSITIVE)
     }
 
     /// Where a cosine of incidence lies.

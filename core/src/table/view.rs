@@ -212,8 +212,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         let q = s0 * hh / (s0 * s0 * half.z2 + half.xy2);
         let facets = lobe.shaped(lobe.value(y, p, r), q) * half.share;
         let ars = match lobe.form {
-            Form::Masked => facets * cos,
-            Form::Unmasked => facets / wi.z().abs(),
+            Form::Masked => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
             Form::Drawn => facets * (hh.sqrt() / half.ih),
         };
         (ars, cos)
@@ -255,8 +254,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         }
         let facets = lobe.shaped(lobe.value(place, p, r), q) * share;
         let ars = match lobe.form {
-            Form::Masked => facets * cosine.abs() * wo.z().abs(),
-            Form::Unmasked => facets * cosine.abs() / z.abs(),
+            Form::Masked => facets * cosine.abs() * lobe.unmasked(wi, wo),
             Form::Drawn => facets,
         };
         let weight = ars / density;

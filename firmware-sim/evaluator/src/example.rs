@@ -117,7 +117,7 @@ pub const HEADER: Header = Header {
     slope: 2.5e-1,
     lobes: [
         None,
-        Some(LobeHeader { shape: Shape { incidences: 20, azimuths: 2, radii: 24, intervals: 8 }, form: Form::Unmasked, fall: Fall::Fourth, scale: 2.4943638e-1, grazing: 0e0 }),
+        Some(LobeHeader { shape: Shape { incidences: 20, azimuths: 2, radii: 24, intervals: 8 }, form: Form::Masked, fall: Fall::Fourth, scale: 2.4943638e-1, grazing: 0e0, masking: 0e0 }),
         None,
         None,
     ],

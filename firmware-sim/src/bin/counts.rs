@@ -113,6 +113,7 @@ mod device {
             fall: Fall::Fourth,
             scale: 0.3,
             grazing: 1.0,
+            masking: 0.3,
         };
         let header = Header {
             eta: RelativeIor::new(1.49).ok()?,

@@ -9,10 +9,10 @@
 static const float bsdf_example_eta = 1.49f;
 static const float bsdf_example_slope = 0.25f;
 
-/* incidences, azimuths, radii, intervals, form (0 masked, 1 unmasked, 2 drawn), fall; 0 of a lobe left out */
-static const uint16_t bsdf_example_lobes[4][6] = { { 0, 0, 0, 0, 0, 0 }, { 20, 2, 24, 8, 1, 4 }, { 0, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 } };
-/* scale of slopes, crowding of incidences */
-static const float bsdf_example_scales[4][2] = { { 0.0f, 0.0f }, { 0.24943638f, 0.0f }, { 0.0f, 0.0f }, { 0.0f, 0.0f } };
+/* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn), fall; 0 of a lobe left out */
+static const uint16_t bsdf_example_lobes[4][6] = { { 0, 0, 0, 0, 0, 0 }, { 20, 2, 24, 8, 0, 4 }, { 0, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 } };
+/* scale of slopes, crowding of incidences, width of masking */
+static const float bsdf_example_scales[4][3] = { { 0.0f, 0.0f, 0.0f }, { 0.24943638f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
 static const uint16_t bsdf_example_flux_incidences[2] = { 17, 0 };
 static const float bsdf_example_flux_grazing[2] = { 1.0f, 1.0f };
 

@@ -260,7 +260,7 @@ typedef struct asperity_table_source {
    */
   const uint16_t *lobes;
   /*
-   4 rows of 2: scale of slopes, crowding of incidences.
+   4 rows of 3: scale of slopes, crowding of incidences, width of masking.
    */
   const float *scales;
   /*

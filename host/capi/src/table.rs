@@ -19,7 +19,7 @@ pub(crate) struct Numbers<'a> {
     pub(crate) eta: f32,
     pub(crate) slope: f32,
     pub(crate) lobes: &'a [[u16; 6]; 4],
-    pub(crate) scales: &'a [[f32; 2]; 4],
+    pub(crate) scales: &'a [[f32; 3]; 4],
     pub(crate) flux_incidences: [u16; 2],
     pub(crate) flux_grazing: [f32; 2],
 }
@@ -58,7 +58,7 @@ impl Numbers<'_> {
 }
 
 /// A lobe from a row of numbers; zeros are a lobe left out.
-fn lobe(row: &[u16; 6], [scale, grazing]: [f32; 2]) -> Result<Option<LobeHeader>, Status> {
+fn lobe(row: &[u16; 6], [scale, grazing, masking]: [f32; 3]) -> Result<Option<LobeHeader>, Status> {
     let &[incidences, azimuths, radii, intervals, form, fall] = row;
     if row.iter().all(|n| *n == 0) {
         return Ok(None);
@@ -70,8 +70,7 @@ fn lobe(row: &[u16; 6], [scale, grazing]: [f32; 2]) -> Result<Option<LobeHeader>
     }
     let form = match form {
         0 => Form::Masked,
-        1 => Form::Unmasked,
-        2 => Form::Drawn,
+        1 => Form::Drawn,
         _ => return Err(Status::TableNumber),
     };
     let fall = match fall {
@@ -81,7 +80,7 @@ fn lobe(row: &[u16; 6], [scale, grazing]: [f32; 2]) -> Result<Option<LobeHeader>
         _ => return Err(Status::TableNumber),
     };
     let shape = Shape { incidences, azimuths, radii, intervals };
-    Ok(Some(LobeHeader { shape, form, fall, scale, grazing }))
+    Ok(Some(LobeHeader { shape, form, fall, scale, grazing, masking }))
 }
 
 /// A table of whatever storage this library was built for.

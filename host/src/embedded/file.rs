@@ -72,13 +72,13 @@ pub struct LobeRecord {
     fall: u8,
     scale: f32,
     grazing: f32,
+    masking: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum FormWord {
     Masked,
-    Unmasked,
     Drawn,
 }
 
@@ -87,7 +87,6 @@ impl From<&LobeHeader> for LobeRecord {
         let Shape { incidences, azimuths, radii, intervals } = h.shape;
         let form = match h.form {
             Form::Masked => FormWord::Masked,
-            Form::Unmasked => FormWord::Unmasked,
             Form::Drawn => FormWord::Drawn,
         };
         let fall = match h.fall {
@@ -95,20 +94,19 @@ impl From<&LobeHeader> for LobeRecord {
             Fall::Second => 2,
             Fall::Fourth => 4,
         };
-        let (scale, grazing) = (h.scale, h.grazing);
-        Self { incidences, azimuths, radii, intervals, form, fall, scale, grazing }
+        let (scale, grazing, masking) = (h.scale, h.grazing, h.masking);
+        Self { incidences, azimuths, radii, intervals, form, fall, scale, grazing, masking }
     }
 }
 
 impl LobeRecord {
     fn header(&self) -> Result<LobeHeader, String> {
-        let Self { incidences, azimuths, radii, intervals, scale, grazing, .. } = *self;
+        let Self { incidences, azimuths, radii, intervals, scale, grazing, masking, .. } = *self;
         if [incidences, azimuths, radii, intervals].iter().any(|n| *n > MOST_NODES) {
             return Err(format!("an axis has more than {MOST_NODES} nodes; the file is damaged"));
         }
         let form = match self.form {
             FormWord::Masked => Form::Masked,
-            FormWord::Unmasked => Form::Unmasked,
             FormWord::Drawn => Form::Drawn,
         };
         let fall = match self.fall {
@@ -118,7 +116,7 @@ impl LobeRecord {
             n => return Err(format!("`fall` is {n}; it must be 0, 2 or 4")),
         };
         let shape = Shape { incidences, azimuths, radii, intervals };
-        Ok(LobeHeader { shape, form, fall, scale, grazing })
+        Ok(LobeHeader { shape, form, fall, scale, grazing, masking })
     }
 }
 

@@ -83,8 +83,16 @@ fn rust_lobe(l: &LobeHeader) -> String {
     let s = l.shape;
     format!(
         "Some(LobeHeader {{ shape: Shape {{ incidences: {}, azimuths: {}, radii: {}, intervals: {} }}, form: Form::{:?}, \
-         fall: Fall::{:?}, scale: {:e}, grazing: {:e} }})",
-        s.incidences, s.azimuths, s.radii, s.intervals, l.form, l.fall, l.scale, l.grazing
+         fall: Fall::{:?}, scale: {:e}, grazing: {:e}, masking: {:e} }})",
+        s.incidences,
+        s.azimuths,
+        s.radii,
+        s.intervals,
+        l.form,
+        l.fall,
+        l.scale,
+        l.grazing,
+        l.masking
     )
 }
 
@@ -107,7 +115,7 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
         c_float(header.eta.get()),
         c_float(header.slope),
     );
-    text.push_str("\n/* incidences, azimuths, radii, intervals, form (0 masked, 1 unmasked, 2 drawn), fall; 0 of a lobe left out */\n");
+    text.push_str("\n/* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn), fall; 0 of a lobe left out */\n");
     let rows: Vec<String> = header
         .lobes
         .iter()
@@ -119,14 +127,15 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
         .lobes
         .iter()
         .map(|l| {
-            l.map_or("{ 0.0f, 0.0f }".into(), |l| {
-                format!("{{ {}f, {}f }}", c_float(l.scale), c_float(l.grazing))
+            l.map_or("{ 0.0f, 0.0f, 0.0f }".into(), |l| {
+                let [s, k, a] = [l.scale, l.grazing, l.masking].map(c_float);
+                format!("{{ {s}f, {k}f, {a}f }}")
             })
         })
         .collect();
     let _ = writeln!(
         text,
-        "/* scale of slopes, crowding of incidences */\nstatic const float {prefix}_scales[4][2] = {{ {} }};",
+        "/* scale of slopes, crowding of incidences, width of masking */\nstatic const float {prefix}_scales[4][3] = {{ {} }};",
         numbers.join(", ")
     );
     let [a, b] = header.fluxes;
@@ -158,8 +167,7 @@ fn c_lobe(l: &LobeHeader) -> String {
     let s = l.shape;
     let form = match l.form {
         Form::Masked => 0,
-        Form::Unmasked => 1,
-        Form::Drawn => 2,
+        Form::Drawn => 1,
     };
     let fall = match l.fall {
         Fall::Flat => 0,

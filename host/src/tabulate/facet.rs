@@ -70,11 +70,14 @@ impl Beam {
     }
 
     /// `ars` of one `Q`.
-    pub(super) fn per(&self, t: &Turned, form: Form) -> f64 {
+    pub(super) fn per(&self, t: &Turned, form: Form, masking: f64) -> f64 {
         let share = t.cos_m * t.jacobian * t.fresnel;
+        let sum = |w: Direction<f64>| {
+            let cos2 = w.z() * w.z();
+            w.z().abs() + (cos2 + masking * masking * (1.0 - cos2).max(0.0)).sqrt()
+        };
         match form {
-            Form::Masked => share * t.wo.z().abs(),
-            Form::Unmasked => share / self.wi.z().abs(),
+            Form::Masked => share * 4.0 * t.wo.z().abs() / (sum(self.wi) * sum(t.wo)),
             Form::Drawn => share / t.cos_m,
         }
     }

@@ -86,7 +86,7 @@ impl LobeGrid {
         run: impl FnOnce(&BsdfTableRef<'_, S>) -> R,
     ) -> Option<R> {
         let (gains, values) = self.stored::<S>();
-        let LobeHeader { mut shape, form, fall, scale, grazing } = self.header;
+        let LobeHeader { mut shape, form, fall, scale, grazing, masking } = self.header;
         shape.intervals = 1;
         let quantiles: Vec<u16> = (0..shape.incidences).flat_map(|_| [0, 65535]).collect();
         let leans = vec![0; shape.leans()];
@@ -96,6 +96,7 @@ impl LobeGrid {
             fall,
             scale,
             grazing,
+            masking,
             gains: &gains,
             values: &values,
             quantiles: &quantiles,

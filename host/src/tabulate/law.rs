@@ -77,7 +77,8 @@ impl LobeGrid {
     fn value<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, r: f64, p: f64) -> Option<f64> {
         let s = self.slope(r);
         let turned = beam.turn(s, p)?;
-        let q = law.ars(beam.wi, turned.wo) / beam.per(&turned, self.header.form);
+        let q = law.ars(beam.wi, turned.wo)
+            / beam.per(&turned, self.header.form, f64::from(self.header.masking));
         let v = (q / tail(self.header.fall, s, f64::from(self.header.scale))).sqrt();
         (v.is_finite() && turned.wo.z().abs() > 1e-9).then_some(v)
     }

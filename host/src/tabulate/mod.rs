@@ -184,6 +184,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
                 fall: Fall::Fourth,
                 scale: (1.5 * scale) as f32,
                 grazing: 1.0,
+                masking: (0.7 * scale) as f32,
             };
             wanted[2 * at + k].then(|| LobeGrid::new(eta, LOBES[2 * at + k], header))
         });

@@ -156,10 +156,12 @@ fn sharpen(grid: &mut LobeGrid, incidence: usize, wanted: &[f64], rays: f64, mos
     let cos = grid.cosine(incidence);
     let beam: Beam = grid.beam(cos);
     let (form, fall, s0) = (grid.header.form, grid.header.fall, f64::from(grid.header.scale));
+    let masking = f64::from(grid.header.masking);
     // facets of the sums: nodes about them and the flux of v = 1
     let mut spots: Vec<([(usize, f64); 4], f64)> = Vec::new();
     grid.over_facets(&beam, |spot| {
-        let flux = beam.per(&spot.turned, form) * tail(fall, spot.s, s0) / spot.turned.jacobian;
+        let flux =
+            beam.per(&spot.turned, form, masking) * tail(fall, spot.s, s0) / spot.turned.jacobian;
         spots.push((corners(grid, spot.s, spot.p), flux * spot.weight));
     });
     let radii = usize::from(grid.header.shape.radii);

@@ -8,13 +8,16 @@ use rayon::prelude::*;
 use super::balance::incident;
 use super::grid::LobeGrid;
 
-const FORMS: [Form; 3] = [Form::Masked, Form::Unmasked, Form::Drawn];
 const FALLS: [Fall; 3] = [Fall::Fourth, Fall::Second, Fall::Flat];
 /// Scales of slopes in units of the median slope.
 const SCALES: [f64; 6] = [0.35, 0.6, 1.0, 1.7, 3.0, 5.0];
+/// Widths of masking in units of the median slope; the last hides nothing that the others do not.
+const MASKING: [f64; 6] = [0.0, 0.35, 0.7, 1.0, 2.0, 20.0];
 const GRAZING: [f32; 4] = [0.0, 1.0, 3.0, 8.0];
 const INCIDENCES: [u16; 7] = [5, 7, 9, 12, 16, 20, 26];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
+/// Factors by which scale and masking are tried.
+const STEPS: [f32; 4] = [1.3, 1.1, 1.03, 1.01];
 /// Values beyond which a lobe need not use up its bytes.
 const MANY: usize = 24_000;
 /// Incidences at which errors are looked at, degrees: those of the instrument and between them.
@@ -63,6 +66,7 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         fall: Fall::Fourth,
         scale: median as f32,
         grazing: 1.0,
+        masking: median as f32,
     };
     let judge = |candidates: Vec<LobeHeader>| -> Vec<(f64, LobeHeader)> {
         let mut judged: Vec<(f64, LobeHeader)> = candidates
@@ -78,14 +82,14 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
     };
     let least = |candidates| judge(candidates).first().map_or(start, |best| best.1);
     let mut kinds = Vec::new();
-    for form in FORMS {
-        for fall in FALLS {
-            for factor in SCALES {
-                kinds.push(LobeHeader { form, fall, scale: (median * factor) as f32, ..start });
-            }
+    for fall in FALLS {
+        for factor in SCALES {
+            let scaled = LobeHeader { fall, scale: (median * factor) as f32, ..start };
+            kinds.push(LobeHeader { form: Form::Drawn, ..scaled });
+            kinds.extend(MASKING.map(|a| LobeHeader { masking: (median * a) as f32, ..scaled }));
         }
     }
-    let kind = least(kinds);
+    let kind = refined(least(kinds), &least);
     let mut shapes = Vec::new();
     for incidences in INCIDENCES {
         for azimuths in AZIMUTHS {
@@ -117,11 +121,24 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or(start, |best| best.1);
-    let scales = [0.6, 0.8, 1.0, 1.25, 1.6];
-    let finer = least(scales.map(|f| LobeHeader { scale: shaped.scale * f, ..shaped }).into());
-    let mut grid = LobeGrid::new(eta, which, finer);
+    let mut grid = LobeGrid::new(eta, which, refined(shaped, &least));
     grid.fill(law);
     grid
+}
+
+/// Scale and masking, one after the other, in ever smaller steps.
+fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader) -> LobeHeader {
+    for step in STEPS {
+        for _ in 0..2 {
+            let scales = [1.0, step, 1.0 / step];
+            best = least(scales.map(|f| LobeHeader { scale: best.scale * f, ..best }).into());
+            if best.form == Form::Masked {
+                best =
+                    least(scales.map(|f| LobeHeader { masking: best.masking * f, ..best }).into());
+            }
+        }
+    }
+    best
 }
 
 /// Largest error of the flux at some cosines of incidence.
@@ -182,6 +199,7 @@ fn probes<B: Bsdf<f64>>(law: &B, eta: f64, which: (Side, Lobe), median: f64) -> 
             fall: Fall::Flat,
             scale: 1.0,
             grazing: 0.0,
+            masking: 0.0,
         },
     );
     let mut probes = Vec::new();
