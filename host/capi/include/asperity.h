@@ -239,7 +239,7 @@ typedef struct asperity_table {
   /*
    Room for it.
    */
-  size_t opaque[64];
+  size_t opaque[72];
 } asperity_table;
 
 /*
