@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `air`, `dielectric` | light from that side scatters nothing |
 //! | `reflection`, `transmission` | that lobe is empty |
-//! | `ggx` | no [`bsdf::Ggx`](crate::bsdf), no `OpaqueGgx`, no `ndf::ggx` |
+//! | `ggx` | no [`bsdf::Ggx`](crate::bsdf), no `OpaqueGgx` |
 //! | `normals` (needs `f64`) | no `bsdf::Normals`, no `ndf::law` and `ndf::normals`, no `quadrature` |
 //! | `table` (needs `f32`) | no `table` |
 //! | `f32`, `f64` | that type is no [`Real`](crate::math::Real) |

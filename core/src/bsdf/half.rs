@@ -59,7 +59,10 @@ macro_rules! each {
 
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(not(feature = "table"), allow(dead_code, reason = "tables ask for all of it"))]
+#[cfg_attr(
+    not(all(feature = "normals", feature = "table")),
+    allow(dead_code, reason = "only together do they ask for all of it")
+)]
 pub(crate) struct HalfVector<T> {
     /// Whether there is one: no direction in the surface, no facet turned away, no matched media, no NaN.
     /// If not, the other fields mean nothing, and may be infinite or NaN.
@@ -116,6 +119,7 @@ impl<T: Real> HalfVector<T> {
     }
 
     /// `h_x^2 + h_y^2` and `h_z^2`, each with what its rounding took, where the digits of a number are not enough.
+    #[cfg(feature = "normals")]
     #[inline(never)]
     pub(crate) fn squares_in_two(
         eta: RelativeIor<T>,
@@ -132,6 +136,7 @@ impl<T: Real> HalfVector<T> {
     /// where that difference is needed, nor where a direction is not `ordinary`. For loops over many pairs.
     ///
     /// `lost(a, b, product)` is `a * b - product`, exactly wherever that is a number.
+    #[cfg(feature = "ggx")]
     #[inline(always)]
     pub(crate) fn plainly(
         eta: RelativeIor<T>,
@@ -248,6 +253,7 @@ impl<T: Real> HalfVector<T> {
 /// it matters: a height that is neither tiny nor huge, and nothing huge beside it. No NaN.
 /// A tiny `x` or `y` does not matter: if the sum it belongs to is not tiny too, what is lost is far below half a
 /// unit of it; if it is, its square is 0.
+#[cfg(feature = "ggx")]
 #[inline(always)]
 fn ordinary<T: Real>(w: Direction<T>) -> bool {
     let ([x, y, z], small, large) = (w.xyz(), T::from_f64(1e-24), T::from_f64(1e24));

@@ -1,6 +1,6 @@
 //! Distributions of microfacet normals.
 
-#[cfg(feature = "ggx")]
+#[cfg(any(feature = "ggx", feature = "table"))]
 pub mod ggx;
 #[cfg(feature = "normals")]
 pub mod law;

@@ -8,13 +8,12 @@
 //! nor an allocator, and, in QEMU, that its value has the bits of the host's and how deep its stack was.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(all(target_os = "none", any(feature = "ggx", feature = "normals", feature = "table")))]
-mod law;
-
 #[cfg(all(target_os = "none", feature = "table"))]
 #[rustfmt::skip]
 #[allow(dead_code, missing_docs, unreachable_pub, reason = "generated; not all of it is used")]
 mod example;
+#[cfg(all(target_os = "none", any(feature = "ggx", feature = "normals", feature = "table")))]
+mod law;
 
 #[cfg(target_os = "none")]
 mod device {

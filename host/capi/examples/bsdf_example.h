@@ -1,26 +1,26 @@
 /* BSDF table made by asperity of a model of method ggx; 2792 bytes. Do not edit: make it anew.
    Arrays hold the lobes one after the other: from the air reflection and transmission, from the
    dielectric reflection and transmission. Values run over radii, azimuths, incidences. */
-#ifndef BSDF_BSDF_EXAMPLE_H
-#define BSDF_BSDF_EXAMPLE_H
+#ifndef BSDF_EXAMPLE_H
+#define BSDF_EXAMPLE_H
 
 #include <stdint.h>
 
-static const float bsdf_bsdf_example_eta = 1.49f;
-static const float bsdf_bsdf_example_slope = 0.25f;
+static const float bsdf_example_eta = 1.49f;
+static const float bsdf_example_slope = 0.25f;
 
 /* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn, 2 direct), fall; 0 of a lobe left out */
-static const uint16_t bsdf_bsdf_example_lobes[4][6] = { { 0, 0, 0, 0, 0, 0 }, { 12, 3, 31, 8, 0, 4 }, { 0, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 } };
+static const uint16_t bsdf_example_lobes[4][6] = { { 0, 0, 0, 0, 0, 0 }, { 12, 3, 31, 8, 0, 4 }, { 0, 0, 0, 0, 0, 0 }, { 0, 0, 0, 0, 0, 0 } };
 /* scale of slopes, crowding of incidences, width of masking */
-static const float bsdf_bsdf_example_scales[4][3] = { { 0.0f, 0.0f, 0.0f }, { 0.24943638f, -0.4f, 0.24943638f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-static const uint16_t bsdf_bsdf_example_flux_incidences[2] = { 25, 0 };
-static const float bsdf_bsdf_example_flux_grazing[2] = { 0.0f, 0.0f };
+static const float bsdf_example_scales[4][3] = { { 0.0f, 0.0f, 0.0f }, { 0.24943638f, -0.4f, 0.24943638f }, { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+static const uint16_t bsdf_example_flux_incidences[2] = { 25, 0 };
+static const float bsdf_example_flux_grazing[2] = { 0.0f, 0.0f };
 
-static const float bsdf_bsdf_example_gains[12] = {
+static const float bsdf_example_gains[12] = {
     8.628174e-6f, 8.6281125e-6f, 8.627935e-6f, 8.627641e-6f, 8.627248e-6f, 8.626666e-6f, 8.625859e-6f, 8.624773e-6f, 8.623224e-6f, 8.621186e-6f, 8.618848e-6f, 8.61647e-6f,
 };
 
-static const uint16_t bsdf_bsdf_example_values[1116] = {
+static const uint16_t bsdf_example_values[1116] = {
     65242, 65242, 65243, 65245, 65249, 65253, 65259, 65267, 65276, 65287, 65301, 65316, 65332, 65350, 65369, 65389,
     65409, 65428, 65446, 65463, 65478, 65491, 65502, 65512, 65519, 65525, 65530, 65533, 65534, 65535, 65535, 65242,
     65242, 65243, 65245, 65249, 65253, 65259, 65267, 65276, 65287, 65301, 65316, 65332, 65350, 65369, 65389, 65409,
@@ -93,7 +93,7 @@ static const uint16_t bsdf_bsdf_example_values[1116] = {
     65255, 65255, 65255, 65255, 65255, 65255, 65255, 65255, 65255, 65255, 65255, 65255,
 };
 
-static const uint16_t bsdf_bsdf_example_quantiles[108] = {
+static const uint16_t bsdf_example_quantiles[108] = {
     0, 4926, 8767, 12460, 16337, 20729, 26192, 34198, 65355, 0, 4929, 8773, 12470, 16352, 20753, 26234,
     34297, 65355, 0, 4935, 8786, 12491, 16385, 20808, 26336, 34555, 65355, 0, 4951, 8816, 12539, 16462,
     20934, 26568, 35123, 65355, 0, 4991, 8892, 12661, 16649, 21231, 27094, 36321, 65355, 0, 5091, 9077,
@@ -103,7 +103,7 @@ static const uint16_t bsdf_bsdf_example_quantiles[108] = {
     41844, 50111, 65355, 0, 15810, 21904, 27128, 32198, 37483, 43354, 50505, 65355,
 };
 
-static const int8_t bsdf_bsdf_example_leans[96] = {
+static const int8_t bsdf_example_leans[96] = {
     0, 0, 0, 0, 0, 0, 0, 0, -1, -2, -3, -4, -5, -7, -10, -26,
     -2, -5, -6, -8, -11, -14, -21, -49, -4, -7, -10, -14, -18, -23, -34, -69,
     -6, -11, -15, -20, -26, -36, -52, -83, -8, -16, -23, -30, -40, -53, -72, -91,
@@ -112,7 +112,7 @@ static const int8_t bsdf_bsdf_example_leans[96] = {
     -93, -100, -101, -101, -101, -101, -101, -101, -106, -106, -105, -104, -104, -103, -102, -100,
 };
 
-static const uint16_t bsdf_bsdf_example_fluxes[100] = {
+static const uint16_t bsdf_example_fluxes[100] = {
     0, 62671, 0, 0, 0, 62667, 0, 0, 0, 62650, 0, 0, 0, 62614, 0, 0,
     0, 62554, 0, 0, 0, 62463, 0, 0, 0, 62335, 0, 0, 0, 62161, 0, 0,
     0, 61929, 0, 0, 0, 61628, 0, 0, 0, 61240, 0, 0, 0, 60751, 0, 0,

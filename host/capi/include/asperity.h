@@ -200,7 +200,7 @@ typedef struct asperity_ggx {
   /*
    Room for it.
    */
-  uint32_t opaque[6];
+  uint32_t opaque[16];
 } asperity_ggx;
 
 /*
@@ -229,7 +229,7 @@ typedef struct asperity_normals {
   /*
    Room for it.
    */
-  uint32_t opaque[208];
+  uint32_t opaque[512];
 } asperity_normals;
 
 /*
@@ -239,7 +239,7 @@ typedef struct asperity_table {
   /*
    Room for it.
    */
-  size_t opaque[64];
+  size_t opaque[96];
 } asperity_table;
 
 /*
@@ -260,7 +260,7 @@ typedef struct asperity_table_source {
    */
   const uint16_t *lobes;
   /*
-   4 rows of 2: scale of slopes, crowding of incidences.
+   4 rows of 3: scale of slopes, crowding of incidences, width of masking.
    */
   const float *scales;
   /*

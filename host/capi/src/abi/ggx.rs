@@ -13,12 +13,12 @@ use crate::status::AsperityStatus;
 #[derive(Clone, Copy, Debug)]
 pub struct AsperityGgx {
     /// Room for it.
-    opaque: [MaybeUninit<u32>; 6],
+    opaque: [MaybeUninit<u32>; 16],
 }
 
 impl AsperityGgx {
     /// Storage without an object in it.
-    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 6] };
+    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 16] };
 }
 
 impl Storage for AsperityGgx {

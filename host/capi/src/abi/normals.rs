@@ -13,12 +13,12 @@ use crate::status::AsperityStatus;
 #[derive(Clone, Copy, Debug)]
 pub struct AsperityNormals {
     /// Room for it.
-    opaque: [MaybeUninit<u32>; 208],
+    opaque: [MaybeUninit<u32>; 512],
 }
 
 impl AsperityNormals {
     /// Storage without an object in it.
-    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 208] };
+    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 512] };
 }
 
 impl Storage for AsperityNormals {

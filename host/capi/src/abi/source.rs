@@ -19,7 +19,7 @@ pub struct AsperityTableSource {
     pub slope: *const f32,
     /// 4 rows of 6: incidences, azimuths, radii, intervals, form, fall; zeros for a lobe left out.
     pub lobes: *const u16,
-    /// 4 rows of 2: scale of slopes, crowding of incidences.
+    /// 4 rows of 3: scale of slopes, crowding of incidences, width of masking.
     pub scales: *const f32,
     /// Incidences of the fluxes from the air and from the dielectric.
     pub flux_incidences: *const u16,

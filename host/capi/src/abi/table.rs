@@ -16,12 +16,12 @@ use crate::table::TableLaw;
 #[derive(Clone, Copy, Debug)]
 pub struct AsperityTable {
     /// Room for it.
-    opaque: [MaybeUninit<usize>; 64],
+    opaque: [MaybeUninit<usize>; 96],
 }
 
 impl AsperityTable {
     /// Storage without an object in it.
-    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 64] };
+    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 96] };
 }
 
 impl Storage for AsperityTable {

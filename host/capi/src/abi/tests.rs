@@ -280,7 +280,7 @@ fn a_payload_at_any_address_is_viewed_or_refused_as_misaligned() {
         let (content, starts) = parts(incidences, radii, bytes);
         let n = u16::try_from(incidences).unwrap();
         let lobes = [[0; 6], [n, 3, u16::try_from(radii).unwrap(), 1, 0, 4], [0; 6], [0; 6]];
-        let scales = [[0.0_f32; 2], [0.3, 1.0], [0.0; 2], [0.0; 2]];
+        let scales = [[0.0_f32; 3], [0.3, 1.0, 0.3], [0.0; 3], [0.0; 3]];
         let source = AsperityTableSource {
             lobes: lobes.as_ptr().cast(),
             scales: scales.as_ptr().cast(),
