@@ -45,16 +45,12 @@ macro_rules! choose {
     };
 }
 
-/// A function of each of three, in line for the same reason; on a microcontroller as small as possible.
+/// A function of each of three, in line for the same reason.
 macro_rules! each {
-    ($three:expr, $function:ident($($other:expr),*)) => {
-        if cfg!(target_arch = "arm") {
-            $three.map(|one| $function(one, $($other),*))
-        } else {
-            let [x, y, z] = $three;
-            [$function(x, $($other),*), $function(y, $($other),*), $function(z, $($other),*)]
-        }
-    };
+    ($three:expr, $function:ident($($other:expr),*)) => {{
+        let [x, y, z] = $three;
+        [$function(x, $($other),*), $function(y, $($other),*), $function(z, $($other),*)]
+    }};
 }
 
 /// The facet of normal `m = +-h / |h|`, `m_z > 0`, that turns `wi` into `wo`.

@@ -54,7 +54,7 @@ pub struct Coherent<T: Real> {
 
 /// A BSDF in arrays that may lie in flash.
 ///
-/// Implements [`Bsdf`] for every [`Real`], so the same bytes serve `Fast<f32>` on a device and `f64` on a
+/// Implements [`Bsdf`](crate::bsdf::Bsdf) for every [`Real`], so the same bytes serve `Fast<f32>` on a device and `f64` on a
 /// workstation. What is coherent has no value and no density; samples include it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfTableRef<'a, S> {
