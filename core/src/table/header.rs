@@ -18,7 +18,7 @@ pub struct LobeHeader {
     pub fall: Fall,
     /// Scale of slopes.
     pub scale: f32,
-    /// Crowding of incidences towards grazing.
+    /// Crowding of incidences: towards the normal above 0, towards grazing below.
     pub grazing: f32,
     /// Width of the masking that is divided out.
     pub masking: f32,
@@ -35,7 +35,7 @@ pub struct Header {
     pub lobes: [Option<LobeHeader>; 4],
     /// Incidences of the fluxes, from the air and from the dielectric.
     pub fluxes: [u16; 2],
-    /// Crowding of these towards grazing.
+    /// Crowding of these.
     pub grazing: [f32; 2],
 }
 

@@ -23,6 +23,28 @@ pub enum Form {
     Direct,
 }
 
+impl Form {
+    /// The number that stands for it in C and on the device.
+    pub const fn number(self) -> u16 {
+        match self {
+            Self::Masked => 0,
+            Self::Drawn => 1,
+            Self::Direct => 2,
+        }
+    }
+
+    /// The form of a number; `None` if there is none.
+    #[inline(always)]
+    pub const fn of_number(number: u16) -> Option<Self> {
+        match number {
+            0 => Some(Self::Masked),
+            1 => Some(Self::Drawn),
+            2 => Some(Self::Direct),
+            _ => None,
+        }
+    }
+}
+
 /// How the tail of `Q` falls: `Q = v^2 q^n` with `q = s0 / (s0^2 cos^2 + sin^2)` of the facet's polar angle,
 /// so `v` is constant for GGX facets (`n` = 2), `1/s^2` tails (`n` = 1), or as `Q` itself (`n` = 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,10 +57,32 @@ pub enum Fall {
     Fourth,
 }
 
+impl Fall {
+    /// `2 n`, the power of the slope, which stands for it in files, in C and on the device.
+    pub const fn number(self) -> u16 {
+        match self {
+            Self::Flat => 0,
+            Self::Second => 2,
+            Self::Fourth => 4,
+        }
+    }
+
+    /// The fall of a number; `None` if there is none.
+    #[inline(always)]
+    pub const fn of_number(number: u16) -> Option<Self> {
+        match number {
+            0 => Some(Self::Flat),
+            2 => Some(Self::Second),
+            4 => Some(Self::Fourth),
+            _ => None,
+        }
+    }
+}
+
 /// Numbers of nodes; each at least 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shape {
-    /// Of the cosine of incidence.
+    /// Of incidence.
     pub incidences: u16,
     /// Of the azimuth's cosine.
     pub azimuths: u16,

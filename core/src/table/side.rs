@@ -52,7 +52,7 @@ impl<S: Storage> SideTable<'_, S> {
     }
 
     /// A side without any light.
-    pub const DARK: Self = Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] };
+    pub const DARK: Self = Self::dark();
 
     /// Fluxes at an incidence, by its sine and cosine.
     #[inline(always)]

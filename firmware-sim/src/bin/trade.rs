@@ -131,8 +131,7 @@ mod device {
                 radii: w[3] as u16,
                 intervals: w[4] as u16,
             };
-            let form = [Form::Masked, Form::Drawn, Form::Direct][w[5] as usize % 3];
-            let fall = [Fall::Flat, Fall::Second, Fall::Fourth][w[6] as usize % 3];
+            let (form, fall) = (Form::of_number(w[5] as u16)?, Fall::of_number(w[6] as u16)?);
             let [scale, grazing, masking] = [w[7], w[8], w[9]].map(f32::from_bits);
             (w[0] == 1).then_some(LobeHeader { shape, form, fall, scale, grazing, masking })
         };

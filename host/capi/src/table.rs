@@ -68,18 +68,8 @@ fn lobe(row: &[u16; 6], [scale, grazing, masking]: [f32; 3]) -> Result<Option<Lo
     if nodes.iter().any(|n| *n > MOST_NODES) || values > MOST_VALUES {
         return Err(Status::TableShape);
     }
-    let form = match form {
-        0 => Form::Masked,
-        1 => Form::Drawn,
-        2 => Form::Direct,
-        _ => return Err(Status::TableNumber),
-    };
-    let fall = match fall {
-        0 => Fall::Flat,
-        2 => Fall::Second,
-        4 => Fall::Fourth,
-        _ => return Err(Status::TableNumber),
-    };
+    let form = Form::of_number(form).ok_or(Status::TableNumber)?;
+    let fall = Fall::of_number(fall).ok_or(Status::TableNumber)?;
     let shape = Shape { incidences, azimuths, radii, intervals };
     Ok(Some(LobeHeader { shape, form, fall, scale, grazing, masking }))
 }

@@ -53,7 +53,7 @@ pub struct Record {
     pub lobes: [Option<LobeRecord>; 4],
     /// Incidences of the fluxes of both sides.
     pub flux_incidences: [u16; 2],
-    /// Crowding of these towards grazing.
+    /// Crowding of these.
     pub flux_grazing: [f32; 2],
     /// Eq. (18) against the model it was made of, percent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -69,7 +69,7 @@ pub struct LobeRecord {
     radii: u16,
     intervals: u16,
     form: FormWord,
-    fall: u8,
+    fall: u16,
     scale: f32,
     grazing: f32,
     masking: f32,
@@ -91,11 +91,7 @@ impl From<&LobeHeader> for LobeRecord {
             Form::Drawn => FormWord::Drawn,
             Form::Direct => FormWord::Direct,
         };
-        let fall = match h.fall {
-            Fall::Flat => 0,
-            Fall::Second => 2,
-            Fall::Fourth => 4,
-        };
+        let fall = h.fall.number();
         let (scale, grazing, masking) = (h.scale, h.grazing, h.masking);
         Self { incidences, azimuths, radii, intervals, form, fall, scale, grazing, masking }
     }
@@ -112,12 +108,8 @@ impl LobeRecord {
             FormWord::Drawn => Form::Drawn,
             FormWord::Direct => Form::Direct,
         };
-        let fall = match self.fall {
-            0 => Fall::Flat,
-            2 => Fall::Second,
-            4 => Fall::Fourth,
-            n => return Err(format!("`fall` is {n}; it must be 0, 2 or 4")),
-        };
+        let fall = Fall::of_number(self.fall)
+            .ok_or_else(|| format!("`fall` is {}; it must be 0, 2 or 4", self.fall))?;
         let shape = Shape { incidences, azimuths, radii, intervals };
         Ok(LobeHeader { shape, form, fall, scale, grazing, masking })
     }

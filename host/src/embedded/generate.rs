@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write as _};
 
-use asperity_core::table::{Fall, Form, LobeHeader};
+use asperity_core::table::LobeHeader;
 
 use super::{EmbeddedTable, Values};
 
@@ -165,16 +165,7 @@ fn c_float(x: f32) -> String {
 
 fn c_lobe(l: &LobeHeader) -> String {
     let s = l.shape;
-    let form = match l.form {
-        Form::Masked => 0,
-        Form::Drawn => 1,
-        Form::Direct => 2,
-    };
-    let fall = match l.fall {
-        Fall::Flat => 0,
-        Fall::Second => 2,
-        Fall::Fourth => 4,
-    };
+    let (form, fall) = (l.form.number(), l.fall.number());
     format!("{{ {}, {}, {}, {}, {form}, {fall} }}", s.incidences, s.azimuths, s.radii, s.intervals)
 }
 

@@ -77,10 +77,7 @@ pub(super) fn to_model(
 ) {
     let cosines: Vec<f64> =
         (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
-    let own = grid.with_table::<f32, _>(|table| {
-        cosines.par_iter().map(|cos| grid.flux_of(table, *cos)).collect::<Vec<f64>>()
-    });
-    let Some(own) = own else { return };
+    let own = fluxes::<f32>(Some(grid), &cosines);
     for (j, (cos, own)) in cosines.iter().zip(own).enumerate() {
         let wanted = model(*cos, grid);
         if own > 0.0 {
@@ -91,15 +88,12 @@ pub(super) fn to_model(
     }
 }
 
-/// Cosines at nodes of incidence and between them, with the number of the node below.
-fn dense(grid: &LobeGrid) -> Vec<(usize, f64)> {
+/// Cosines at nodes of incidence and between them.
+fn dense(grid: &LobeGrid) -> impl Iterator<Item = f64> + use<> {
     let count = usize::from(grid.header.shape.incidences);
     let k = f64::from(grid.header.grazing);
-    let place = |n: usize| {
-        let y = n as f64 / (BETWEEN * (count - 1)) as f64;
-        ((n / BETWEEN).min(count - 2), incidence_cosine(y, k).max(2e-3))
-    };
-    (0..=BETWEEN * (count - 1)).map(place).collect()
+    let last = BETWEEN * (count - 1);
+    (0..=last).map(move |n| incidence_cosine(n as f64 / last as f64, k).max(2e-3))
 }
 
 /// Fluxes of a lobe at cosines.
@@ -120,7 +114,7 @@ pub(super) fn lower<'a, S: Storage>(
 ) {
     let mut cosines: Vec<f64> = Vec::new();
     for grid in [&reflection, &transmission].into_iter().flatten() {
-        cosines.extend(dense(grid).iter().map(|d| d.1));
+        cosines.extend(dense(grid));
     }
     for _ in 0..ROUNDS {
         let r = fluxes::<S>(reflection.as_deref(), &cosines);

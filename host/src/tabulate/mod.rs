@@ -216,8 +216,8 @@ fn finish<S: Storage>(
     (eta, slope, fluxes): (RelativeIor<f32>, f64, u16),
     kept: impl Fn(Vec<S>) -> Values,
 ) -> Option<EmbeddedTable> {
-    // from the dielectric fluxes change most about the critical angle, not at grazing incidence
-    const GRAZING: [f32; 2] = [0.0, 0.0];
+    // fluxes need no crowding
+    const GRAZING: f32 = 0.0;
     let mut rest = Rest::default();
     let mut rows = [0; 2];
     for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
@@ -227,7 +227,7 @@ fn finish<S: Storage>(
         if reflection.is_some() || transmission.is_some() {
             rows[k] = fluxes;
             let both = [reflection.as_ref(), transmission.as_ref()];
-            rest.fluxes.extend(balance::stored::<S>(both, &coherent, (fluxes, GRAZING[k])));
+            rest.fluxes.extend(balance::stored::<S>(both, &coherent, (fluxes, GRAZING)));
         }
     }
     let mut values = Vec::new();
@@ -244,7 +244,7 @@ fn finish<S: Storage>(
         slope: slope as f32,
         lobes: lobes.map(|grid| grid.map(|g| g.header)),
         fluxes: rows,
-        grazing: GRAZING,
+        grazing: [GRAZING; 2],
     };
     EmbeddedTable::new(header, kept(values), rest).ok()
 }

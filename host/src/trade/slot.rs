@@ -6,7 +6,7 @@
 use asperity_core::bsdf::{Ggx, Normals};
 use asperity_core::direction::Side;
 use asperity_core::ndf::law::Profile;
-use asperity_core::table::{BsdfTableRef, Fall, Form, LobeTable, Storage};
+use asperity_core::table::{BsdfTableRef, LobeTable, Storage};
 
 use super::pairs::Pairs;
 use crate::embedded::{EmbeddedTable, Values};
@@ -160,16 +160,7 @@ fn start(elf: &[u8]) -> Option<usize> {
 fn lobe_words<S>(lobe: &LobeTable<'_, S>) -> [u32; 10] {
     let shape = lobe.shape;
     let nodes = [shape.incidences, shape.azimuths, shape.radii, shape.intervals].map(u32::from);
-    let form = match lobe.form {
-        Form::Masked => 0,
-        Form::Drawn => 1,
-        Form::Direct => 2,
-    };
-    let fall = match lobe.fall {
-        Fall::Flat => 0,
-        Fall::Second => 1,
-        Fall::Fourth => 2,
-    };
+    let [form, fall] = [lobe.form.number(), lobe.fall.number()].map(u32::from);
     let [a, b, c, d] = nodes;
     let [scale, grazing, masking] = [lobe.scale, lobe.grazing, lobe.masking].map(f32::to_bits);
     [1, a, b, c, d, form, fall, scale, grazing, masking]
