@@ -53,6 +53,32 @@ impl<T: Real> Place<T> {
     }
 }
 
+/// Steps of the gain within a cell of incidence.
+pub const GAIN_STEPS: u16 = 4;
+
+/// A cell of incidence, and what a stored unit is worth there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Incidence<T> {
+    pub(super) place: Place<T>,
+    pub(super) gain: T,
+}
+
+impl<T: Real> Incidence<T> {
+    /// Of `y` in [0, 1] on an axis of so many [`cells`] of gains.
+    #[inline(always)]
+    pub(super) fn of(y: T, cells: f32, gains: &[f32]) -> Self {
+        let steps = usize::from(GAIN_STEPS);
+        let fine = Place::of(y, cells);
+        let gain = match gains.get(fine.cell..).and_then(|g| g.first_chunk()) {
+            Some(&[a, b]) => fine.mix(real(a), real(b)),
+            None => T::ZERO,
+        };
+        let within = whole::<T>((fine.cell % steps) as u16) + fine.share;
+        let share = within * T::from_f64(1.0 / f64::from(GAIN_STEPS));
+        Self { place: Place { cell: fine.cell / steps, share }, gain }
+    }
+}
+
 /// Cells between nodes, less what makes a place that rounding sends past the last node stay before it.
 pub const fn cells(nodes: u16) -> f32 {
     nodes.saturating_sub(1) as f32 * (1.0 - 4e-6)

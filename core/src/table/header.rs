@@ -42,7 +42,7 @@ pub struct Header {
 /// The arrays of all lobes and sides, one after the other in the order of the header.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrays<'a, S> {
-    /// One an incidence.
+    /// Steps of incidence.
     pub gains: &'a [f32],
     /// Radii, azimuths, incidences.
     pub values: &'a [S],
@@ -61,7 +61,7 @@ impl Header {
         for lobe in self.lobes.iter().flatten() {
             let shape = lobe.shape;
             let own =
-                [usize::from(shape.incidences), shape.values(), shape.quantiles(), shape.leans()];
+                [shape.gains(), shape.values(), shape.quantiles(), shape.leans()];
             for (sum, n) in all.iter_mut().zip(own) {
                 *sum += n;
             }
@@ -156,7 +156,7 @@ const fn next_lobe<'a, S: Storage>(
         return true;
     };
     let (Some(gains), Some(values), Some(quantiles), Some(leans)) = (
-        take(&mut from.gains, shape.incidences as usize),
+        take(&mut from.gains, shape.gains()),
         take(&mut from.values, shape.values()),
         take(&mut from.quantiles, shape.quantiles()),
         take(&mut from.leans, shape.leans()),

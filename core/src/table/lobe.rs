@@ -1,6 +1,6 @@
 //! One lobe from one side: its values, and the quantiles it is sampled with.
 
-use super::axes::{Place, cells, real, whole};
+use super::axes::{GAIN_STEPS, Incidence, Place, cells, incidence_place, real, whole};
 use super::storage::Storage;
 use super::view::TableError;
 use crate::direction::Direction;
@@ -97,9 +97,13 @@ impl Shape {
     pub const fn values(self) -> usize {
         self.incidences as usize * self.azimuths as usize * self.radii as usize
     }
-    /// [`cells`](super::cells) of incidences, azimuths and radii.
+    /// Number of gains: between nodes of incidence there are [`GAIN_STEPS`].
+    pub const fn gains(self) -> usize {
+        self.incidences.saturating_sub(1) as usize * GAIN_STEPS as usize + 1
+    }
+    /// [`cells`](super::cells) of gains, azimuths and radii.
     pub const fn cells(self) -> [f32; 3] {
-        [cells(self.incidences), cells(self.azimuths), cells(self.radii)]
+        [cells(self.incidences) * GAIN_STEPS as f32, cells(self.azimuths), cells(self.radii)]
     }
     /// Number of quantiles.
     pub const fn quantiles(self) -> usize {
@@ -126,7 +130,7 @@ pub struct LobeTable<'a, S> {
     pub grazing: f32,
     /// `a` of [`Form::Masked`].
     pub masking: f32,
-    /// What one unit of the stored values is worth, one an incidence.
+    /// What the square of a stored unit is worth, linear between steps of incidence: here the flux is the model's.
     pub gains: &'a [f32],
     /// [`Shape::cells`], which every look-up needs.
     pub cells: [f32; 3],
@@ -160,7 +164,7 @@ impl<S: Storage> LobeTable<'_, S> {
         if incidences < 2 || azimuths < 2 || radii < 2 || intervals < 1 {
             return Err(TableError::Shape);
         }
-        let lengths = self.gains.len() == usize::from(incidences)
+        let lengths = self.gains.len() == self.shape.gains()
             && self.values.len() == self.shape.values()
             && self.quantiles.len() == self.shape.quantiles()
             && self.leans.len() == self.shape.leans()
@@ -172,7 +176,7 @@ impl<S: Storage> LobeTable<'_, S> {
         let numbers = fine(self.scale, 1e-7, 1e4)
             && fine(self.grazing, -0.95, 100.0)
             && fine(self.masking, 0.0, 1e4)
-            && self.gains.iter().all(|&g| fine(g, 0.0, 1e15))
+            && self.gains.iter().all(|&g| fine(g * S::FULL * S::FULL, 0.0, 1e30))
             && self.values.iter().all(|v| fine(v.get::<f32>(), 0.0, S::FULL));
         if !numbers {
             return Err(TableError::Number);
@@ -199,14 +203,15 @@ impl<S: Storage> LobeTable<'_, S> {
 
     /// Where an incidence lies, by its sine and cosine.
     #[inline(always)]
-    pub(super) fn incidence<T: Real>(&self, s: T, c: T) -> Place<T> {
-        let [incidences, ..] = self.cells;
-        Place::of(super::axes::incidence_place(s, c, real(self.grazing)), incidences)
+    pub(super) fn incidence<T: Real>(&self, s: T, c: T) -> Incidence<T> {
+        let [steps, ..] = self.cells;
+        Incidence::of(incidence_place(s, c, real(self.grazing)), steps, self.gains)
     }
 
     /// `v^2` at an incidence, an azimuth's cosine and a radius.
     #[inline(always)]
-    pub(super) fn value<T: Real>(&self, y: Place<T>, p: T, r: T) -> T {
+    pub(super) fn value<T: Real>(&self, y: Incidence<T>, p: T, r: T) -> T {
+        let Incidence { place: y, gain } = y;
         let Shape { azimuths, radii, .. } = self.shape;
         let [_, around, outwards] = self.cells;
         let p = Place::of(T::HALF + T::HALF * p, around);
@@ -219,11 +224,7 @@ impl<S: Storage> LobeTable<'_, S> {
         let low = mix(a, b);
         let Some([a, b]) = self.corners(at + plane, columns) else { return T::ZERO };
         let high = mix(a, b);
-        let Some(&[a, b]) = self.gains.get(y.cell..).and_then(|g| g.first_chunk()) else {
-            return T::ZERO;
-        };
-        let (low, high) = (low * real(a), high * real(b));
-        y.mix(low * low, high * high)
+        y.mix(low * low, high * high) * gain
     }
 
     /// Two neighbours, and the same a row on.

@@ -10,7 +10,8 @@
 //! - the slope of the facet `s`, as `r = s / (s + s0)`: a peak of any width gets the same nodes.
 //!
 //! Stored is the square root: small values keep their digits in 8 or 16 bits, and nothing is negative. Between nodes it is
-//! linear in the last two, its square is in the first, so that the flux is too. Samples need no values: each incidence has the quantiles of
+//! linear in the last two, its square is in the first. What a unit of it is worth, the gain, has [`GAIN_STEPS`] within each cell
+//! of incidence, at which the flux is that of the model. Samples need no values: each incidence has the quantiles of
 //! `r^2` and, for each interval, the mean of `p`; both are interpolated like the values, so the density of
 //! the samples is known exactly without a sum over incidences.
 
@@ -27,7 +28,7 @@ mod owned;
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests;
 
-pub use axes::{Place, cells, incidence_cosine, incidence_place, radius, slope};
+pub use axes::{GAIN_STEPS, Place, cells, incidence_cosine, incidence_place, radius, slope};
 pub use header::{Arrays, Header, LobeHeader};
 pub use lobe::{Fall, Form, LobeTable, Shape};
 pub use owned::BsdfTable;

@@ -23,7 +23,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         let side = wi.side().filter(|_| scope::lobe(which == Lobe::Reflection))?;
         let s = (x * x + y * y).sqrt();
         let place = lobe.incidence(s, z.abs());
-        let Drawn { m, p, r, q, density } = lobe.draw(place, u)?;
+        let Drawn { m, p, r, q, density } = lobe.draw(place.place, u)?;
         let (ex, ey) = if s > T::MIN_POSITIVE {
             let inverse = T::ONE / s;
             (-x * inverse, -y * inverse)

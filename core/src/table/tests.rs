@@ -12,7 +12,8 @@ const ALPHA: f32 = 0.25;
 const SHAPE: Shape = Shape { incidences: 3, azimuths: 2, radii: 4, intervals: 2 };
 const VALUES: usize = 4 * SHAPE.values();
 const QUANTILES: usize = 4 * SHAPE.quantiles();
-type Table<S> = BsdfTable<S, VALUES, QUANTILES, 12>;
+const GAINS: usize = 4 * SHAPE.gains();
+type Table<S> = BsdfTable<S, VALUES, QUANTILES, GAINS>;
 
 fn header() -> Header {
     let (form, fall) = (Form::Masked, Fall::Fourth);
@@ -36,7 +37,7 @@ fn build<S: Storage>(value: S, change: impl Fn(&mut Header)) -> Result<Table<S>,
     BsdfTable::new(
         header,
         Arrays {
-            gains: &[FRAC_1_PI.sqrt() / S::FULL; 12],
+            gains: &[FRAC_1_PI / (S::FULL * S::FULL); GAINS],
             values: &[value; VALUES],
             quantiles: &quantiles(),
             leans: &[30; 4 * SHAPE.leans()],

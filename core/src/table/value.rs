@@ -1,6 +1,6 @@
 //! Values of a table: what a pair of directions is looked up by, and what is found there.
 
-use super::axes::{Place, real};
+use super::axes::{Incidence, real};
 use super::lobe::{Form, LobeTable};
 use super::storage::Storage;
 use super::view::BsdfTableRef;
@@ -13,7 +13,7 @@ use crate::scope;
 struct Found<'b, 'a, T, S> {
     lobe: &'b LobeTable<'a, S>,
     half: HalfVector<T>,
-    y: Place<T>,
+    y: Incidence<T>,
     p: T,
     r: T,
 }
@@ -116,7 +116,7 @@ impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
         let share = if (wo.z() > T::ZERO) == (wi.z() > T::ZERO) { reflected } else { transmitted };
         let all = reflected + transmitted + cr + ct;
         let length = (half.xy2 + half.z2).sqrt();
-        let facet = lobe.density(y, p.max(-T::ONE).min(T::ONE), r, half.z2.sqrt() / length);
+        let facet = lobe.density(y.place, p.max(-T::ONE).min(T::ONE), r, half.z2.sqrt() / length);
         let density = facet * half.turn * length / half.ih;
         if all > T::ZERO { density * (share / all) } else { T::ZERO }
     }

@@ -130,7 +130,7 @@ mod device {
             *q = 7000 * (k % 9) as u16;
         }
         let table = header.table(Arrays {
-            gains: &[2.0 / S::FULL; 4 * SHAPE.incidences as usize],
+            gains: &[4.0 / (S::FULL * S::FULL); 4 * SHAPE.gains()],
             values: &values,
             quantiles: &quantiles,
             leans: &[20; 4 * SHAPE.leans()],

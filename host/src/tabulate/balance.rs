@@ -11,8 +11,10 @@ use crate::energy::balance;
 use crate::forward::{Rays, count_flux};
 use crate::kirchhoff::CoherentFlux;
 
-/// Places between two nodes of incidence where the flux is looked at.
-const BETWEEN: usize = 10;
+/// Factor by which the flux may change a gain.
+const MOST: f64 = 2.0;
+/// Places from one gain to the next where the flux is looked at.
+const BETWEEN: u32 = 3;
 /// Rounds of lowering.
 const ROUNDS: usize = 12;
 /// What is left below 1 for the rounding of storage and sums.
@@ -61,39 +63,25 @@ pub(super) fn coherent(boundary: &Boundary, side: Side, cos: f64) -> [f64; 4] {
     [flux.reflected, flux.transmitted, shares[0], shares[1]]
 }
 
-/// Linear in the cosine between known fluxes, in descending order of the cosine.
-pub(super) fn between(known: &[(f64, f64)], cos: f64) -> f64 {
-    let after = known.partition_point(|(c, _)| *c > cos).clamp(1, known.len() - 1);
-    let ((a, f), (b, g)) = (known[after - 1], known[after]);
-    let share = if a > b { ((a - cos) / (a - b)).clamp(0.0, 1.0) } else { 0.0 };
-    f + share * (g - f)
-}
-
-/// Scales each incidence so that its flux is the model's, but by no more than `most`.
-pub(super) fn to_model(
-    grid: &mut LobeGrid,
-    most: f64,
-    model: impl Fn(f64, &LobeGrid) -> f64 + Sync,
-) {
-    let cosines: Vec<f64> =
-        (0..usize::from(grid.header.shape.incidences)).map(|j| grid.cosine(j)).collect();
-    let own = fluxes::<f32>(Some(grid), &cosines);
-    for (j, (cos, own)) in cosines.iter().zip(own).enumerate() {
-        let wanted = model(*cos, grid);
-        if own > 0.0 {
-            // at grazing incidence sums of either kind are rough: no more than a correction
-            let factor = (wanted / own).clamp(1.0 / most, most).sqrt();
-            grid.plane(j).iter_mut().for_each(|v| *v *= factor);
+/// Changes the gains so that the flux at each is the model's, but none by more than a factor of [`MOST`].
+pub(super) fn to_model(grid: &mut LobeGrid, model: &[f64]) {
+    let own = fluxes::<f32>(Some(grid), &grid.cosines());
+    for (trim, (own, wanted)) in grid.trim.iter_mut().zip(own.iter().zip(model)) {
+        if *own > 0.0 {
+            // where there is hardly any light sums of either kind are rough
+            *trim *= (wanted / own).clamp(1.0 / MOST, MOST);
         }
     }
 }
 
-/// Cosines at nodes of incidence and between them.
-fn dense(grid: &LobeGrid) -> impl Iterator<Item = f64> + use<> {
-    let count = usize::from(grid.header.shape.incidences);
-    let k = f64::from(grid.header.grazing);
-    let last = BETWEEN * (count - 1);
-    (0..=last).map(move |n| incidence_cosine(n as f64 / last as f64, k).max(2e-3))
+/// Cosines of the gains and between them.
+fn dense(grid: &LobeGrid) -> Vec<f64> {
+    let nodes = grid.cosines();
+    let between = |ends: &[f64]| (0..BETWEEN).map(|k| {
+        let share = f64::from(k) / f64::from(BETWEEN);
+        ends[0] + share * (ends[1] - ends[0])
+    }).collect::<Vec<f64>>();
+    nodes.windows(2).flat_map(between).chain(nodes.last().copied()).collect()
 }
 
 /// Fluxes of a lobe at cosines.
@@ -120,8 +108,8 @@ pub(super) fn lower<'a, S: Storage>(
         let r = fluxes::<S>(reflection.as_deref(), &cosines);
         let t = fluxes::<S>(transmission.as_deref(), &cosines);
         let mut lowered = false;
-        let mut factors: [Vec<f64>; 2] = [&reflection, &transmission]
-            .map(|g| vec![1.0; g.as_ref().map_or(0, |g| usize::from(g.header.shape.incidences))]);
+        let mut factors = [&reflection, &transmission]
+            .map(|g| vec![1.0_f64; g.as_ref().map_or(0, |g| g.trim.len())]);
         for ((cos, r), t) in cosines.iter().zip(&r).zip(&t) {
             let [cr, ct, ..] = coherent(*cos);
             let room = (1.0 - MARGIN - cr - ct).max(0.0);
@@ -129,11 +117,11 @@ pub(super) fn lower<'a, S: Storage>(
                 continue;
             }
             lowered = true;
-            let factor = (room / (r + t)).sqrt() * (1.0 - 1e-6);
+            let factor = room / (r + t) * (1.0 - 1e-6);
             for (grid, factors) in [&reflection, &transmission].into_iter().zip(&mut factors) {
                 let Some(grid) = grid else { continue };
                 let k = f64::from(grid.header.grazing);
-                let last = usize::from(grid.header.shape.incidences) - 1;
+                let last = grid.trim.len() - 1;
                 let y = incidence_place(((1.0 - cos) * (1.0 + cos)).sqrt(), *cos, k) * last as f64;
                 for j in [y.floor(), y.ceil()] {
                     let j = (j as usize).min(last);
@@ -146,9 +134,7 @@ pub(super) fn lower<'a, S: Storage>(
         }
         for (grid, factors) in [&mut reflection, &mut transmission].into_iter().zip(factors) {
             if let Some(grid) = grid {
-                for (j, factor) in factors.into_iter().enumerate() {
-                    grid.plane(j).iter_mut().for_each(|v| *v *= factor);
-                }
+                grid.trim.iter_mut().zip(factors).for_each(|(trim, factor)| *trim *= factor);
             }
         }
     }

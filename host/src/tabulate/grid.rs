@@ -2,14 +2,15 @@
 
 use std::f64::consts::PI;
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{
-    BsdfTableRef, LobeHeader, LobeTable, SideTable, Storage, incidence_cosine, slope,
+    BsdfTableRef, GAIN_STEPS, LobeHeader, LobeTable, SideTable, Storage, incidence_cosine, slope,
 };
 
 use super::facet::{Beam, Turned};
+use super::law::Law;
 
 /// Which of the four lobes: from the air reflection and transmission, then from the dielectric.
 pub(super) const LOBES: [(Side, Lobe); 4] = [
@@ -31,6 +32,8 @@ pub(super) struct LobeGrid {
     pub(super) header: LobeHeader,
     /// `v` at the nodes: radii, azimuths, incidences.
     pub(super) v: Vec<f64>,
+    /// By what gains are changed for the sake of the flux.
+    pub(super) trim: Vec<f64>,
 }
 
 /// Where node `k` of `count` lies on [0, 1].
@@ -41,13 +44,21 @@ pub(super) fn node(k: usize, count: u16) -> f64 {
 impl LobeGrid {
     /// Without values yet.
     pub(super) fn new(eta: f64, (side, lobe): (Side, Lobe), header: LobeHeader) -> Self {
-        Self { eta, side, lobe, header, v: vec![0.0; header.shape.values()] }
+        let (v, trim) = (vec![0.0; header.shape.values()], vec![1.0; header.shape.gains()]);
+        Self { eta, side, lobe, header, v, trim }
     }
 
     /// Cosine of incidence of a node.
     pub(super) fn cosine(&self, node_of: usize) -> f64 {
         let y = node(node_of, self.header.shape.incidences);
         incidence_cosine(y, f64::from(self.header.grazing)).max(GRAZING)
+    }
+
+    /// Cosines of incidence of the gains.
+    pub(super) fn cosines(&self) -> Vec<f64> {
+        let (count, k) = (self.trim.len(), f64::from(self.header.grazing));
+        let at = |n: usize| incidence_cosine(n as f64 / (count - 1) as f64, k).max(GRAZING);
+        (0..count).map(at).collect()
     }
 
     pub(super) fn beam(&self, cos: f64) -> Beam {
@@ -69,15 +80,26 @@ impl LobeGrid {
     /// Stored numbers and the gains they are worth.
     pub(super) fn stored<S: Storage>(&self) -> (Vec<f32>, Vec<S>) {
         let each = usize::from(self.header.shape.azimuths) * usize::from(self.header.shape.radii);
-        let (mut gains, mut values) = (Vec::new(), Vec::with_capacity(self.v.len()));
+        let (mut units, mut values) = (Vec::new(), Vec::with_capacity(self.v.len()));
         for plane in self.v.chunks(each) {
-            let most = plane.iter().copied().fold(0.0, f64::max) as f32;
-            let gain = if most > 0.0 { most / S::FULL } else { 0.0 };
-            gains.push(gain);
-            let code = |v: &f64| if gain > 0.0 { (*v as f32 / gain).min(S::FULL) } else { 0.0 };
-            values.extend(plane.iter().map(|v| S::nearest(code(v))));
+            let most = plane.iter().copied().fold(0.0, f64::max);
+            let unit = most / f64::from(S::FULL);
+            units.push(unit * unit);
+            let code = |v: &f64| if unit > 0.0 { (v / unit) as f32 } else { 0.0 };
+            values.extend(plane.iter().map(|v| S::nearest(code(v).min(S::FULL))));
         }
-        (gains, values)
+        // a dark incidence goes on as the nearest that is lit: it has no say in what is between
+        let lit: Vec<usize> = (0..units.len()).filter(|j| units[*j] > 0.0).collect();
+        let unit = |j: usize| {
+            lit.iter().min_by_key(|k| k.abs_diff(j)).map_or(0.0, |k| units[*k])
+        };
+        let steps = usize::from(GAIN_STEPS);
+        let gain = |(n, trim): (usize, &f64)| {
+            let (low, share) = (n / steps, (n % steps) as f64 / steps as f64);
+            let high = (low + 1).min(units.len() - 1);
+            ((unit(low) * (1.0 - share) + unit(high) * share) * trim) as f32
+        };
+        (self.trim.iter().enumerate().map(gain).collect(), values)
     }
 
     /// Runs an expression with the lobe alone as a table, stored as it would be.
@@ -117,7 +139,7 @@ impl LobeGrid {
     }
 
     /// Flux of the lobe of a law, at a cosine of incidence.
-    pub(super) fn flux_of<B: Bsdf<f64>>(&self, law: &B, cos: f64) -> f64 {
+    pub(super) fn flux_of(&self, law: &dyn Law, cos: f64) -> f64 {
         let beam = self.beam(cos);
         let mut sum = 0.0;
         self.over_facets(&beam, |spot| {

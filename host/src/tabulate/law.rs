@@ -1,6 +1,7 @@
 //! Values of a law that can be evaluated: at every node, exactly.
 
-use asperity_core::bsdf::Bsdf;
+use asperity_core::bsdf::{Bsdf, Lobe, Scattered};
+use asperity_core::direction::Direction;
 use rayon::prelude::*;
 
 use super::facet::{Beam, tail};
@@ -9,9 +10,38 @@ use super::grid::{LobeGrid, node};
 /// Steps of the bisection for the last facet before the horizon.
 const STEPS: u32 = 24;
 
+/// What a table is made of: a [`Bsdf`] behind one pointer, so that none of this is compiled anew for each.
+pub(super) trait Law: Sync {
+    fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64;
+    fn sample_lobe(
+        &self,
+        wi: Direction<f64>,
+        lobe: Lobe,
+        u: [f64; 2],
+    ) -> Option<Scattered<f64>>;
+    fn slope(&self) -> f64;
+}
+
+impl<B: Bsdf<f64> + Sync> Law for B {
+    fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
+        Bsdf::ars(self, wi, wo)
+    }
+    fn sample_lobe(
+        &self,
+        wi: Direction<f64>,
+        lobe: Lobe,
+        u: [f64; 2],
+    ) -> Option<Scattered<f64>> {
+        Bsdf::sample_lobe(self, wi, lobe, u)
+    }
+    fn slope(&self) -> f64 {
+        Bsdf::slope(self)
+    }
+}
+
 impl LobeGrid {
     /// Takes the values of a law.
-    pub(super) fn fill<B: Bsdf<f64> + Sync>(&mut self, law: &B) {
+    pub(super) fn fill(&mut self, law: &dyn Law) {
         let shape = self.header.shape;
         let radii = usize::from(shape.radii);
         let planes: Vec<Vec<f64>> = (0..usize::from(shape.incidences))
@@ -37,7 +67,7 @@ impl LobeGrid {
 
     /// `v` over the radii at one azimuth. Facets that send light into the lobe lie between two slopes (those beyond send it into
     /// the surface, those before may reflect it totally); outside it goes on as at these edges.
-    fn row<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, p: f64) -> Option<Vec<f64>> {
+    fn row(&self, law: &dyn Law, beam: &Beam, p: f64) -> Option<Vec<f64>> {
         let count = self.header.shape.radii;
         let at = |k: usize| node(k, count);
         let mut row: Vec<Option<f64>> =
@@ -61,7 +91,7 @@ impl LobeGrid {
     }
 
     /// The value at the last facet between one that sends light into the lobe and one that does not.
-    fn edge<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, p: f64, ends: [f64; 2]) -> Option<f64> {
+    fn edge(&self, law: &dyn Law, beam: &Beam, p: f64, ends: [f64; 2]) -> Option<f64> {
         let [mut inside, mut outside] = ends;
         let mut edge = self.value(law, beam, inside, p);
         for _ in 0..STEPS {
@@ -74,7 +104,7 @@ impl LobeGrid {
         edge
     }
 
-    fn value<B: Bsdf<f64>>(&self, law: &B, beam: &Beam, r: f64, p: f64) -> Option<f64> {
+    fn value(&self, law: &dyn Law, beam: &Beam, r: f64, p: f64) -> Option<f64> {
         let s = self.slope(r);
         let turned = beam.turn(s, p)?;
         let q = law.ars(beam.wi, turned.wo) / beam.per(&turned, f64::from(self.header.masking));

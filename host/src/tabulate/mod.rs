@@ -23,6 +23,7 @@ use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{Header, Storage};
+use rayon::prelude::*;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, Rest, Values};
@@ -146,8 +147,10 @@ fn of_storage<S: Storage>(
             if stop.load(std::sync::atomic::Ordering::Relaxed) {
                 return Err(NoTable::Stopped);
             }
-            let mut grid = search::best::<_, S>(b, eta, which, budget);
-            balance::to_model(&mut grid, 2.0, |cos, grid| grid.flux_of(b, cos));
+            let mut grid = search::best::<S>(b, eta, which, budget);
+            let model: Vec<f64> =
+                grid.cosines().into_par_iter().map(|cos| grid.flux_of(b, cos)).collect();
+            balance::to_model(&mut grid, &model);
             lobes[k] = Some(grid);
             done += 1;
             progress(done, count);
@@ -198,10 +201,8 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
         done += usize::from(incidences);
         for (k, grid) in [reflection, transmission].into_iter().enumerate() {
             if let Some(mut grid) = grid {
-                let known: Vec<(f64, f64)> =
-                    fluxes.iter().enumerate().map(|(j, f)| (grid.cosine(j), f[k])).collect();
-                // a node beyond which facets begin to send light must not be judged by the few that do
-                balance::to_model(&mut grid, 1.05, |cos, _| balance::between(&known, cos));
+                let model: Vec<f64> = fluxes.iter().map(|flux| flux[k]).collect();
+                balance::to_model(&mut grid, &model);
                 lobes[2 * at + k] = Some(grid);
             }
         }

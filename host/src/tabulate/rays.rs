@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_core::bsdf::{Lobe, Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
-use asperity_core::table::{Form, Place, cells, radius};
+use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
 use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
@@ -19,8 +19,13 @@ use crate::forward::{Rays, Tiles, mix};
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
 const PARTS: u64 = 64;
+/// Share of the rays that count the flux between nodes of incidence, but no fewer than these if there are as many.
+const FEWER: u64 = 8;
+const LEAST_RAYS: u64 = 100_000;
 /// Successive azimuths of the light.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Cosine of incidence from which on light has no azimuth.
+const NORMAL: f64 = 1.0 - 1e-9;
 /// Rays that weigh as much as a neighbour.
 const FEW: f64 = 10.0;
 /// Share of the node that a facet law of even values fills most, below which a node is not believed.
@@ -41,8 +46,7 @@ struct Gathered {
 
 /// Fills both lobes of a side; their incidences must be the same.
 ///
-/// Fluxes at the nodes of incidence, reflected and transmitted;
-/// `None` if `stop` was set.
+/// Fluxes at the incidences of the gains, reflected and transmitted; `None` if `stop` was set.
 pub(super) fn fill<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&mut LobeGrid>; 2],
@@ -61,6 +65,14 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         let views = [reflection.as_deref(), transmission.as_deref()];
         let found = gather(boundary, views, j, rays);
         fluxes.push(found.flux.map(|f| f / found.rays));
+        if j + 1 < usize::from(count) {
+            let any = reflection.as_ref().or(transmission.as_ref())?;
+            let cosines = any.cosines();
+            let from = usize::from(GAIN_STEPS) * j;
+            for cos in &cosines[from + 1..from + usize::from(GAIN_STEPS)] {
+                fluxes.push(flux(boundary, (any.side, *cos), rays));
+            }
+        }
         let grids = [&mut reflection, &mut transmission];
         for ((grid, nodes), lit) in grids.into_iter().zip(&found.nodes).zip(&mut lit) {
             if let Some(grid) = grid {
@@ -118,6 +130,26 @@ fn gather<S: Scatter<f64> + Sync>(
     }
     let rays = tiles.count() as f64 * f64::from(tiles.rays_each());
     Gathered { nodes, flux, rays }
+}
+
+/// Reflected and transmitted flux at a cosine of incidence, of fewer rays.
+fn flux<S: Scatter<f64> + Sync>(boundary: &S, (side, cos): (Side, f64), rays: Rays) -> [f64; 2] {
+    let count = (rays.count / FEWER).max(rays.count.min(LEAST_RAYS));
+    let tiles = Rays { count, seed: mix(rays.seed, if side == Side::Air { 13 } else { 14 }) }.tiles(cos);
+    let part = |number: u64| {
+        let mut flux = [0.0; 2];
+        for tile in (number..tiles.count()).step_by(PARTS as usize) {
+            for k in 0..tiles.rays_each() {
+                if let Some(ray) = trace(boundary, (side, cos), tiles, (tile, k)) {
+                    flux[usize::from(ray.lobe == Lobe::Transmission)] += ray.weight;
+                }
+            }
+        }
+        flux
+    };
+    let parts: Vec<[f64; 2]> = (0..PARTS).into_par_iter().map(part).collect();
+    let rays = tiles.count() as f64 * f64::from(tiles.rays_each());
+    [0, 1].map(|k| parts.iter().map(|flux| flux[k]).sum::<f64>() / rays)
 }
 
 pub(super) fn plane_size(grid: &LobeGrid) -> usize {
@@ -201,7 +233,6 @@ pub(super) fn sharpen(
         sums.iter_mut().step_by(radii).for_each(|s| *s = pole);
         sums
     };
-    let wanted = pooled(wanted.to_vec());
     let means = |v: &[f64]| {
         let mut sums = vec![0.0; v.len()];
         for (nodes, flux) in &spots {
@@ -212,6 +243,11 @@ pub(super) fn sharpen(
         }
         pooled(sums)
     };
+    let reached = means(&vec![1.0; wanted.len()]);
+    let mut wanted = pooled(wanted.to_vec());
+    if beam.wi.z().abs() > NORMAL {
+        even(&mut wanted, &reached, radii);
+    }
     let mut v = vec![1.0; wanted.len()];
     for round in 0..=ROUNDS {
         let now = means(&v);
@@ -222,7 +258,6 @@ pub(super) fn sharpen(
     }
     // light of several bounces where a facet alone sends next to none would be a spike at the incidences beside this one,
     // where that facet sends more
-    let reached = means(&vec![1.0; v.len()]);
     let least = LEAST * reached.iter().copied().fold(0.0, f64::max);
     spread(&mut v, radii, |at| if reached[at] > least { wanted[at] * rays } else { 0.0 });
     let all: f64 = wanted.iter().sum();
@@ -232,6 +267,19 @@ pub(super) fn sharpen(
     }
     grid.plane(incidence).copy_from_slice(&v);
     reached.iter().map(|r| *r > least).collect()
+}
+
+/// At normal incidence there is no mirror side: what the azimuths of a radius receive is theirs by what they would receive of
+/// even values.
+fn even(wanted: &mut [f64], reached: &[f64], radii: usize) {
+    for k in 0..radii {
+        let sum = |of: &[f64]| of.iter().skip(k).step_by(radii).sum::<f64>();
+        let (all, whole) = (sum(wanted), sum(reached));
+        if whole > 0.0 {
+            let each = wanted.iter_mut().zip(reached).skip(k).step_by(radii);
+            each.for_each(|(w, r)| *w = all * r / whole);
+        }
+    }
 }
 
 /// Nodes at which no facet sends light go on as the nearest incidence at which one does: between the two it sends some.

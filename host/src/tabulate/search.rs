@@ -1,12 +1,13 @@
 //! What is divided out, the scale of slopes, the numbers of nodes: those that err least.
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
-use asperity_core::table::{Fall, Form, LobeHeader, Shape, Storage, slope};
+use asperity_core::table::{Fall, Form, GAIN_STEPS, LobeHeader, Shape, Storage, slope};
 use rayon::prelude::*;
 
 use super::balance::incident;
 use super::grid::LobeGrid;
+use super::law::Law;
 
 const FALLS: [Fall; 3] = [Fall::Fourth, Fall::Second, Fall::Flat];
 /// Scales of slopes in units of the median slope.
@@ -26,11 +27,6 @@ const ANGLES: [f64; 13] =
 /// Facets along a line through the lobe.
 const POINTS: u32 = 48;
 
-/// Cosines of incidence at which the flux of the best shapes is looked at, how many they are, and how far from the best.
-const FLUXES: [f64; 10] = [0.97, 0.92, 0.86, 0.8, 0.74, 0.7, 0.65, 0.55, 0.4, 0.2];
-const FINALISTS: usize = 6;
-const NEAR: f64 = 3.0;
-
 /// A pair of directions, the value there, and how much of a line it stands for.
 struct Probe {
     wi: Direction<f64>,
@@ -42,15 +38,16 @@ struct Probe {
 /// The shape with as many radii as fit.
 pub(super) fn fitted<S: Storage>(incidences: u16, azimuths: u16, bytes: usize) -> Shape {
     let intervals = if bytes < 3000 { 8 } else { 16 };
-    let rest = usize::from(incidences) * (4 + 3 * usize::from(intervals) + 2);
+    let gains = usize::from(GAIN_STEPS) * 4;
+    let rest = usize::from(incidences) * (gains + 3 * usize::from(intervals) + 2);
     let each = usize::from(incidences) * usize::from(azimuths) * S::BYTES;
     let radii = (bytes.saturating_sub(rest) / each).clamp(2, 160) as u16;
     Shape { incidences, azimuths, radii, intervals }
 }
 
 /// The lobe of a law that errs least within a number of bytes.
-pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
-    law: &B,
+pub(super) fn best<S: Storage>(
+    law: &dyn Law,
     eta: f64,
     which: (Side, Lobe),
     bytes: usize,
@@ -69,19 +66,15 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         grazing: 0.0,
         masking: median as f32,
     };
-    let judge = |candidates: Vec<LobeHeader>| -> Vec<(f64, LobeHeader)> {
-        let mut judged: Vec<(f64, LobeHeader)> = candidates
-            .into_par_iter()
-            .map(|header| {
-                let mut grid = LobeGrid::new(eta, which, header);
-                grid.fill(law);
-                (error::<S>(&grid, &probes), header)
-            })
-            .collect();
-        judged.sort_by(|a, b| a.0.total_cmp(&b.0));
-        judged
+    let judged = |header: LobeHeader| {
+        let mut grid = LobeGrid::new(eta, which, header);
+        grid.fill(law);
+        (error::<S>(&grid, &probes), header)
     };
-    let least = |candidates| judge(candidates).first().map_or(start, |best| best.1);
+    let least = |candidates: Vec<LobeHeader>| {
+        let judged: Vec<_> = candidates.into_par_iter().map(judged).collect();
+        judged.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |best| best.1)
+    };
     let mut kinds = Vec::new();
     for fall in FALLS {
         for factor in SCALES {
@@ -112,22 +105,7 @@ pub(super) fn best<B: Bsdf<f64> + Sync, S: Storage>(
         // too few bytes for any of them
         shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
     }
-    // of those that err little, the one whose flux errs least between its nodes
-    let judged = judge(shapes);
-    let most = judged.first().map_or(0.0, |best| NEAR * best.0);
-    let shaped = judged
-        .into_iter()
-        .filter(|j| j.0 <= most)
-        .take(FINALISTS)
-        .map(|(_, header)| {
-            let mut grid = LobeGrid::new(eta, which, header);
-            grid.fill(law);
-            super::balance::to_model(&mut grid, 2.0, |cos, grid| grid.flux_of(law, cos));
-            (flux_error::<_, S>(&grid, law), header)
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or(start, |best| best.1);
-    let mut grid = LobeGrid::new(eta, which, refined(shaped, &least));
+    let mut grid = LobeGrid::new(eta, which, refined(least(shapes), &least));
     grid.fill(law);
     grid
 }
@@ -147,15 +125,6 @@ fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader)
     best
 }
 
-/// Largest error of the flux at some cosines of incidence.
-fn flux_error<B: Bsdf<f64> + Sync, S: Storage>(grid: &LobeGrid, law: &B) -> f64 {
-    let off = grid.with_table::<S, _>(|table| {
-        let one = |cos: &f64| (grid.flux_of(table, *cos) - grid.flux_of(law, *cos)).abs();
-        FLUXES.par_iter().map(one).reduce(|| 0.0, f64::max)
-    });
-    off.unwrap_or(f64::INFINITY)
-}
-
 /// Root mean square error of the probes over the largest value.
 fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
     let sum = grid.with_table::<S, _>(|table| {
@@ -171,7 +140,7 @@ fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
 }
 
 /// Half of the light of a lobe, at a middle incidence, meets facets below this slope.
-fn median_slope<B: Bsdf<f64>>(law: &B, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f64 {
+fn median_slope(law: &dyn Law, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f64 {
     const COUNT: u32 = 987;
     let wi = incident(side, 0.9);
     let mut slopes: Vec<(f64, f64)> = Vec::new();
@@ -194,7 +163,7 @@ fn median_slope<B: Bsdf<f64>>(law: &B, of: (f64, Form), (side, lobe): (Side, Lob
 }
 
 /// Lines through the lobe in the plane of incidence and across.
-fn probes<B: Bsdf<f64>>(law: &B, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Probe> {
+fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Probe> {
     let lines = LobeGrid::new(
         eta,
         which,
