@@ -54,7 +54,7 @@ impl<T: Real> Place<T> {
 }
 
 /// Steps of the gain within a cell of incidence.
-pub const GAIN_STEPS: u16 = 4;
+pub const GAIN_STEPS: u16 = 8;
 
 /// A cell of incidence, and what a stored unit is worth there.
 #[derive(Clone, Copy, Debug)]

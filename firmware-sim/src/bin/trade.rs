@@ -29,7 +29,7 @@ mod device {
 
     const WORDS: usize = 64;
     const PAIRS: usize = 256;
-    const GAINS: usize = 256;
+    const GAINS: usize = 1024;
     const FLUXES: usize = 256;
     const QUANTILES: usize = 4096;
     const LEANS: usize = 4096;

@@ -14,7 +14,7 @@ use crate::kirchhoff::CoherentFlux;
 /// Factor by which the flux may change a gain.
 const MOST: f64 = 2.0;
 /// Places from one gain to the next where the flux is looked at.
-const BETWEEN: u32 = 3;
+const BETWEEN: u32 = 2;
 /// Rounds of lowering.
 const ROUNDS: usize = 12;
 /// What is left below 1 for the rounding of storage and sums.

@@ -20,6 +20,10 @@ pub(super) const LOBES: [(Side, Lobe); 4] = [
     (Side::Dielectric, Lobe::Transmission),
 ];
 
+/// Azimuths of a sum over facets, from the mirror direction to the other.
+pub(super) const AROUND: u32 = 24;
+/// Successive offsets, none near another.
+pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Cosine that stands for grazing light, which itself scatters nothing.
 const GRAZING: f64 = 2e-3;
 
@@ -142,15 +146,14 @@ impl LobeGrid {
     pub(super) fn flux_of(&self, law: &dyn Law, cos: f64) -> f64 {
         let beam = self.beam(cos);
         let mut sum = 0.0;
-        self.over_facets(&beam, |spot| {
+        self.over_facets(&beam, AROUND, |spot| {
             sum += law.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
         });
         sum
     }
 
     /// Visits facets that send a beam into the lobe, slopes ascending; weights are their solid angles.
-    pub(super) fn over_facets(&self, beam: &Beam, mut visit: impl FnMut(&Spot)) {
-        const AROUND: u32 = 24;
+    pub(super) fn over_facets(&self, beam: &Beam, around: u32, mut visit: impl FnMut(&Spot)) {
         let cells = u32::from(self.header.shape.radii - 1);
         let sub = (192 / cells).max(2);
         let s0 = f64::from(self.header.scale);
@@ -161,9 +164,11 @@ impl LobeGrid {
             let cos = 1.0 / s.hypot(1.0);
             // ds = s0 / (1 - r)^2 dr, both halves of the circle
             let ds = s0 / ((1.0 - r) * (1.0 - r)) / f64::from(rings);
-            let weight = s * ds * cos * cos * cos * (2.0 * PI / f64::from(AROUND));
-            for k in 0..AROUND {
-                let p = (PI * (f64::from(k) + 0.5) / f64::from(AROUND)).cos();
+            let weight = s * ds * cos * cos * cos * (2.0 * PI / f64::from(around));
+            // azimuths of their own on each ring: a horizon that crosses the rings is met evenly
+            let offset = (f64::from(ring) * GOLDEN).fract();
+            for k in 0..around {
+                let p = (PI * (f64::from(k) + offset) / f64::from(around)).cos();
                 if let Some(turned) = beam.turn(s, p) {
                     visit(&Spot { r, s, p, weight, turned });
                 }

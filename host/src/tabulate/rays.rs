@@ -14,7 +14,7 @@ use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
 use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
-use super::grid::LobeGrid;
+use super::grid::{AROUND, GOLDEN, LobeGrid};
 use crate::forward::{Rays, Tiles, mix};
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
@@ -22,8 +22,6 @@ const PARTS: u64 = 64;
 /// Share of the rays that count the flux between nodes of incidence, but no fewer than these if there are as many.
 const FEWER: u64 = 8;
 const LEAST_RAYS: u64 = 100_000;
-/// Successive azimuths of the light.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Cosine of incidence from which on light has no azimuth.
 const NORMAL: f64 = 1.0 - 1e-9;
 /// Rays that weigh as much as a neighbour.
@@ -69,7 +67,8 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
             let any = reflection.as_ref().or(transmission.as_ref())?;
             let cosines = any.cosines();
             let from = usize::from(GAIN_STEPS) * j;
-            for cos in &cosines[from + 1..from + usize::from(GAIN_STEPS)] {
+            let next = from + usize::from(GAIN_STEPS);
+            for cos in cosines[from + 2..next].iter().step_by(2) {
                 fluxes.push(flux(boundary, (any.side, *cos), rays));
             }
         }
@@ -87,7 +86,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
             complete(grid, lit);
         }
     }
-    Some(fluxes)
+    Some(doubled(&fluxes))
 }
 
 fn gather<S: Scatter<f64> + Sync>(
@@ -130,6 +129,19 @@ fn gather<S: Scatter<f64> + Sync>(
     }
     let rays = tiles.count() as f64 * f64::from(tiles.rays_each());
     Gathered { nodes, flux, rays }
+}
+
+/// Values between, by cubics.
+fn doubled(known: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let at = |k: usize, d: isize| known[k.saturating_add_signed(d).min(known.len() - 1)];
+    let mut all = Vec::with_capacity(2 * known.len());
+    for k in 0..known.len() - 1 {
+        let [a, b, c, d] = [at(k, -1), at(k, 0), at(k, 1), at(k, 2)];
+        let middle = |n: usize| (9.0 * (b[n] + c[n]) - a[n] - d[n]) / 16.0;
+        all.extend([b, [0, 1].map(|n| middle(n).clamp(0.0, 1.0))]);
+    }
+    all.extend(known.last());
+    all
 }
 
 /// Reflected and transmitted flux at a cosine of incidence, of fewer rays.
@@ -222,7 +234,7 @@ pub(super) fn sharpen(
     let masking = f64::from(grid.header.masking);
     // facets of the sums: nodes about them and the flux of v = 1
     let mut spots: Vec<([(usize, f64); 4], f64)> = Vec::new();
-    grid.over_facets(&beam, |spot| {
+    grid.over_facets(&beam, AROUND, |spot| {
         let flux = beam.per(&spot.turned, masking) * tail(fall, spot.s, s0) / spot.turned.jacobian;
         spots.push((corners(grid, spot.s, spot.p), flux * spot.weight));
     });
