@@ -8,7 +8,7 @@ use crate::tools::{Scope, capi, compiler, device_library, run, skip};
 /// Bytes of flash of a firmware that evaluates GGX, or the transmission of a table; those of its arrays are not counted. What
 /// follows from an index that is given at run time takes half of it: double precision in software. In Rust, where
 /// the index can be a constant, 4096 bytes are enough (`tests/device/evaluator.rs`).
-const FLASH: usize = 10_240;
+const FLASH: usize = 4096;
 
 /// Links a C file with the library for the device.
 fn link(source: &Path, scope: Scope, to: &Path, settings: &[&str]) -> Result<(), String> {

@@ -189,7 +189,9 @@ impl<T: Real> HalfVector<T> {
         // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess, negative on total reflection.
         // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
         let bounced = || {
-            let cg = (hh * excess).sqrt();
+            // negative on total reflection, where nobody asks; that it is not spares a device the library's root
+            let squared = hh * excess;
+            let cg = if cfg!(target_arch = "arm") { squared.abs() } else { squared }.sqrt();
             let (u, v) = (cg + (hh - T::from_f64(4.0)), cg - (hh - T::from_f64(4.0)));
             [u, v, (hh + excess + (cg + cg)) * v]
         };

@@ -121,9 +121,11 @@ pub(crate) struct GgxLaw {
 }
 
 impl GgxLaw {
+    #[inline(always)]
     pub(crate) fn new(alpha: f32, eta: f32, tier: u32) -> Result<Self, Status> {
-        let law = Ggx::new(Alpha::new(alpha)?, RelativeIor::new(eta)?);
-        Ok(Self { law, tier: options::tier(tier)? })
+        let (alpha, tier) = (Alpha::new(alpha)?, options::tier(tier)?);
+        // last, so that its numbers are not copied about, for which a device would need a `memcpy`
+        Ok(Self { law: Ggx::new(alpha, RelativeIor::new(eta)?), tier })
     }
 }
 
