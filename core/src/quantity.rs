@@ -7,6 +7,7 @@ use crate::math::Real;
 /// Why a number cannot be the quantity it was offered for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
+#[repr(u32)] // beside a byte, quantities in a `Result` would be copied bytewise, for which a device needs a `memcpy`
 pub enum QuantityError {
     /// NaN or infinite.
     NotFinite,
@@ -97,13 +98,7 @@ impl<T: Real> RelativeIor<T> {
     #[inline(always)]
     pub fn new(eta: T) -> Result<Self, QuantityError> {
         let value = within(eta, Self::LEAST, Self::MOST)?;
-        Ok(in_two::follows(value).unless_matched())
-    }
-
-    /// Matched media scatter nothing: with NaN for a limit no facet is possible, and nobody has to ask.
-    fn unless_matched(self) -> Self {
-        let nan = [T::from_f64(f64::NAN); 2];
-        if self.is_matched() { Self { limits: [nan; 3], through: nan, ..self } } else { self }
+        Ok(in_two::follows(value))
     }
 
     /// The number.
@@ -161,7 +156,9 @@ impl<T: Real> RelativeIor<T> {
             squares: cast(self.squares),
             through: self.through.map(cast),
         };
-        if narrower { there.unless_matched() } else { there }
+        let nan = [U::from_f64(f64::NAN); 2];
+        let matched = narrower && there.is_matched();
+        if matched { RelativeIor { limits: [nan; 3], through: nan, ..there } } else { there }
     }
 
     /// True if the two media are alike, so that the boundary does not exist: |eta - 1| <= 4 epsilon.
@@ -176,15 +173,7 @@ impl RelativeIor<f32> {
     /// [`Self::new`] in a constant; `None` outside its domain.
     pub const fn constant(eta: f32) -> Option<Self> {
         let fine = eta >= Self::LEAST as f32 && eta <= Self::MOST as f32;
-        if fine { Some(Self::of(eta)) } else { None }
-    }
-
-    /// The numbers of [`Self::new`], known when a program is built.
-    const fn of(value: f32) -> Self {
-        let nan = [f32::NAN; 2];
-        let matched = (value - 1.0).abs() <= 4.0 * f32::EPSILON;
-        let there = in_two_constant::follows(value);
-        if matched { Self { limits: [nan; 3], through: nan, ..there } } else { there }
+        if fine { Some(in_two_constant::follows(eta)) } else { None }
     }
 }
 
@@ -193,7 +182,7 @@ impl RelativeIor<f32> {
 /// A pair is `[number, what its rounding left]`. In single precision all is computed in pairs, to 1e-14: digits that
 /// doubles have too, but a Cortex-M4F has no doubles, and 3 kB of code for them. In double the second is 0.
 macro_rules! in_two {
-    ($name:ident, $t:ident, [$($constant:ident)?], [$($generic:tt)*], $splitter:expr) => {
+    ($name:ident, $t:ident, [$($constant:ident)?], [$($generic:tt)*], $splitter:expr, $nan:expr) => {
         mod $name {
             use super::RelativeIor;
             use crate::math::Real;
@@ -238,7 +227,8 @@ macro_rules! in_two {
                 renormalised([quotient, if $t::IN_TWO { low } else { $t::ZERO }])
             }
 
-            /// All that follows from an index; means nothing for matched media.
+            /// All that follows from an index. Matched media scatter nothing: with NaN for a limit no facet is possible, and
+            /// nobody has to ask.
             #[cfg_attr(target_arch = "arm", inline(never))]
             pub(super) $($constant)? fn follows $($generic)* (n: $t) -> RelativeIor<$t> {
                 let (one, four) = ($t::ONE, $t::TWO * $t::TWO);
@@ -246,6 +236,7 @@ macro_rules! in_two {
                 let squared = product(value, value);
                 // n^2 - 1, which must keep its digits next to n = 1
                 let [step, low] = product(sum(n, -one), sum(n, one));
+                let step = if (n - one).abs() > four * $t::EPSILON { step } else { $nan };
                 let sign = if step < $t::ZERO { -one } else { one };
                 let [below, below_low] = quotient([step, low], squared);
                 let inverse = quotient([one, $t::ZERO], value);
@@ -269,24 +260,25 @@ macro_rules! in_two {
     };
 }
 
-in_two!(in_two, T, [], [<T: Real>], T::from_f64(4097.0));
+in_two!(in_two, T, [], [<T: Real>], T::from_f64(4097.0), T::from_f64(f64::NAN));
 #[cfg(feature = "f32")]
-in_two!(in_two_constant, f32, [const], [], 4097.0);
+in_two!(in_two_constant, f32, [const], [], 4097.0, f32::NAN);
 
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
     use super::{Alpha, QuantityError, RelativeIor};
 
+    /// All numbers of an index to the last bit, but for the sign of a NaN, which matched media have for limits.
+    fn bits(n: RelativeIor<f32>) -> std::vec::Vec<u32> {
+        let rest = [n.value, n.inverse, n.squares].into_iter().chain(n.through);
+        let all = rest.chain(n.limits.into_iter().flatten());
+        all.map(|x| if x.is_nan() { u32::MAX } else { x.to_bits() }).collect()
+    }
+
     #[test]
     fn a_constant_is_the_same_quantity() {
         for x in [0.05_f32, 0.1, 0.7, 1.0, 1.49, 10.0, 10.5, f32::NAN, f32::INFINITY] {
-            // to the last bit; matched media have limits that are not numbers
-            let bits = |n: RelativeIor<f32>| {
-                let rest = [n.value, n.inverse, n.squares].into_iter().chain(n.through);
-                let all = rest.chain(n.limits.into_iter().flatten());
-                all.map(f32::to_bits).collect::<std::vec::Vec<u32>>()
-            };
             let [constant, new] = [RelativeIor::constant(x), RelativeIor::new(x).ok()];
             assert_eq!(constant.map(bits), new.map(bits), "{x}");
         }
@@ -306,14 +298,6 @@ mod tests {
         let mut seen = 0;
         for n in indices() {
             let Ok(index) = RelativeIor::new(n.clamp(0.1, 10.0)) else { panic!("{n}") };
-            let bits = |n: RelativeIor<f32>| {
-                n.limits
-                    .map(|l| l.map(f32::to_bits))
-                    .into_iter()
-                    .flatten()
-                    .chain(n.through.map(f32::to_bits))
-                    .collect::<std::vec::Vec<u32>>()
-            };
             assert_eq!(RelativeIor::constant(index.value).map(bits), Some(bits(index)), "{n}");
             if index.is_matched() {
                 continue;
