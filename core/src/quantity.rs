@@ -186,6 +186,7 @@ macro_rules! in_two {
         mod $name {
             use super::RelativeIor;
             use crate::math::Real;
+            use crate::scope;
 
             /// `a + b` \[Knuth's two-sum\].
             $($constant)? fn sum $($generic)* (a: $t, b: $t) -> [$t; 2] {
@@ -238,11 +239,18 @@ macro_rules! in_two {
                 let [step, low] = product(sum(n, -one), sum(n, one));
                 let step = if (n - one).abs() > four * $t::EPSILON { step } else { $nan };
                 let sign = if step < $t::ZERO { -one } else { one };
-                let [below, below_low] = quotient([step, low], squared);
-                let inverse = quotient([one, $t::ZERO], value);
+                // what is out of scope, and takes a division, nobody asks for
+                let nothing = [$t::ZERO; 2];
+                let below_too = scope::DIELECTRIC && scope::REFLECTION;
+                let [below, below_low] = if below_too { quotient([step, low], squared) } else { nothing };
+                let through_too = scope::DIELECTRIC && scope::TRANSMISSION;
                 let fourth_power = product([step, low], [step, low]);
                 let [above_through, _] = quotient(value, fourth_power);
-                let [below_through, _] = quotient(inverse, fourth_power);
+                let [below_through, _] = if through_too {
+                    quotient(quotient([one, $t::ZERO], value), fourth_power)
+                } else {
+                    nothing
+                };
                 let [squares, squares_low] = sum(squared[0], one);
                 RelativeIor {
                     value: n,

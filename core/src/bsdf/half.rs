@@ -284,7 +284,8 @@ fn component<T: Real>([a, b]: [T; 2], n: T, mirrored: bool, lost: impl Fn(T, T, 
 }
 
 /// The square of `a + b`, or of `a + n b`, and what its roundings took.
-#[inline(always)]
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
 fn square<T: Real>([a, b]: [T; 2], n: T, mirrored: bool) -> [T; 2] {
     let (value, rest) = choose!(
         mirrored,

@@ -35,7 +35,8 @@ pub(crate) trait Law {
 }
 
 /// A direction from a vector of any length.
-#[inline]
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline)]
 pub(crate) fn direction([x, y, z]: [f32; 3]) -> Result<Direction<f32>, Status> {
     let finite = x.is_finite() && y.is_finite() && z.is_finite();
     Direction::new(x, y, z).ok_or(if finite { Status::ZeroVector } else { Status::NotFinite })

@@ -55,20 +55,35 @@ pub(super) unsafe fn slice<'a, T>(p: *const T, length: usize) -> Result<&'a [T],
     if length == 0 {
         return Ok(&[]);
     }
-    check(p)?;
-    extent::<T>(length, 1)?;
-    // SAFETY: aligned, no longer than any memory, and by the caller's promise there and unchanging
-    Ok(unsafe { slice::from_raw_parts(p, length) })
+    check_extent(p.addr(), align_of::<T>(), length, size_of::<T>())?;
+    // SAFETY: not null, aligned, no longer than any memory, and by the caller's promise there and unchanging
+    unsafe {
+        core::hint::assert_unchecked(!p.is_null());
+        Ok(slice::from_raw_parts(p, length))
+    }
 }
 
 /// Whether `count` steps of `stride` values can lie in memory at all.
 fn extent<T>(count: usize, stride: usize) -> Result<(), Status> {
     let bytes = count.checked_mul(stride).and_then(|n| n.checked_mul(size_of::<T>()));
+    in_memory(bytes)
+}
+
+#[inline(always)]
+fn in_memory(bytes: Option<usize>) -> Result<(), Status> {
     if bytes.is_some_and(|b| isize::try_from(b).is_ok()) {
         Ok(())
     } else {
         Err(Status::OutOfDomain)
     }
+}
+
+/// Whether values in a row can lie at an address.
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn check_extent(address: usize, align: usize, count: usize, size: usize) -> Result<(), Status> {
+    check_address(address, align)?;
+    in_memory(count.checked_mul(size))
 }
 
 /// Storage of C for a law.
