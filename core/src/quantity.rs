@@ -181,8 +181,10 @@ impl RelativeIor<f32> {
 ///
 /// A pair is `[number, what its rounding left]`. In single precision all is computed in pairs, to 1e-14: digits that
 /// doubles have too, but a Cortex-M4F has no doubles, and 3 kB of code for them. In double the second is 0.
+/// Of what runs on a device there is one copy; what is `const` is in line, and folded where it is called.
 macro_rules! in_two {
-    ($name:ident, $t:ident, [$($constant:ident)?], [$($generic:tt)*], $splitter:expr, $nan:expr) => {
+    ($name:ident, $t:ident, [$($constant:ident)?], [$($generic:tt)*], $splitter:expr, $nan:expr,
+     $inline:meta) => {
         mod $name {
             use super::RelativeIor;
             use crate::math::Real;
@@ -211,7 +213,7 @@ macro_rules! in_two {
             }
 
             /// The product of two pairs.
-            #[cfg_attr(target_arch = "arm", inline(never))]
+            #[cfg_attr(target_arch = "arm", $inline)]
             $($constant)? fn product $($generic)* (a: [$t; 2], b: [$t; 2]) -> [$t; 2] {
                 let product = a[0] * b[0];
                 let low = lost(a[0], b[0], product) + (a[0] * b[1] + a[1] * b[0]);
@@ -219,7 +221,7 @@ macro_rules! in_two {
             }
 
             /// The quotient of two pairs.
-            #[cfg_attr(target_arch = "arm", inline(never))]
+            #[cfg_attr(target_arch = "arm", $inline)]
             $($constant)? fn quotient $($generic)* (a: [$t; 2], b: [$t; 2]) -> [$t; 2] {
                 let quotient = a[0] / b[0];
                 let product = quotient * b[0];
@@ -230,7 +232,7 @@ macro_rules! in_two {
 
             /// All that follows from an index. Matched media scatter nothing: with NaN for a limit no facet is possible, and
             /// nobody has to ask.
-            #[cfg_attr(target_arch = "arm", inline(never))]
+            #[cfg_attr(target_arch = "arm", $inline)]
             pub(super) $($constant)? fn follows $($generic)* (n: $t) -> RelativeIor<$t> {
                 let (one, four) = ($t::ONE, $t::TWO * $t::TWO);
                 let (value, eighth) = ([n, $t::ZERO], $t::HALF / four);
@@ -268,9 +270,9 @@ macro_rules! in_two {
     };
 }
 
-in_two!(in_two, T, [], [<T: Real>], T::from_f64(4097.0), T::from_f64(f64::NAN));
+in_two!(in_two, T, [], [<T: Real>], T::from_f64(4097.0), T::from_f64(f64::NAN), inline(never));
 #[cfg(feature = "f32")]
-in_two!(in_two_constant, f32, [const], [], 4097.0, f32::NAN);
+in_two!(in_two_constant, f32, [const], [], 4097.0, f32::NAN, inline(always));
 
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
