@@ -116,7 +116,10 @@ impl<T: Real> RelativeIor<T> {
     /// `|h|^2` of the half vector at the critical angle (reflection, where there is one) or of a facet at grazing
     /// incidence (transmission): `[number, what its rounding left]`.
     #[inline(always)]
-    #[cfg_attr(not(any(feature = "ggx", feature = "normals", feature = "table")), allow(dead_code))]
+    #[cfg_attr(
+        not(any(feature = "ggx", feature = "normals", feature = "table")),
+        allow(dead_code, reason = "without a law nobody asks")
+    )]
     pub(crate) fn limit(&self, reflected: bool, from_below: bool) -> [T; 2] {
         let [above, below, through] = self.limits;
         match (reflected, from_below) {
@@ -128,7 +131,10 @@ impl<T: Real> RelativeIor<T> {
 
     /// `n^2 + 1`, and `e / (8 (n^2 - 1)^2)` with the sign of `n^2 - 1`, `e` the far index over the near one.
     #[inline(always)]
-    #[cfg_attr(not(any(feature = "ggx", feature = "normals", feature = "table")), allow(dead_code))]
+    #[cfg_attr(
+        not(any(feature = "ggx", feature = "normals", feature = "table")),
+        allow(dead_code, reason = "without a law nobody asks")
+    )]
     pub(crate) fn transmission(&self, from_below: bool) -> [T; 2] {
         let [above, below] = self.through;
         [self.squares, if from_below { below } else { above }]
