@@ -173,8 +173,8 @@ impl<T: Real> HalfVector<T> {
         // From the air's direction to the dielectric's, whichever comes first: h = a + n b. In reflection
         // the common index is left out.
         let swap = |i: T, o: T| if below & !mirrored { [o, i] } else { [i, o] };
-        let pairs = [swap(ix, ox), swap(iy, oy), swap(iz, oz)];
-        let [hx, hy, hz] = each!(pairs, component(n, mirrored, &lost));
+        let [xs, ys, zs] = [swap(ix, ox), swap(iy, oy), swap(iz, oz)];
+        let [hx, hy, hz] = each!([xs, ys, zs], component(n, mirrored, &lost));
         let (xy2, z2) = (hx * hx + hy * hy, hz * hz);
         let hh = xy2 + z2;
 
@@ -184,12 +184,19 @@ impl<T: Real> HalfVector<T> {
         let limit = limits[0];
         let rough = hh - limit;
         let near = T::IN_TWO & (rough.abs() * T::from_f64(32.0) < hh);
-        let excess = choose!(near & TWO, difference(pairs, n, mirrored, limits), rough);
+        // no array, nor a closure: on a device either is stored by every call that may need it
+        let excess = choose!(
+            near & TWO,
+            difference(xs[0], xs[1], ys[0], ys[1], zs[0], zs[1], n, mirrored, limits[0], limits[1]),
+            rough
+        );
 
         // Reflection, all cosines twice as large: c^2 = |h|^2, g^2 the excess, negative on total reflection.
         // rs = (c^2 - g^2) / (c + g)^2, rp = rs u / v
         let bounced = || {
-            let cg = (hh * excess).sqrt();
+            // negative on total reflection, where nobody asks; that it is not spares a device the library's root
+            let squared = hh * excess;
+            let cg = if cfg!(target_arch = "arm") { squared.abs() } else { squared }.sqrt();
             let (u, v) = (cg + (hh - T::from_f64(4.0)), cg - (hh - T::from_f64(4.0)));
             [u, v, (hh + excess + (cg + cg)) * v]
         };
@@ -277,7 +284,8 @@ fn component<T: Real>([a, b]: [T; 2], n: T, mirrored: bool, lost: impl Fn(T, T, 
 }
 
 /// The square of `a + b`, or of `a + n b`, and what its roundings took.
-#[inline(always)]
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
 fn square<T: Real>([a, b]: [T; 2], n: T, mirrored: bool) -> [T; 2] {
     let (value, rest) = choose!(
         mirrored,
@@ -299,8 +307,24 @@ fn squares<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool) -> [[T; 2]; 2] {
 /// `|h|^2 - limit` where the two nearly cancel: all in two parts each.
 #[cfg_attr(target_arch = "arm", cold, inline(never))]
 #[cfg_attr(not(target_arch = "arm"), inline(always))]
-fn difference<T: Real>(pairs: [[T; 2]; 3], n: T, mirrored: bool, limit: [T; 2]) -> T {
-    let ([[xy2, xy_low], [z2, z_low]], [limit, limit_low]) = (squares(pairs, n, mirrored), limit);
+#[allow(
+    clippy::too_many_arguments,
+    reason = "an array is put on the stack by every call that may need it"
+)]
+fn difference<T: Real>(
+    ax: T,
+    bx: T,
+    ay: T,
+    by: T,
+    az: T,
+    bz: T,
+    n: T,
+    mirrored: bool,
+    limit: T,
+    limit_low: T,
+) -> T {
+    let pairs = [[ax, bx], [ay, by], [az, bz]];
+    let [[xy2, xy_low], [z2, z_low]] = squares(pairs, n, mirrored);
     let hh = xy2 + z2;
     (hh - limit) + (xy_low + z_low + xy2.sum_error(z2, hh) - limit_low)
 }

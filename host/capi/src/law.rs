@@ -35,7 +35,8 @@ pub(crate) trait Law {
 }
 
 /// A direction from a vector of any length.
-#[inline]
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline)]
 pub(crate) fn direction([x, y, z]: [f32; 3]) -> Result<Direction<f32>, Status> {
     let finite = x.is_finite() && y.is_finite() && z.is_finite();
     Direction::new(x, y, z).ok_or(if finite { Status::ZeroVector } else { Status::NotFinite })
@@ -121,9 +122,11 @@ pub(crate) struct GgxLaw {
 }
 
 impl GgxLaw {
+    #[inline(always)]
     pub(crate) fn new(alpha: f32, eta: f32, tier: u32) -> Result<Self, Status> {
-        let law = Ggx::new(Alpha::new(alpha)?, RelativeIor::new(eta)?);
-        Ok(Self { law, tier: options::tier(tier)? })
+        let (alpha, tier) = (Alpha::new(alpha)?, options::tier(tier)?);
+        // last, so that its numbers are not copied about, for which a device would need a `memcpy`
+        Ok(Self { law: Ggx::new(alpha, RelativeIor::new(eta)?), tier })
     }
 }
 

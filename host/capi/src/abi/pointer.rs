@@ -12,9 +12,16 @@ pub type AsperityUniform = Option<unsafe extern "C" fn(state: *mut c_void) -> f3
 
 /// Neither null nor misaligned.
 pub(super) fn check<T>(p: *const T) -> Result<(), Status> {
-    if p.is_null() {
+    check_address(p.addr(), align_of::<T>())
+}
+
+/// One for all types: a device has no room for a copy at each of a dozen pointers.
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn check_address(address: usize, align: usize) -> Result<(), Status> {
+    if address == 0 {
         Err(Status::NullPointer)
-    } else if p.is_aligned() {
+    } else if address & (align - 1) == 0 {
         Ok(())
     } else {
         Err(Status::Misaligned)
@@ -48,20 +55,35 @@ pub(super) unsafe fn slice<'a, T>(p: *const T, length: usize) -> Result<&'a [T],
     if length == 0 {
         return Ok(&[]);
     }
-    check(p)?;
-    extent::<T>(length, 1)?;
-    // SAFETY: aligned, no longer than any memory, and by the caller's promise there and unchanging
-    Ok(unsafe { slice::from_raw_parts(p, length) })
+    check_extent(p.addr(), align_of::<T>(), length, size_of::<T>())?;
+    // SAFETY: not null, aligned, no longer than any memory, and by the caller's promise there and unchanging
+    unsafe {
+        core::hint::assert_unchecked(!p.is_null());
+        Ok(slice::from_raw_parts(p, length))
+    }
 }
 
 /// Whether `count` steps of `stride` values can lie in memory at all.
 fn extent<T>(count: usize, stride: usize) -> Result<(), Status> {
     let bytes = count.checked_mul(stride).and_then(|n| n.checked_mul(size_of::<T>()));
+    in_memory(bytes)
+}
+
+#[inline(always)]
+fn in_memory(bytes: Option<usize>) -> Result<(), Status> {
     if bytes.is_some_and(|b| isize::try_from(b).is_ok()) {
         Ok(())
     } else {
         Err(Status::OutOfDomain)
     }
+}
+
+/// Whether values in a row can lie at an address.
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn check_extent(address: usize, align: usize, count: usize, size: usize) -> Result<(), Status> {
+    check_address(address, align)?;
+    in_memory(count.checked_mul(size))
 }
 
 /// Storage of C for a law.
