@@ -190,7 +190,21 @@ pub fn read(path: &Path) -> Result<(EmbeddedTable, Record), TableFileError> {
     let bytes = read_file(path, MOST_BYTES).map_err(|e| {
         error(format!("cannot be read ({e}); give a table made by `asperity tabulate`"))
     })?;
-    parse(&bytes).map_err(error)
+    of_bytes(path, &bytes)
+}
+
+/// The same of a file with the content `bytes`, which the caller has read already.
+///
+/// # Errors
+/// As [`read`].
+pub fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(EmbeddedTable, Record), TableFileError> {
+    parse(bytes).map_err(|what| TableFileError { path: path.into(), what })
+}
+
+/// Whether a file is meant to be a table: by its name, or by how it begins.
+pub fn is_table(path: &Path, bytes: &[u8]) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bsdft"))
+        || bytes.starts_with(b"{\"asperity_table\"")
 }
 
 fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {

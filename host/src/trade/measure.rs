@@ -80,6 +80,10 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
             let eval = eval_ns::<f64, _>(&**wave, &bench.pairs);
             bench.model(&**wave, Some(eval));
         }
+        Boundary::Table(table) => {
+            let eval = eval_ns::<f64, _>(&**table, &bench.pairs);
+            bench.model(&**table, Some(eval));
+        }
         Boundary::Traced(traced) => bench.model(traced, None),
         Boundary::Hybrid(hybrid) => bench.model(&**hybrid, None),
     }
