@@ -156,10 +156,8 @@ fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
     if (args.rays.is_some() || traced) && args.aperture <= 0.0 {
         return Err(Failure::bad("rays need a detector to fall into; give --aperture above 0"));
     }
-    if matches!(boundary, Boundary::Wave(_)) {
-        if args.rays.is_some() {
-            return Err(Failure::bad("waves are summed, not traced; leave --rays out"));
-        }
+    if matches!(boundary, Boundary::Wave(_)) && args.rays.is_some() {
+        return Err(Failure::bad("waves are summed, not traced; leave --rays out"));
     }
     let coherent = match boundary {
         Boundary::Wave(_) => true,
