@@ -75,7 +75,6 @@ fn values_of_a_table_are_those_of_its_model() {
                 let peak = model.iter().map(|v| v[k]).fold(0.0, f64::max);
                 let worst = model.iter().zip(&table).map(|(m, t)| (m[k] - t[k]).abs());
                 let worst = worst.fold(0.0, f64::max);
-                println!("{beam:?} {incidence_deg} {k}: {:.3} %", 100.0 * worst / peak);
                 assert!(
                     worst <= tolerance::TABLE_VALUES.allowed * peak,
                     "{beam:?} {incidence_deg}: {worst} of {peak}"
@@ -105,7 +104,6 @@ fn scans_of_a_table_are_those_of_its_model() {
         assert!(table.contains("# ior: 1.49\n"), "{table:.400}");
         assert!(table.contains("# table: of a model of method ggx, "), "{table:.400}");
         let distance = rmsd_percent(&readings(&model), &readings(&table)).unwrap();
-        println!("{flags}: {distance:.4} %");
         assert!(distance <= tolerance::TABLE_32_KIB.allowed, "{flags}: {distance} %");
     }
     // rays that follow the samples of the table find its readings again
