@@ -3,8 +3,9 @@
 use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 
+use crate::embedded::EmbeddedTable;
 use crate::hybrid::HybridBoundary;
-use crate::kirchhoff::{WaveBoundary, Wavelengths};
+use crate::kirchhoff::{CoherentFlux, WaveBoundary, Wavelengths};
 use crate::raytrace::TracedBoundary;
 
 /// A boundary, seen from both sides (an opaque one from the air only).
@@ -22,6 +23,8 @@ pub enum Boundary {
     Wave(Box<WaveBoundary>),
     /// A height map whose long waves are traced and whose short ones diffract; it can be sampled, not evaluated.
     Hybrid(Box<HybridBoundary>),
+    /// A table of any of these, from a file; its storage is found out at each call, so that it is one type here.
+    Table(Box<EmbeddedTable>),
 }
 
 /// Runs an expression with the concrete boundary, so that hot loops do not branch on its kind: one for
@@ -36,6 +39,10 @@ macro_rules! with_boundary {
             }
             $crate::boundary::Boundary::Opaque($name) => $body,
             $crate::boundary::Boundary::Wave(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
+            $crate::boundary::Boundary::Table(boxed) => {
                 let $name = &**boxed;
                 $body
             }
@@ -58,6 +65,7 @@ impl Boundary {
             Self::Traced(t) => Some(t.eta.get()),
             Self::Wave(w) => Some(w.eta().get()),
             Self::Hybrid(h) => Some(h.eta().get()),
+            Self::Table(t) => t.eta(),
             Self::Opaque(_) => None,
         }
     }
@@ -73,6 +81,15 @@ impl Boundary {
             Self::Wave(w) => Some(w.wavelengths()),
             Self::Hybrid(h) => Some(h.wavelengths()),
             _ => None,
+        }
+    }
+
+    /// Fluxes of the light from `wi` that keeps its direction, which values and densities leave out; none of rays.
+    pub fn coherent(&self, wi: Direction<f64>) -> CoherentFlux {
+        match self {
+            Self::Wave(wave) => wave.coherent(wi),
+            Self::Table(table) => table.coherent(wi),
+            _ => CoherentFlux::default(),
         }
     }
 

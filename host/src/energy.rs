@@ -151,14 +151,15 @@ pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) 
         let flux = count_flux(t, wi, rays);
         (flux.reflected, flux.transmitted, flux.lost)
     });
+    let coherent = boundary.coherent(wi);
     Energy {
         incidence_deg,
         side: side_name(side),
         reflected,
         transmitted,
         lost,
-        coherent_reflected: 0.0,
-        coherent_transmitted: 0.0,
+        coherent_reflected: coherent.reflected,
+        coherent_transmitted: coherent.transmitted,
         evanescent_reflected: None,
         evanescent_transmitted: None,
     }
@@ -181,10 +182,16 @@ fn lobe_flux<B: Bsdf<f64> + Sync>(boundary: &B, wi: Direction<f64>, lobe: Lobe) 
 
 /// Largest relative difference of `f(i,o)/n_o^2` and `f(o,i)/n_i^2` over pairs of directions that the
 /// boundary itself connects, from the given incidence; 0 for a reciprocal law, `None` for a boundary that
-/// cannot be evaluated.
+/// cannot be evaluated, or not the other way: a table without all lobes.
 pub fn reciprocity_error(boundary: &Boundary, side: Side, incidence_deg: f64) -> Option<f64> {
     let wi = incidence(side, incidence_deg);
     let n = boundary.eta().unwrap_or(1.0);
+    // the other way light may need a lobe that is not there
+    if let Boundary::Table(table) = boundary
+        && table.missing([true; 4]).is_some()
+    {
+        return None;
+    }
     with_boundary!(boundary, b => Some(asymmetry(b, wi, n)), traced _t => None)
 }
 

@@ -19,6 +19,7 @@ pub mod forward;
 pub mod table;
 pub mod method;
 pub mod model;
+pub mod law_file;
 pub mod energy;
 pub mod tabulate;
 pub mod trade;

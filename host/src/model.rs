@@ -8,6 +8,7 @@ use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::boundary::Boundary;
+use crate::embedded::is_table;
 use crate::input::read_file;
 use crate::kirchhoff::WaveOptions;
 use crate::measurement::excerpt;
@@ -200,6 +201,15 @@ pub struct ModelError {
     pub what: String,
 }
 
+/// The bytes of a model file.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, ModelError> {
+    read_file(path, MOST_BYTES).map_err(|e| {
+        let remedy = "give the path of a model made by `asperity model` or `asperity fit`";
+        let what = format!("cannot be read ({e}); {remedy}");
+        ModelError { path: path.into(), line: None, what }
+    })
+}
+
 impl Model {
     /// A model that was not fitted.
     pub fn new(
@@ -242,14 +252,22 @@ impl Model {
     /// # Errors
     /// [`ModelError`] with the line, where there is one.
     pub fn read(path: &Path) -> Result<(Self, Boundary, Vec<u8>), ModelError> {
-        let error = |line, what: String| ModelError { path: path.into(), line, what };
-        let bytes = read_file(path, MOST_BYTES).map_err(|e| {
-            let remedy = "give the path of a model made by `asperity model` or `asperity fit`";
-            error(None, format!("cannot be read ({e}); {remedy}"))
-        })?;
-        let (model, boundary) =
-            Self::parse_in(&bytes, path.parent()).map_err(|(line, what)| error(line, what))?;
+        let bytes = read_bytes(path)?;
+        let (model, boundary) = Self::of_bytes(path, &bytes)?;
         Ok((model, boundary, bytes))
+    }
+
+    /// The same of a file with the content `bytes`, which the caller has read already.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(crate) fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(Self, Boundary), ModelError> {
+        let error = |line, what: String| ModelError { path: path.into(), line, what };
+        if is_table(path, bytes) {
+            let what = "is a table, and a model is needed here; give the model it was made of";
+            return Err(error(None, what.to_owned()));
+        }
+        Self::parse_in(bytes, path.parent()).map_err(|(line, what)| error(line, what))
     }
 
     /// Parses the content of a model file.

@@ -11,6 +11,7 @@
 //! | `hybrid` | rays and waves on one map |
 //! | `compare` | every method side by side |
 //! | `trade` | error against cost of every evaluator |
+//! | `tables` | tables in place of models |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
@@ -36,6 +37,7 @@ mod wave;
 mod hybrid;
 mod compare;
 mod trade;
+mod tables;
 mod malformed;
 mod map_files;
 mod malformed_maps;

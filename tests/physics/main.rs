@@ -22,3 +22,4 @@ mod extremes;
 mod plate;
 mod table;
 mod embedded_table;
+mod table_boundary;

@@ -79,6 +79,7 @@ impl Virtual {
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
             Boundary::Wave(b) => b.slope(),
+            Boundary::Table(b) => b.slope(),
             Boundary::Traced(_) | Boundary::Hybrid(_) => {
                 panic!("a traced boundary has no closed form")
             }

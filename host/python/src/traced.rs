@@ -32,7 +32,9 @@ pub(crate) fn table(
             Ok(tabulate(&**h, &plan.for_directions(wi), stop, &|_| ()))
         }
         Boundary::Wave(wave) => of_waves(wave, wi, rays, stop),
-        Boundary::Ggx(_) | Boundary::Normals(_) | Boundary::Opaque(_) => Ok(None),
+        Boundary::Ggx(_) | Boundary::Normals(_) | Boundary::Opaque(_) | Boundary::Table(_) => {
+            Ok(None)
+        }
     })?;
     made.map_err(bad)
 }

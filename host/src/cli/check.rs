@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::error::Failure;
 use super::source::parse_rays;
 use super::subject::{Subject, SubjectFlags};
-use super::{interrupt, print, progress};
+use super::{interrupt, partial, print, progress};
 use crate::boundary::Boundary;
 use crate::energy::{Energy, balances, reciprocity_error, side_name};
 use crate::forward::Rays;
@@ -26,9 +26,10 @@ enum SideFlag {
 /// Say where the flux goes: reflected, transmitted and lost fractions, from both sides
 ///
 /// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays, or with --method wave by summing
-/// the orders of the map; their coherent part is given apart.
+/// the orders of the map; their coherent part is given apart. A table (.bsdft) needs both lobes of the sides asked for.
 ///
-/// Exit 1 if the model gives more than it receives (R + T > 1.0001, of waves 1.01) or a value that is not finite.
+/// Exit 1 if the model gives more than it receives (R + T > 1.0001, of tables 1.0005, of waves 1.01) or a value that is not
+/// finite.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -55,6 +56,9 @@ pub(super) struct Args {
 struct Answer {
     asperity: u32,
     method: String,
+    /// What a table says of itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    table: Option<String>,
     ior: Option<f64>,
     /// How a height map goes on beyond its border.
     edges: Option<&'static str>,
@@ -68,6 +72,8 @@ struct Answer {
 
 /// Rounding and lattice error of the balance.
 const TOLERANCE: f64 = 1e-4;
+/// What tables promise.
+const OF_TABLES: f64 = 5e-4;
 /// What Kirchhoff's approximation may be off by where it holds.
 const OF_WAVES: f64 = 0.01;
 /// Reciprocity up to rounding, far into the tails.
@@ -79,15 +85,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--incidence {bad} is not usable; give 0 to below 90 degrees"
         )));
     }
-    let Subject { boundary, method, ior, map, .. } = args.subject.read(&[Speckle::Averaged])?;
-    let sides: &[Side] = match (args.side, &boundary) {
-        (Some(SideFlag::Dielectric), Boundary::Opaque(_)) => {
+    let Subject { boundary, method, ior, path, map, table } =
+        args.subject.read(&[Speckle::Averaged])?;
+    let sides: &[Side] = match (args.side, boundary.eta()) {
+        (Some(SideFlag::Dielectric), None) => {
             return Err(Failure::bad("an opaque body has no inside; use --side air"));
         }
-        (Some(SideFlag::Air), _) | (None, Boundary::Opaque(_)) => &[Side::Air],
+        (Some(SideFlag::Air), _) | (None, None) => &[Side::Air],
         (Some(SideFlag::Dielectric), _) => &[Side::Dielectric],
         (None, _) => &[Side::Air, Side::Dielectric],
     };
+    let or = if args.side.is_none() { "use --side, or " } else { "" };
+    partial::need(&path, &boundary, (partial::of_balance(sides), "a balance", or))?;
     let rays = Rays { count: args.rays, seed: args.seed };
     let beams: Vec<(Side, f64)> =
         sides.iter().flat_map(|&side| args.incidence.iter().map(move |deg| (side, *deg))).collect();
@@ -101,7 +110,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let reciprocity: Vec<Option<f64>> =
         beams.iter().map(|&(side, deg)| reciprocity_error(&boundary, side, deg)).collect();
     let warnings = boundary.warnings(&args.incidence);
-    let tolerance = if boundary.wavelengths().is_some() { OF_WAVES } else { TOLERANCE };
+    let tolerance = match (&boundary, boundary.wavelengths()) {
+        (Boundary::Table(_), _) => OF_TABLES,
+        (_, Some(_)) => OF_WAVES,
+        (_, None) => TOLERANCE,
+    };
     let fine = |e: &Energy| e.lost >= -tolerance && e.lost.is_finite();
     let known: Option<Vec<f64>> = reciprocity.iter().copied().collect();
     let finite = known.as_ref().is_none_or(|known| known.iter().all(|e| e.is_finite()));
@@ -111,6 +124,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let answer = Answer {
             asperity: 1,
             method,
+            table,
             ior,
             edges: map.and_then(|m| m.edges).map(Edges::name),
             energy,
@@ -122,7 +136,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
         print(&(text + "\n"))?;
     } else {
-        let mut text = human(&method, sides, &energy, &reciprocity, reciprocal);
+        let verdict = verdict(&method, table.is_some(), reciprocal);
+        let mut text = table.map(|said| format!("table {said}\n")).unwrap_or_default();
+        text += &human(verdict, sides, &energy, &reciprocity);
         for warning in &warnings {
             text.push_str("warning: ");
             text.push_str(warning);
@@ -139,13 +155,21 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn human(
-    method: &str,
-    sides: &[Side],
-    energy: &[Energy],
-    reciprocity: &[Option<f64>],
-    reciprocal: Option<bool>,
-) -> String {
+/// What is said of reciprocity.
+fn verdict(method: &str, table: bool, reciprocal: Option<bool>) -> &'static str {
+    match (reciprocal, method) {
+        (None, _) if table => "reciprocity is not known without all lobes",
+        (None, _) => "traced ray by ray: every path is reversible, so the law is reciprocal",
+        (Some(true), _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
+        (Some(false), "normals") => {
+            "not reciprocal, by construction: facets are met in proportion to their number"
+        }
+        (Some(false), _) if table => "reciprocal no further than a table between its nodes",
+        (Some(false), _) => "not reciprocal",
+    }
+}
+
+fn human(verdict: &str, sides: &[Side], energy: &[Energy], reciprocity: &[Option<f64>]) -> String {
     use std::fmt::Write;
     let mut text = String::new();
     for &side in sides {
@@ -171,14 +195,6 @@ fn human(
             );
         }
     }
-    let verdict = match (reciprocal, method) {
-        (None, _) => "traced ray by ray: every path is reversible, so the law is reciprocal",
-        (Some(true), _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
-        (Some(false), "normals") => {
-            "not reciprocal, by construction: facets are met in proportion to their number"
-        }
-        (Some(false), _) => "not reciprocal",
-    };
     let _ = writeln!(text, "{verdict}");
     text
 }

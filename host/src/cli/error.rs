@@ -35,3 +35,8 @@ impl From<crate::model::ModelError> for Failure {
         Self::bad(e)
     }
 }
+impl From<crate::law_file::LawError> for Failure {
+    fn from(e: crate::law_file::LawError) -> Self {
+        Self::bad(e)
+    }
+}

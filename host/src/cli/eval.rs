@@ -12,11 +12,12 @@ use super::error::Failure;
 use super::source::parse_rays;
 use super::{interrupt, print, progress};
 use crate::boundary::{Boundary, with_boundary};
+use crate::embedded::EmbeddedTable;
 use crate::forward::Rays;
 use crate::input::{read_all, read_file};
 use crate::kirchhoff::{Speckle, WaveBoundary};
+use crate::law_file;
 use crate::measurement::excerpt;
-use crate::model::Model;
 use crate::output::AtomicFile;
 use crate::surface::spectrum::Anisotropy;
 use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate, tabulate_orders};
@@ -29,10 +30,11 @@ use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate, tabulate_orders};
 /// a table first: at just the angles of incidence asked for if they are at most 40 a side, else at 5
 /// degrees. Waves are tabulated likewise: the mean law of averaged speckle drawn as rays, kept speckle order by
 /// order; coherent light lies in the smallest bin about its direction. With --json values come with
-/// their statistical error, f_std_error.
+/// their statistical error, f_std_error. Of a table from a file (.bsdft) the values are those that a device finds, in double
+/// precision and without coherent light; where it lacks the lobe they are NaN, null in JSON.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Model made by `asperity model` or `asperity fit`
+    /// Model made by `asperity model` or `asperity fit`, or a table made by `asperity tabulate`
     model: PathBuf,
     /// Read the pairs from a file instead of stdin
     #[arg(short, long, value_name = "FILE")]
@@ -70,19 +72,23 @@ struct Row {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let (_, boundary, _) = Model::read(&args.model)?;
+    let (boundary, kind) = law_file::read(&args.model)?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let (name, text) = pairs_text(args.input.as_ref())?;
     let pairs = parse(&name, &text)?;
     let rays = Rays { count: args.rays, seed: args.seed };
     let of_table =
         |table: &BsdfTable| values(table, &pairs, |wi, wo| Some(table.std_error(wi, wo)));
-    let rows = if let Boundary::Wave(wave) = &boundary {
-        of_table(&of_waves(wave, &pairs, rays)?)
-    } else {
-        with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
+    let rows = match &boundary {
+        Boundary::Wave(wave) => of_table(&of_waves(wave, &pairs, rays)?),
+        Boundary::Table(table) => {
+            let name = args.model.display();
+            eprintln!("note: {name} is a table {}", kind.table().unwrap_or_default());
+            of_embedded(&name.to_string(), table, &pairs)
+        }
+        _ => with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
             of_table(&tabulated(t, t.eta(), t.anisotropy(), &pairs, rays)?)
-        })
+        }),
     };
     let text = if args.json {
         serde_json::to_string_pretty(&rows).map_err(Failure::bad)? + "\n"
@@ -114,6 +120,30 @@ fn values<B: Bsdf<f64>>(
         f_std_error: std_error(wi, wo),
     };
     pairs.iter().map(row).collect()
+}
+
+/// Values of a table from a file: not numbers where it was not told what there is. Says what is left out.
+fn of_embedded(name: &str, table: &EmbeddedTable, pairs: &[Pair]) -> Vec<Row> {
+    let mut rows = values(table, pairs, |_, _| None);
+    let (mut wanted, mut count) = ([false; 4], 0);
+    for (row, &(_, wi, wo)) in rows.iter_mut().zip(pairs) {
+        let lobe = EmbeddedTable::lobe_between(wi, wo);
+        if table.missing(lobe).is_some() {
+            (row.f, row.ars, row.pdf) = (f64::NAN, f64::NAN, f64::NAN);
+            wanted = std::array::from_fn(|k| wanted[k] || lobe[k]);
+            count += 1;
+        }
+    }
+    if let Some(missing) = table.missing(wanted) {
+        eprintln!(
+            "warning: {name}: the table holds no {missing}: no values for {count} of {} pairs",
+            pairs.len()
+        );
+    }
+    if table.is_coherent() {
+        eprintln!("note: {name}: a part of the light is coherent, which has no values");
+    }
+    rows
 }
 
 /// A traced boundary as a table, of the incidences that are asked for if they are few.

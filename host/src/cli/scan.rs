@@ -11,12 +11,12 @@ use super::source::{
     GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture, check_plate, parse_rays,
 };
 use super::subject::{Subject, SubjectFlags};
-use super::{interrupt, print, progress};
+use super::{interrupt, partial, print, progress, scan_header};
 use crate::boundary::Boundary;
 use crate::forward::{
     Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate as simulate_plan, wave,
 };
-use crate::kirchhoff::{Speckle, WaveBoundary, Wavelengths};
+use crate::kirchhoff::Speckle;
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::output::AtomicFile;
 use crate::surface::{Edges, Form};
@@ -27,6 +27,7 @@ use crate::surface::{Edges, Form};
 /// into the header. The plate has one rough and one smooth face; all internal passes are followed. A height
 /// map (--map FILE --ior N) and the models made of one are traced ray by ray, all bounces included, or with
 /// --method wave --wavelength-nm NM scatter waves: the orders of this very map, all within the detector's cone.
+/// A table (.bsdft) is scanned as the model that it was made of, if it holds the lobes that the scan is made of.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -81,9 +82,11 @@ pub(super) struct Virtual {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let Subject { boundary, ior, path, map, .. } =
+    let Subject { boundary, ior, path, map, table, .. } =
         args.subject.read(&[Speckle::Patch, Speckle::Kept])?;
     let setup = setup(args, &boundary)?;
+    let lobes = partial::of_scan(&setup, args.rays.is_some());
+    partial::need(&path, &boundary, (lobes, "this scan", ""))?;
     let grid = grid(args)?;
     if let Some(bad) = args.sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {
         return Err(Failure::bad(format!(
@@ -102,6 +105,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Metadata { sample: Some(format!("virtual: {}", path.display())), ..Metadata::default() };
     if let Some(ior) = ior {
         meta.ior = Some(ior);
+    }
+    if let Some(said) = table {
+        meta.set("table", &said).map_err(Failure::bad)?;
     }
     if let Some(map) = map {
         let (edges, form) = (map.edges.map(Edges::name), map.form.map(Form::name));
@@ -150,15 +156,18 @@ fn setup(args: &Args, boundary: &Boundary) -> Result<Setup, Failure> {
     if (args.rays.is_some() || traced) && args.aperture <= 0.0 {
         return Err(Failure::bad("rays need a detector to fall into; give --aperture above 0"));
     }
-    if matches!(boundary, Boundary::Wave(_)) {
-        if args.rays.is_some() {
-            return Err(Failure::bad("waves are summed, not traced; leave --rays out"));
-        }
-        if args.aperture <= 0.0 {
-            return Err(Failure::bad(
-                "coherent light needs a detector to fall into; give --aperture above 0",
-            ));
-        }
+    if matches!(boundary, Boundary::Wave(_)) && args.rays.is_some() {
+        return Err(Failure::bad("waves are summed, not traced; leave --rays out"));
+    }
+    let coherent = match boundary {
+        Boundary::Wave(_) => true,
+        Boundary::Table(table) => table.is_coherent(),
+        _ => false,
+    };
+    if coherent && args.aperture <= 0.0 {
+        return Err(Failure::bad(
+            "coherent light needs a detector to fall into; give --aperture above 0",
+        ));
     }
     Ok(Setup { sample, geometry, aperture_deg: args.aperture, quantity })
 }
@@ -216,7 +225,7 @@ pub(super) fn simulate(
             };
             let done = done.ok_or_else(|| Failure::No("interrupted".into()))?;
             if let (Boundary::Wave(waves), Some(errors)) = (boundary, &done.std_errors) {
-                describe_speckle(waves, errors, &done.values, &mut meta)?;
+                scan_header::speckle(waves, errors, &done.values, &mut meta)?;
             }
             neglected = Some(done.neglected.flux);
             for (k, &sigma) in sigmas_deg.iter().enumerate() {
@@ -255,7 +264,7 @@ pub(super) fn simulate(
         Some(_) => format!("Monte Carlo, {traced} rays an incidence"),
     };
     if let Some(light) = boundary.wavelengths() {
-        describe_light(light, &mut meta)?;
+        scan_header::light(light, &mut meta)?;
     }
     meta.instrument = Some(format!("asperity scan, {how}"));
     meta.geometry = Some(setup.geometry);
@@ -275,33 +284,6 @@ pub(super) fn simulate(
     let measurement = Measurement::new(meta, readings)
         .map_err(|e| Failure::bad(format!("the model gives no usable scan: {e}")))?;
     Ok(Virtual { measurement, outcomes, neglected, interrupted })
-}
-
-/// Says in the header what light a scan has.
-fn describe_light(light: &Wavelengths, meta: &mut Metadata) -> Result<(), Failure> {
-    let mut list = light.iter();
-    match (list.next(), list.next()) {
-        (Some((um, _)), None) => meta.wavelength_nm = Some(1e3 * um),
-        _ => meta.set("wavelengths_nm", &light.to_string()).map_err(Failure::bad)?,
-    }
-    Ok(())
-}
-
-/// Says in the header what is done about speckle, and how much of the readings it is.
-fn describe_speckle(
-    waves: &WaveBoundary,
-    errors: &[f64],
-    values: &[f64],
-    meta: &mut Metadata,
-) -> Result<(), Failure> {
-    meta.set("speckle", waves.speckle().name()).map_err(Failure::bad)?;
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    if largest > 0.0 {
-        let mean = errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64;
-        let percent = format!("{:.4}", 100.0 * mean.sqrt() / largest);
-        meta.set("speckle_percent", &percent).map_err(Failure::bad)?;
-    }
-    Ok(())
 }
 
 fn summary(done: &Virtual, json: bool) -> String {

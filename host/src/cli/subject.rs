@@ -1,4 +1,4 @@
-//! What a verb sends light on: a model, or a height map as it is.
+//! What a verb sends light on: a model, the table of one, or a height map as it is.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use super::map::MapFlags;
 use crate::boundary::Boundary;
 use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::{Speckle, WaveBoundary};
+use crate::law_file::{self, Kind};
 use crate::method::Surface;
-use crate::model::Model;
 use crate::raytrace::{Field, TracedBoundary};
 use crate::surface::Preparation;
 
@@ -27,10 +27,10 @@ enum EngineFlag {
     Hybrid,
 }
 
-/// A model file, or a height map with its refractive index.
+/// A model file, a table, or a height map with its refractive index.
 #[derive(Debug, clap::Args)]
 pub(super) struct SubjectFlags {
-    /// Model made by `asperity model` or `asperity fit`
+    /// Model made by `asperity model` or `asperity fit`, or a table made by `asperity tabulate`
     #[arg(required_unless_present = "map", conflicts_with = "map")]
     model: Option<PathBuf>,
     /// A height map in place of a model
@@ -59,23 +59,28 @@ pub(super) struct Subject {
     pub(super) path: PathBuf,
     /// How the map was prepared; `None` without one.
     pub(super) map: Option<Preparation>,
+    /// What a table says of itself; `None` without one.
+    pub(super) table: Option<String>,
 }
 
 impl SubjectFlags {
-    /// Reads the model, or the map.
+    /// Reads the model, the table, or the map.
     ///
     /// `usual` is what becomes of the speckle of a map unless a flag says otherwise.
     pub(super) fn read(&self, usual: &[Speckle]) -> Result<Subject, Failure> {
         if let Some(path) = &self.model {
-            let (model, boundary, _) = Model::read(path)?;
-            let (method, ior) = (model.method, model.ior);
-            let map = model.map.map(|map| map.preparation);
+            let (boundary, kind) = law_file::read(path)?;
+            let (method, ior, table) = (kind.method(), kind.ior(&boundary), kind.table());
+            let map = match kind {
+                Kind::Model(model) => model.map.map(|map| map.preparation),
+                Kind::Table(_) => None,
+            };
             if self.light.are_given() {
                 return Err(Failure::bad(
                     "--wavelength-nm, --speckle and --shadowing belong to a map; a model has its own",
                 ));
             }
-            return Ok(Subject { boundary, method, ior, path: path.clone(), map });
+            return Ok(Subject { boundary, method, ior, path: path.clone(), map, table });
         }
         let (Some(path), Some(ior)) = (&self.map, self.ior) else {
             return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
@@ -116,6 +121,7 @@ impl SubjectFlags {
             ior: Some(ior),
             path: path.clone(),
             map: Some(prepared.preparation),
+            table: None,
         })
     }
 }

@@ -12,6 +12,7 @@ use thiserror::Error;
 
 use super::{EmbeddedTable, Rest, Values};
 use crate::input::read_file;
+use crate::measurement::excerpt;
 use crate::output::{AtomicFile, OutputError};
 
 /// Version of the format.
@@ -20,6 +21,8 @@ const FORMAT: u32 = 1;
 const MOST_BYTES: u64 = 64 << 20;
 /// Largest first line.
 const MOST_HEADER: usize = 64 << 10;
+/// What to do about a file that says what cannot be.
+const DAMAGED: &str = "the file is damaged, give a whole copy";
 /// Most nodes of an axis.
 const MOST_NODES: u16 = 4096;
 
@@ -101,7 +104,7 @@ impl LobeRecord {
     fn header(&self) -> Result<LobeHeader, String> {
         let Self { incidences, azimuths, radii, intervals, scale, grazing, masking, .. } = *self;
         if [incidences, azimuths, radii, intervals].iter().any(|n| *n > MOST_NODES) {
-            return Err(format!("an axis has more than {MOST_NODES} nodes; the file is damaged"));
+            return Err(format!("an axis has more than {MOST_NODES} nodes; {DAMAGED}"));
         }
         let form = match self.form {
             FormWord::Masked => Form::Masked,
@@ -137,10 +140,10 @@ impl Record {
         for (to, from) in lobes.iter_mut().zip(&self.lobes) {
             *to = from.as_ref().map(LobeRecord::header).transpose()?;
         }
-        let eta = RelativeIor::new(self.eta).map_err(|e| format!("`eta` is {e}"))?;
+        let eta = RelativeIor::new(self.eta).map_err(|e| format!("`eta` is {e}; {DAMAGED}"))?;
         let (fluxes, grazing) = (self.flux_incidences, self.flux_grazing);
         if fluxes.iter().any(|n| *n > MOST_NODES) {
-            return Err(format!("there are more than {MOST_NODES} fluxes; the file is damaged"));
+            return Err(format!("there are more than {MOST_NODES} fluxes; {DAMAGED}"));
         }
         Ok(Header { eta, slope: self.slope, lobes, fluxes, grazing })
     }
@@ -190,15 +193,32 @@ pub fn read(path: &Path) -> Result<(EmbeddedTable, Record), TableFileError> {
     let bytes = read_file(path, MOST_BYTES).map_err(|e| {
         error(format!("cannot be read ({e}); give a table made by `asperity tabulate`"))
     })?;
-    parse(&bytes).map_err(error)
+    of_bytes(path, &bytes)
+}
+
+/// The same of a file with the content `bytes`, which the caller has read already.
+///
+/// # Errors
+/// As [`read`].
+pub fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(EmbeddedTable, Record), TableFileError> {
+    parse(bytes).map_err(|what| TableFileError { path: path.into(), what })
+}
+
+/// Whether a file is meant to be a table: by its name, or by how it begins.
+pub fn is_table(path: &Path, bytes: &[u8]) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("bsdft"))
+        || bytes.starts_with(b"{\"asperity_table\"")
 }
 
 fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
     let head = &bytes[..bytes.len().min(MOST_HEADER)];
     let no_table = "is no table; give a file made by `asperity tabulate`";
     let end = head.iter().position(|b| *b == b'\n').ok_or(no_table)?;
-    let record: Record =
-        serde_json::from_slice(&bytes[..end]).map_err(|e| format!("{no_table} ({e})"))?;
+    let record: Record = serde_json::from_slice(&bytes[..end]).map_err(|e| {
+        let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+        let why: String = e.to_string().chars().take(200).map(printable).collect();
+        format!("{no_table} ({why})")
+    })?;
     if record.asperity_table != FORMAT {
         return Err(format!(
             "format {} is not known to this program, which reads format {FORMAT}; update it",
@@ -211,12 +231,17 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
         "u8" => header.bytes::<u8>(),
         "u16" => header.bytes::<u16>(),
         "f32" => header.bytes::<f32>(),
-        other => return Err(format!("storage `{other}` is not u8, u16 or f32")),
+        other => {
+            return Err(format!(
+                "storage `{}` is unknown; it must be u8, u16 or f32",
+                excerpt(other)
+            ));
+        }
     };
     // lengths are held against the file before anything of them is allocated
     if rest.len() != wanted || record.payload_bytes != wanted {
         return Err(format!(
-            "has {} bytes of values where its header asks for {wanted}; the file is cut or damaged",
+            "has {} bytes of values where its header asks for {wanted}; the file is cut or damaged, give a whole copy",
             rest.len()
         ));
     }
@@ -233,7 +258,7 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
         .map(|[a, b, c, d, e, f, g, h]| [[a, b], [c, d], [e, f], [g, h]].map(u16::from_le_bytes))
         .collect();
     let table = EmbeddedTable::new(header, values, Rest { gains, quantiles, leans, fluxes })
-        .map_err(|e| format!("{e}; the file is damaged"))?;
+        .map_err(|e| format!("{e}; {DAMAGED}"))?;
     Ok((table, record))
 }
 

@@ -5,9 +5,11 @@
 
 mod file;
 mod generate;
+mod holds;
 
-pub use file::{Record, TableFileError, read, write};
+pub use file::{Record, TableFileError, is_table, of_bytes, read, write};
 pub use generate::{c_header, rust_source};
+pub use holds::MissingLobes;
 
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
 use asperity_core::direction::Direction;

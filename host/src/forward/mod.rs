@@ -10,6 +10,7 @@ mod internal;
 mod quadrature;
 mod rays;
 mod monte_carlo;
+mod coherent;
 mod wave;
 mod simulate;
 

@@ -1,10 +1,10 @@
-//! One entrance to all engines: quadrature where the boundary can be evaluated, with what waves add, else Monte
-//! Carlo.
+//! One entrance to all engines: quadrature where the boundary can be evaluated, with what waves and the coherent
+//! light of a table add, else Monte Carlo.
 
 use std::sync::atomic::AtomicBool;
 
 use super::quadrature::Neglected;
-use super::{Effort, Plan, Rays, Readings, Setup, monte_carlo, quadrature, wave};
+use super::{Effort, Plan, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave};
 use crate::boundary::{Boundary, with_boundary};
 
 /// Simulates a scan; `rays` are for a boundary that must be traced.
@@ -22,8 +22,8 @@ pub fn simulate(
     if let Boundary::Wave(b) = boundary {
         return wave(b, setup, plan, effort, stop, &|_, _| ());
     }
-    with_boundary!(boundary,
-    b => Some(quadrature(b, setup, plan, effort)),
+    let mut readings = with_boundary!(boundary,
+    b => quadrature(b, setup, plan, effort),
     traced t => {
         let (mut values, mut std_errors) = (Vec::new(), Vec::new());
         for angles in &plan.incidences {
@@ -31,10 +31,14 @@ pub fn simulate(
             values.extend(done.values);
             std_errors.extend(done.std_errors);
         }
-        Some(Readings {
+        return Some(Readings {
             values,
             neglected: Neglected::default(),
             std_errors: Some(std_errors),
-        })
-    })
+        });
+    });
+    if let Boundary::Table(table) = boundary {
+        coherent::add_all(setup, plan, &mut readings.values, |wi| table.coherent(wi));
+    }
+    Some(readings)
 }

@@ -6,17 +6,17 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use asperity_core::bsdf::{Lobe, Smooth};
+use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 use asperity_core::fresnel;
-use asperity_core::gonio::{Geometry, Goniophotometer, incidence};
+use asperity_core::gonio::{Geometry, Goniophotometer};
 use asperity_core::plate::RoughSide;
 use rayon::prelude::*;
 
+use super::coherent::{self, Hits};
 use super::optics::{Entry, enter, look};
-use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature, solid_angle};
+use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature};
 use crate::kirchhoff::{Beam, BeamOrders, Speckle, Tiling, WaveBoundary, orders};
-use crate::measurement::Quantity;
 
 /// Simulates a scan; `None` if `stop` was set before the end. `progress(done, all)` counts transforms.
 pub fn wave(
@@ -96,26 +96,17 @@ fn kept(
     Some(readings)
 }
 
-/// Which coherent beams are meant: all that leave, or those that met the rough face more than once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Hits {
-    All,
-    Later,
-}
-
 /// The light of one incidence.
 struct Beams<'a> {
     boundary: &'a WaveBoundary,
     setup: &'a Setup,
     angles: &'a Incidence,
     entry: Entry,
-    sigma: f64,
 }
 
 impl<'a> Beams<'a> {
     fn new(boundary: &'a WaveBoundary, setup: &'a Setup, angles: &'a Incidence) -> Self {
-        let sigma = angles.sigma_deg.to_radians();
-        Self { boundary, setup, angles, entry: enter(setup, sigma), sigma }
+        Self { boundary, setup, angles, entry: enter(setup, angles.sigma_deg.to_radians()) }
     }
 
     /// What the rough face sends towards the detector's side at once, one beam a wavelength.
@@ -142,67 +133,14 @@ impl<'a> Beams<'a> {
         })
     }
 
-    /// Adds the coherent beams, which leave in the direction of the undeviated or the mirrored beam.
+    /// Adds the coherent beams.
     fn add_coherent(&self, values: &mut [f64], hits: Hits) {
-        let half = 0.5 * self.setup.aperture_deg.to_radians();
-        if half <= 0.0 {
-            return;
-        }
-        let flux = self.coherent(hits);
-        for (value, theta_deg) in values.iter_mut().zip(&self.angles.theta_deg) {
-            let theta = theta_deg.to_radians();
-            if (theta - self.sigma).abs() <= half * (1.0 + 1e-9) {
-                *value += flux * self.unit(theta);
-            }
-        }
-    }
-
-    /// Flux of all coherent beams: the series of reflections between both faces.
-    fn coherent(&self, hits: Hits) -> f64 {
-        let Sample::Plate { eta, rough_side } = self.setup.sample else { return 0.0 };
-        let smooth = Smooth { eta };
-        let outside = incidence(self.sigma);
-        let Some(inside) = smooth.refract(outside) else { return 0.0 };
-        let [x, y, z] = inside.xyz();
-        let inside = Direction::from_unit(-x, -y, z);
-        let f = smooth.fresnel(outside);
-        let (r_s, t_s) = (f.reflected, f.transmitted);
-        let mut sum = 0.0;
-        for (wavelength_um, weight) in self.boundary.wavelengths().iter() {
-            let above = self.boundary.coherent_at(outside, wavelength_um);
-            let below = self.boundary.coherent_at(inside, wavelength_um);
-            let series = 1.0 / (1.0 - r_s * below.reflected).max(1e-12);
-            let (once, all) = match (self.setup.geometry, rough_side) {
-                (Geometry::Transmission, RoughSide::Source) => {
-                    (above.transmitted * t_s, above.transmitted * t_s * series)
-                }
-                (Geometry::Transmission, RoughSide::Detector) => {
-                    (below.transmitted * t_s, below.transmitted * t_s * series)
-                }
-                (Geometry::Reflection, RoughSide::Source) => {
-                    let back = above.transmitted * r_s * below.transmitted * series;
-                    (above.reflected, above.reflected + back)
-                }
-                (Geometry::Reflection, RoughSide::Detector) => {
-                    let once = t_s * below.reflected * t_s;
-                    (once, once * series)
-                }
-            };
-            sum += weight * if hits == Hits::All { all } else { all - once };
-        }
-        sum
-    }
-
-    /// From relative flux in the aperture to what the setup reads; 0 where the cosine vanishes.
-    fn unit(&self, theta: f64) -> f64 {
-        match self.setup.quantity {
-            Quantity::Flux => 1.0,
-            Quantity::Bsdf => {
-                let cosine = theta.cos();
-                let solid_angle = solid_angle(self.setup.aperture_deg);
-                if cosine > 1e-9 { 1.0 / (solid_angle * cosine) } else { 0.0 }
-            }
-        }
+        let one = |(wavelength_um, weight)| {
+            let at = |wi| self.boundary.coherent_at(wi, wavelength_um);
+            weight * coherent::flux(self.setup, self.angles.sigma_deg.to_radians(), hits, at)
+        };
+        let flux = self.boundary.wavelengths().iter().map(one).sum();
+        coherent::add(self.setup, self.angles, values, flux);
     }
 
     /// Where an order leaves the plate, and the share of it that does.
@@ -255,7 +193,7 @@ impl<'a> Beams<'a> {
         for ([flux, square], theta_deg) in changes.iter().zip(theta) {
             sum[0] += flux;
             sum[1] += square;
-            let unit = self.unit(theta_deg.to_radians());
+            let unit = coherent::unit(self.setup, theta_deg.to_radians());
             // differences of sums may undershoot zero
             readings.0.push(sum[0].max(0.0) * unit);
             readings.1.push(sum[1].max(0.0).sqrt() * unit);

@@ -68,6 +68,9 @@ pub enum NoTable {
     /// No lobe is left that has light.
     #[error("there is no lobe to tabulate: an opaque body reflects light from the air only")]
     NoLobe,
+    /// It is a table itself.
+    #[error("it is a table already; give the model it was made of")]
+    Table,
     /// The media are alike: there is no boundary.
     #[error("the media are alike; there is nothing to tabulate")]
     Matched,
@@ -89,6 +92,9 @@ pub fn tabulate(
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<EmbeddedTable, NoTable> {
+    if matches!(boundary, Boundary::Table(_)) {
+        return Err(NoTable::Table);
+    }
     let mut wanted = plan.lobes;
     if boundary.eta().is_none() {
         wanted = [wanted[0], false, false, false];

@@ -80,6 +80,10 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
             let eval = eval_ns::<f64, _>(&**wave, &bench.pairs);
             bench.model(&**wave, Some(eval));
         }
+        Boundary::Table(table) => {
+            let eval = eval_ns::<f64, _>(&**table, &bench.pairs);
+            bench.model(&**table, Some(eval));
+        }
         Boundary::Traced(traced) => bench.model(traced, None),
         Boundary::Hybrid(hybrid) => bench.model(&**hybrid, None),
     }
@@ -91,10 +95,9 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
 
 /// Whether a measured incidence has light that keeps its direction.
 fn is_coherent(boundary: &Boundary, scan: &Scan) -> bool {
-    let Boundary::Wave(wave) = boundary else { return false };
     scan.sigmas_deg().any(|deg| {
         let (s, c) = deg.to_radians().sin_cos();
-        let there = wave.coherent(Direction::from_unit(-s, 0.0, c));
+        let there = boundary.coherent(Direction::from_unit(-s, 0.0, c));
         there.reflected.max(there.transmitted) > COHERENT
     })
 }
