@@ -151,16 +151,18 @@ impl<T: Real> RelativeIor<T> {
         }
         // between tiers of one precision nothing is computed, and the compiler knows it here
         let narrower = T::EPSILON.to_f64() < U::EPSILON.to_f64();
-        let limits = self.limits.map(|[high, low]| {
+        let in_two = |[high, low]: [T; 2]| {
             let lost = high.to_f64() - cast(high).to_f64() + low.to_f64();
             [cast(high), if narrower { U::from_f64(lost) } else { cast(low) }]
-        });
+        };
+        // one by one: a map of an array is a call, for every value of a table
+        let ([above, below, crossed], [up, down]) = (self.limits, self.through);
         let there = RelativeIor {
             value: cast(self.value),
             inverse: cast(self.inverse),
-            limits,
+            limits: [in_two(above), in_two(below), in_two(crossed)],
             squares: cast(self.squares),
-            through: self.through.map(cast),
+            through: [cast(up), cast(down)],
         };
         let nan = [U::from_f64(f64::NAN); 2];
         let matched = narrower && there.is_matched();

@@ -46,16 +46,10 @@ table! {
         "what the table promises";
     COHERENT_LATER = 0.1, "readings of a table by rays against the quadrature, at a coherent beam in reflection, relative",
         "the quadrature leaves out light that is scattered and then keeps its direction; 0.075 was seen";
-    TABLE_STEEP = 0.7, "eq. (18) of a table of 32 KiB against rays on a map whose light meets several facets, %",
-        "the goal of 0.3 is not reached: light near total reflection inside, met more than once, has edges";
     TABLE_FLUX = 0.005, "flux of a lobe of a table of 32 KiB against its model, absolute",
         "what the table promises";
     TABLE_FLUX_8 = 0.01, "flux of a lobe of a table of 8 KiB against its model, absolute",
         "fewer incidences";
-    TABLE_FLUX_TRACED = 0.06, "flux of a lobe of a table of 32 KiB of a traced map against rays, absolute",
-        "0.052 and 0.019 were seen; the goal of 0.005 is not reached";
-    TABLE_FLUX_TRACED_8 = 0.15, "the same of 8 KiB",
-        "0.13 and 0.02 were seen; the goal of 0.005 is not reached";
     TABLE_GAIN = 5e-4, "R + T of a table beyond 1, absolute",
         "the table is lowered to 0.9998 by sums over facets; the lattice errs by as much";
     TABLE_RECIPROCITY = 0.02, "mean difference of a table and itself the other way, relative",

@@ -186,6 +186,10 @@ macro_rules! implement {
                 self.0.to_index()
             }
             #[inline(always)]
+            fn from_index(index: u32) -> Self {
+                Self(Real::from_index(index))
+            }
+            #[inline(always)]
             fn is_finite(self) -> bool {
                 self.0.is_finite()
             }

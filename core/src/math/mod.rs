@@ -112,6 +112,8 @@ pub trait Real:
     fn floor(self) -> Self;
     /// As an array index: truncated, 0 for negatives and NaN.
     fn to_index(self) -> usize;
+    /// The number of an index, which is exact below 2^24.
+    fn from_index(index: u32) -> Self;
     /// Neither NaN nor infinite.
     fn is_finite(self) -> bool;
     /// Magnitude.
@@ -276,6 +278,10 @@ macro_rules! implement {
             #[inline(always)]
             fn to_index(self) -> usize {
                 self as usize
+            }
+            #[inline(always)]
+            fn from_index(index: u32) -> Self {
+                index as $t
             }
             #[inline(always)]
             fn is_finite(self) -> bool {

@@ -43,7 +43,7 @@ impl<T: Real> Place<T> {
     pub fn of(x: T, cells: f32) -> Self {
         let scaled = x * real(cells);
         let cell = scaled.to_index();
-        Self { cell, share: scaled - whole(cell as u16) }
+        Self { cell, share: scaled - T::from_index(cell as u32) }
     }
 
     /// The value between two.
@@ -66,16 +66,16 @@ pub(super) struct Incidence<T> {
 impl<T: Real> Incidence<T> {
     /// Of `y` in [0, 1] on an axis of so many [`cells`] of gains.
     #[inline(always)]
-    pub(super) fn of(y: T, cells: f32, gains: &[f32]) -> Self {
+    pub(super) fn of(y: T, cells: f32, gains: &[f32]) -> Option<Self> {
         let steps = usize::from(GAIN_STEPS);
-        let fine = Place::of(y, cells);
-        let gain = match gains.get(fine.cell..).and_then(|g| g.first_chunk()) {
-            Some(&[a, b]) => fine.mix(real(a), real(b)),
-            None => T::ZERO,
-        };
-        let within = whole::<T>((fine.cell % steps) as u16) + fine.share;
-        let share = within * T::from_f64(1.0 / f64::from(GAIN_STEPS));
-        Self { place: Place { cell: fine.cell / steps, share }, gain }
+        let scaled = y * real(cells);
+        let step = scaled.to_index();
+        let &[a, b] = gains.get(step..)?.first_chunk()?;
+        let gain =
+            Place { cell: step, share: scaled - T::from_index(step as u32) }.mix(real(a), real(b));
+        let cell = step / steps;
+        let share = scaled * T::from_f64(1.0 / f64::from(GAIN_STEPS)) - T::from_index(cell as u32);
+        Some(Self { place: Place { cell, share }, gain })
     }
 }
 

@@ -60,8 +60,7 @@ impl Header {
         let mut all = [0; 5];
         for lobe in self.lobes.iter().flatten() {
             let shape = lobe.shape;
-            let own =
-                [shape.gains(), shape.values(), shape.quantiles(), shape.leans()];
+            let own = [shape.gains(), shape.values(), shape.quantiles(), shape.leans()];
             for (sum, n) in all.iter_mut().zip(own) {
                 *sum += n;
             }

@@ -198,41 +198,29 @@ impl<S: Storage> LobeTable<'_, S> {
     pub(super) fn unmasked<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         let a: T = real(self.masking);
         let sums = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
-        T::from_f64(4.0) * wo.z().abs() / sums.max(T::MIN_POSITIVE)
+        T::from_f64(4.0) * wo.z().abs() / (sums + T::MIN_POSITIVE)
     }
 
     /// Where an incidence lies, by its sine and cosine.
     #[inline(always)]
-    pub(super) fn incidence<T: Real>(&self, s: T, c: T) -> Incidence<T> {
+    pub(super) fn incidence<T: Real>(&self, s: T, c: T) -> Option<Incidence<T>> {
         let [steps, ..] = self.cells;
         Incidence::of(incidence_place(s, c, real(self.grazing)), steps, self.gains)
     }
 
-    /// `v^2` at an incidence, an azimuth's cosine and a radius.
+    /// `v^2` at an incidence, an azimuth's cosine and a radius; `None` only for places that no table has.
     #[inline(always)]
-    pub(super) fn value<T: Real>(&self, y: Incidence<T>, p: T, r: T) -> T {
+    pub(super) fn value<T: Real>(&self, y: Incidence<T>, p: T, r: T) -> Option<T> {
         let Incidence { place: y, gain } = y;
         let Shape { azimuths, radii, .. } = self.shape;
         let [_, around, outwards] = self.cells;
         let p = Place::of(T::HALF + T::HALF * p, around);
         let r = Place::of(r, outwards);
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
-        let at = (y.cell * rows + p.cell) * columns + r.cell;
-        let plane = rows * columns;
-        let mix = |[a, b]: [T; 2], [c, d]: [T; 2]| p.mix(r.mix(a, b), r.mix(c, d));
-        let Some([a, b]) = self.corners(at, columns) else { return T::ZERO };
-        let low = mix(a, b);
-        let Some([a, b]) = self.corners(at + plane, columns) else { return T::ZERO };
-        let high = mix(a, b);
-        y.mix(low * low, high * high) * gain
-    }
-
-    /// Two neighbours, and the same a row on.
-    #[inline(always)]
-    fn corners<T: Real>(&self, at: usize, columns: usize) -> Option<[[T; 2]; 2]> {
-        let block = self.values.get(at..at + columns + 2)?;
-        let (&[a, b], &[c, d]) = (block.first_chunk()?, block.last_chunk()?);
-        Some([[a.get(), b.get()], [c.get(), d.get()]])
+        let from = self.values.get((y.cell * rows + p.cell) * columns + r.cell..)?;
+        let low = between(from, columns, p, r)?;
+        let high = between(from.get(rows * columns..)?, columns, p, r)?;
+        Some(y.mix(low * low, high * high) * gain)
     }
 
     /// `Q` from `v^2` and `q`.
@@ -320,6 +308,19 @@ impl<S: Storage> LobeTable<'_, S> {
         T::TWO * around * ratio * ratio * ratio
             / (whole::<T>(self.shape.intervals) * (b - a) * s0 * s0)
     }
+}
+
+/// The value between the first two neighbours of a block, and those a row on.
+#[inline(always)]
+fn between<T: Real, S: Storage>(
+    block: &[S],
+    columns: usize,
+    p: Place<T>,
+    r: Place<T>,
+) -> Option<T> {
+    let block = block.get(..columns + 2)?;
+    let (&[a, b], &[c, d]) = (block.first_chunk()?, block.last_chunk()?);
+    Some(p.mix(r.mix(a.get(), b.get()), r.mix(c.get(), d.get())))
 }
 
 /// Cosine and sine, but for a factor, of half an azimuth from `w` in [-1, 1): `tan(phi / 2) = k w / (1 - w^2)`.

@@ -22,7 +22,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         let [x, y, z] = wi.xyz();
         let side = wi.side().filter(|_| scope::lobe(which == Lobe::Reflection))?;
         let s = (x * x + y * y).sqrt();
-        let place = lobe.incidence(s, z.abs());
+        let place = lobe.incidence(s, z.abs())?;
         let Drawn { m, p, r, q, density } = lobe.draw(place.place, u)?;
         let (ex, ey) = if s > T::MIN_POSITIVE {
             let inverse = T::ONE / s;
@@ -39,7 +39,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         if (wo.side()? == side) != (which == Lobe::Reflection) {
             return None;
         }
-        let law = lobe.shaped(lobe.value(place, p, r), q) * facets;
+        let law = lobe.shaped(lobe.value(place, p, r)?, q) * facets;
         let ars = match lobe.form {
             Form::Drawn => law,
             Form::Masked => law * normal.dot(wi).abs() * lobe.unmasked(wi, wo),

@@ -9,39 +9,36 @@ use crate::direction::Direction;
 use crate::math::Real;
 use crate::scope;
 
-/// A pair of directions in the coordinates of its lobe.
-struct Found<'b, 'a, T, S> {
-    lobe: &'b LobeTable<'a, S>,
-    half: HalfVector<T>,
-    y: Incidence<T>,
-    p: T,
-    r: T,
-}
-
 impl<'a, S: Storage> BsdfTableRef<'a, S> {
-    /// What a pair of directions is looked up by; `None` where nothing scatters.
+    /// The lobe between two directions; `None` where there is none.
     #[inline(always)]
-    fn find<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> Option<Found<'_, 'a, T, S>> {
-        let [x, y, z] = wi.xyz();
-        let below = z < T::ZERO;
-        let mirrored = (z < T::ZERO) == (wo.z() < T::ZERO);
+    fn lobe_between<T: Real>(
+        &self,
+        wi: Direction<T>,
+        wo: Direction<T>,
+    ) -> Option<&LobeTable<'a, S>> {
+        let below = wi.z() < T::ZERO;
+        let mirrored = below == (wo.z() < T::ZERO);
         if !(scope::side(below) && scope::lobe(mirrored)) {
             return None;
         }
         let side = if below { &self.dielectric } else { &self.air };
-        let lobe = if mirrored { &side.reflection } else { &side.transmission }.as_ref()?;
-        let half = match lobe.form {
+        if mirrored { &side.reflection } else { &side.transmission }.as_ref()
+    }
+
+    /// What a pair of directions is looked up by; `None` where nothing scatters.
+    #[inline(always)]
+    fn half<T: Real>(
+        &self,
+        form: Form,
+        wi: Direction<T>,
+        wo: Direction<T>,
+    ) -> Option<HalfVector<T>> {
+        let half = match form {
             Form::Direct => self.direct(wi, wo),
             _ => HalfVector::between(self.eta.cast(), wi, wo),
         };
-        if !half.possible {
-            return None;
-        }
-        let (a, h_z, s) = (half.xy2.sqrt(), half.z2.sqrt(), (x * x + y * y).sqrt());
-        let s0: T = real(lobe.scale);
-        let r = a / (a + s0 * h_z);
-        let p = -half.along / (s * a + T::MIN_POSITIVE);
-        Some(Found { lobe, half, y: lobe.incidence(s, z.abs()), p, r })
+        half.possible.then_some(half)
     }
 
     /// [`Form::Direct`]: as if `h_z` were 1, and every facet alike.
@@ -75,50 +72,95 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         }
     }
 
-    /// `ars` and `|cos_o|`.
+    /// `ars`; `None` where nothing scatters.
     #[inline(always)]
-    fn scattered<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> (T, T) {
-        let cos = wo.z().abs();
-        let Some(Found { lobe, half, y, p, r }) = self.find(wi, wo) else {
-            return (T::ZERO, cos);
-        };
-        let s0: T = real(lobe.scale);
-        let hh = half.xy2 + half.z2;
-        let q = s0 * hh / (s0 * s0 * half.z2 + half.xy2);
-        let facets = lobe.shaped(lobe.value(y, p, r), q) * half.share;
-        let ars = match lobe.form {
-            Form::Drawn => facets * (hh.sqrt() / half.ih),
-            Form::Masked | Form::Direct => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
-        };
-        (ars, cos)
+    fn scattered<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> Option<T> {
+        let lobe = self.lobe_between(wi, wo)?;
+        if lobe.form != Form::Masked {
+            return self.otherwise(lobe, wi, wo);
+        }
+        let half = self.half(Form::Masked, wi, wo)?;
+        Some((lobe.facets(wi, &half)? * lobe.unmasked(wi, wo)).min(T::MAX))
+    }
+
+    /// The same for the forms that are met less often, out of the way of the other.
+    #[cold]
+    #[inline(never)]
+    fn otherwise<T: Real>(
+        &self,
+        lobe: &LobeTable<'a, S>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+    ) -> Option<T> {
+        let half = self.half(lobe.form, wi, wo)?;
+        let facets = lobe.facets(wi, &half)?;
+        Some(match lobe.form {
+            Form::Drawn => facets * ((half.xy2 + half.z2).sqrt() / half.ih),
+            _ => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
+        })
     }
 }
 
-impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
-    #[inline]
-    fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        let (ars, cos) = self.scattered(wi, wo);
-        if cos > T::ZERO { (ars / cos).min(T::MAX) } else { T::ZERO }
+/// The coordinates of a pair of directions in a lobe.
+struct Found<T> {
+    y: Incidence<T>,
+    p: T,
+    r: T,
+}
+
+impl<S: Storage> LobeTable<'_, S> {
+    #[inline(always)]
+    fn find<T: Real>(&self, wi: Direction<T>, half: &HalfVector<T>) -> Option<Found<T>> {
+        let [x, y, z] = wi.xyz();
+        let (a, h_z, s) = (half.xy2.sqrt(), half.z2.sqrt(), (x * x + y * y).sqrt());
+        let s0: T = real(self.scale);
+        let r = a / (a + s0 * h_z);
+        let p = -half.along / (s * a + T::MIN_POSITIVE);
+        Some(Found { y: self.incidence(s, z.abs())?, p, r })
     }
 
-    #[inline]
-    fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        self.scattered(wi, wo).0
+    /// `Q S` of a facet, without `|wi.m|`.
+    #[inline(always)]
+    fn facets<T: Real>(&self, wi: Direction<T>, half: &HalfVector<T>) -> Option<T> {
+        let Found { y, p, r } = self.find(wi, half)?;
+        let (s0, hh): (T, T) = (real(self.scale), half.xy2 + half.z2);
+        let q = s0 * hh / (s0 * s0 * half.z2 + half.xy2);
+        Some(self.shaped(self.value(y, p, r)?, q) * half.share)
     }
+}
 
-    /// Of the diffuse samples.
-    fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        let (Some(side), Some(Found { lobe, half, y, p, r })) = (wi.side(), self.find(wi, wo))
-        else {
-            return T::ZERO;
-        };
+impl<S: Storage> BsdfTableRef<'_, S> {
+    /// Density of the diffuse samples; `None` where there are none.
+    #[inline(always)]
+    fn density<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> Option<T> {
+        let (side, lobe) = (wi.side()?, self.lobe_between(wi, wo)?);
+        let half = self.half(lobe.form, wi, wo)?;
+        let Found { y, p, r } = lobe.find(wi, &half)?;
         let [reflected, transmitted, cr, ct] = self.shares(wi, side);
         let share = if (wo.z() > T::ZERO) == (wi.z() > T::ZERO) { reflected } else { transmitted };
         let all = reflected + transmitted + cr + ct;
         let length = (half.xy2 + half.z2).sqrt();
         let facet = lobe.density(y.place, p.max(-T::ONE).min(T::ONE), r, half.z2.sqrt() / length);
         let density = facet * half.turn * length / half.ih;
-        if all > T::ZERO { density * (share / all) } else { T::ZERO }
+        (all > T::ZERO).then(|| density * (share / all))
+    }
+}
+
+impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
+    #[inline]
+    fn eval(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        let f = |ars: T| (ars / wo.z().abs()).min(T::MAX);
+        self.scattered(wi, wo).map_or(T::ZERO, f)
+    }
+
+    #[inline]
+    fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        self.scattered(wi, wo).unwrap_or(T::ZERO)
+    }
+
+    /// Of the diffuse samples.
+    fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        self.density(wi, wo).unwrap_or(T::ZERO)
     }
 
     /// Coherent light for the lowest `u[1]`, then a facet: `u[0]` is its azimuth, `u[1]` its slope.

@@ -84,9 +84,9 @@ mod device {
         let raw = pairs();
         laws::<f32>("exact", &raw)?;
         laws::<Fast<f32>>("fast", &raw)?;
-        table::<u8>("table-u8", 140, &raw)?;
-        table::<u16>("table-u16", 36_000, &raw)?;
-        table::<f32>("table-f32", 0.55, &raw)?;
+        table::<u8>("table-u8", &raw)?;
+        table::<u16>("table-u16", &raw)?;
+        table::<f32>("table-f32", &raw)?;
         hprintln!("ok");
         Some(())
     }
@@ -101,14 +101,46 @@ mod device {
         Some(())
     }
 
-    /// Four lobes of one value: what a call costs does not depend on what it finds. A call of its own: its arrays are
-    /// on the stack while it runs only.
+    const SHAPE: Shape = Shape { incidences: 6, azimuths: 4, radii: 16, intervals: 8 };
+
+    /// Arrays of four lobes of one value, in flash as those of any firmware.
+    trait Level: Storage {
+        const VALUES: &'static [Self];
+        const ARRAYS: Arrays<'static, Self> = Arrays {
+            gains: &[4.0 / (Self::FULL * Self::FULL); 4 * SHAPE.gains()],
+            values: Self::VALUES,
+            quantiles: &QUANTILES,
+            leans: &[20; 4 * SHAPE.leans()],
+            fluxes: &[[6000, 50_000, 0, 0]; 16],
+        };
+    }
+
+    const QUANTILES: [u16; 4 * SHAPE.quantiles()] = {
+        let mut quantiles = [0; 4 * SHAPE.quantiles()];
+        let mut k = 0;
+        while k < quantiles.len() {
+            quantiles[k] = 7000 * (k % 9) as u16;
+            k += 1;
+        }
+        quantiles
+    };
+
+    impl Level for u8 {
+        const VALUES: &'static [Self] = &[140; 4 * SHAPE.values()];
+    }
+    impl Level for u16 {
+        const VALUES: &'static [Self] = &[36_000; 4 * SHAPE.values()];
+    }
+    impl Level for f32 {
+        const VALUES: &'static [Self] = &[0.55; 4 * SHAPE.values()];
+    }
+
+    /// What a call costs does not depend on what it finds.
     #[inline(never)]
-    fn table<S: Storage>(name: &str, value: S, raw: &[Pair; PAIRS]) -> Option<()>
+    fn table<S: Level>(name: &str, raw: &[Pair; PAIRS]) -> Option<()>
     where
         for<'a> asperity_core::table::BsdfTableRef<'a, S>: Bsdf<Fast<f32>>,
     {
-        const SHAPE: Shape = Shape { incidences: 6, azimuths: 4, radii: 16, intervals: 8 };
         let lobe = LobeHeader {
             shape: SHAPE,
             form: Form::Masked,
@@ -124,19 +156,7 @@ mod device {
             fluxes: [8; 2],
             grazing: [1.0; 2],
         };
-        let values = [value; 4 * SHAPE.values()];
-        let mut quantiles = [0; 4 * SHAPE.quantiles()];
-        for (k, q) in quantiles.iter_mut().enumerate() {
-            *q = 7000 * (k % 9) as u16;
-        }
-        let table = header.table(Arrays {
-            gains: &[4.0 / (S::FULL * S::FULL); 4 * SHAPE.gains()],
-            values: &values,
-            quantiles: &quantiles,
-            leans: &[20; 4 * SHAPE.leans()],
-            fluxes: &[[6000, 50_000, 0, 0]; 16],
-        });
-        law::<Fast<f32>, _>("fast", name, &table.ok()?, raw);
+        law::<Fast<f32>, _>("fast", name, &header.table(S::ARRAYS).ok()?, raw);
         Some(())
     }
 

@@ -77,10 +77,14 @@ pub(super) fn to_model(grid: &mut LobeGrid, model: &[f64]) {
 /// Cosines of the gains and between them.
 fn dense(grid: &LobeGrid) -> Vec<f64> {
     let nodes = grid.cosines();
-    let between = |ends: &[f64]| (0..BETWEEN).map(|k| {
-        let share = f64::from(k) / f64::from(BETWEEN);
-        ends[0] + share * (ends[1] - ends[0])
-    }).collect::<Vec<f64>>();
+    let between = |ends: &[f64]| {
+        (0..BETWEEN)
+            .map(|k| {
+                let share = f64::from(k) / f64::from(BETWEEN);
+                ends[0] + share * (ends[1] - ends[0])
+            })
+            .collect::<Vec<f64>>()
+    };
     nodes.windows(2).flat_map(between).chain(nodes.last().copied()).collect()
 }
 

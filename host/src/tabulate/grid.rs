@@ -94,9 +94,7 @@ impl LobeGrid {
         }
         // a dark incidence goes on as the nearest that is lit: it has no say in what is between
         let lit: Vec<usize> = (0..units.len()).filter(|j| units[*j] > 0.0).collect();
-        let unit = |j: usize| {
-            lit.iter().min_by_key(|k| k.abs_diff(j)).map_or(0.0, |k| units[*k])
-        };
+        let unit = |j: usize| lit.iter().min_by_key(|k| k.abs_diff(j)).map_or(0.0, |k| units[*k]);
         let steps = usize::from(GAIN_STEPS);
         let gain = |(n, trim): (usize, &f64)| {
             let (low, share) = (n / steps, (n % steps) as f64 / steps as f64);

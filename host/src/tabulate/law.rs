@@ -13,12 +13,7 @@ const STEPS: u32 = 24;
 /// What a table is made of: a [`Bsdf`] behind one pointer, so that none of this is compiled anew for each.
 pub(super) trait Law: Sync {
     fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64;
-    fn sample_lobe(
-        &self,
-        wi: Direction<f64>,
-        lobe: Lobe,
-        u: [f64; 2],
-    ) -> Option<Scattered<f64>>;
+    fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>>;
     fn slope(&self) -> f64;
 }
 
@@ -26,12 +21,7 @@ impl<B: Bsdf<f64> + Sync> Law for B {
     fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         Bsdf::ars(self, wi, wo)
     }
-    fn sample_lobe(
-        &self,
-        wi: Direction<f64>,
-        lobe: Lobe,
-        u: [f64; 2],
-    ) -> Option<Scattered<f64>> {
+    fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>> {
         Bsdf::sample_lobe(self, wi, lobe, u)
     }
     fn slope(&self) -> f64 {

@@ -147,7 +147,8 @@ fn doubled(known: &[[f64; 2]]) -> Vec<[f64; 2]> {
 /// Reflected and transmitted flux at a cosine of incidence, of fewer rays.
 fn flux<S: Scatter<f64> + Sync>(boundary: &S, (side, cos): (Side, f64), rays: Rays) -> [f64; 2] {
     let count = (rays.count / FEWER).max(rays.count.min(LEAST_RAYS));
-    let tiles = Rays { count, seed: mix(rays.seed, if side == Side::Air { 13 } else { 14 }) }.tiles(cos);
+    let tiles =
+        Rays { count, seed: mix(rays.seed, if side == Side::Air { 13 } else { 14 }) }.tiles(cos);
     let part = |number: u64| {
         let mut flux = [0.0; 2];
         for tile in (number..tiles.count()).step_by(PARTS as usize) {
