@@ -76,27 +76,11 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     #[inline(always)]
     fn scattered<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> Option<T> {
         let lobe = self.lobe_between(wi, wo)?;
-        if lobe.form != Form::Masked {
-            return self.otherwise(lobe, wi, wo);
-        }
-        let half = self.half(Form::Masked, wi, wo)?;
-        Some((lobe.facets(wi, &half)? * lobe.unmasked(wi, wo)).min(T::MAX))
-    }
-
-    /// The same for the forms that are met less often, out of the way of the other.
-    #[cold]
-    #[inline(never)]
-    fn otherwise<T: Real>(
-        &self,
-        lobe: &LobeTable<'a, S>,
-        wi: Direction<T>,
-        wo: Direction<T>,
-    ) -> Option<T> {
         let half = self.half(lobe.form, wi, wo)?;
         let facets = lobe.facets(wi, &half)?;
         Some(match lobe.form {
             Form::Drawn => facets * ((half.xy2 + half.z2).sqrt() / half.ih),
-            _ => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
+            Form::Masked | Form::Direct => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
         })
     }
 }
