@@ -84,28 +84,43 @@ pub(crate) struct HalfVector<T> {
 impl<T: Real> HalfVector<T> {
     /// The facet between two directions, on any sides.
     #[inline(always)]
+    #[cfg(any(feature = "ggx", feature = "normals"))]
     pub(crate) fn between(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
+        Self::found::<true>(eta, wi, wo)
+    }
+
+    /// The same in one part: for a table, which is no closer to its law than single precision here.
+    #[inline(always)]
+    #[cfg(feature = "table")]
+    pub(crate) fn roughly(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
+        Self::found::<false>(eta, wi, wo)
+    }
+
+    #[inline(always)]
+    fn found<const TWO: bool>(eta: RelativeIor<T>, wi: Direction<T>, wo: Direction<T>) -> Self {
         let (iz, oz) = (wi.z(), wo.z());
         let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
         let answered = scope::lobe(mirrored) & scope::side(iz < T::ZERO);
         if !cfg!(target_arch = "arm") {
             let inclined = (iz != T::ZERO) & (oz != T::ZERO);
-            let half = Self::of(eta, wi, wo, mirrored, iz < T::ZERO);
+            let half = Self::of::<TWO>(eta, wi, wo, mirrored, iz < T::ZERO);
             return Self { possible: half.possible & inclined & answered, ..half };
         }
         // A microcontroller gets a copy for each way of the light, in which nothing is left to choose.
         match (iz > T::ZERO, oz > T::ZERO) {
-            (true, true) if scope::AIR && scope::REFLECTION => Self::of(eta, wi, wo, true, false),
+            (true, true) if scope::AIR && scope::REFLECTION => {
+                Self::of::<TWO>(eta, wi, wo, true, false)
+            }
             (true, false) if scope::AIR && scope::TRANSMISSION && oz < T::ZERO => {
-                Self::of(eta, wi, wo, false, false)
+                Self::of::<TWO>(eta, wi, wo, false, false)
             }
             (false, true) if scope::DIELECTRIC && scope::TRANSMISSION && iz < T::ZERO => {
-                Self::of(eta, wi, wo, false, true)
+                Self::of::<TWO>(eta, wi, wo, false, true)
             }
             (false, false)
                 if scope::DIELECTRIC && scope::REFLECTION && (iz < T::ZERO) & (oz < T::ZERO) =>
             {
-                Self::of(eta, wi, wo, true, true)
+                Self::of::<TWO>(eta, wi, wo, true, true)
             }
             _ => {
                 let [xy2, z2, ih, cosine, along, turn, share] = [T::ZERO; 7];
@@ -148,14 +163,16 @@ impl<T: Real> HalfVector<T> {
     }
 
     #[inline(always)]
-    fn of(
+    fn of<const TWO: bool>(
         eta: RelativeIor<T>,
         wi: Direction<T>,
         wo: Direction<T>,
         mirrored: bool,
         below: bool,
     ) -> Self {
-        Self::in_one_or_two::<true>(eta, wi, wo, mirrored, below, T::product_error).0
+        // nothing is lost: a zero whose sum with anything is that, to the bit
+        let lost = |a: T, b: T, product| if TWO { a.product_error(b, product) } else { -T::ZERO };
+        Self::in_one_or_two::<TWO>(eta, wi, wo, mirrored, below, lost).0
     }
 
     /// The facet, and whether `|h|^2` and its limit nearly cancel: their difference is then taken in `TWO` parts, or

@@ -217,9 +217,16 @@ impl<S: Storage> LobeTable<'_, S> {
         let p = Place::of(T::HALF + T::HALF * p, around);
         let r = Place::of(r, outwards);
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
-        let from = self.values.get((y.cell * rows + p.cell) * columns + r.cell..)?;
-        let low = between(from, columns, p, r)?;
-        let high = between(from.get(rows * columns..)?, columns, p, r)?;
+        let plane = rows * columns;
+        let at = (y.cell * rows + p.cell) * columns + r.cell;
+        // one block of both incidences, so that its length is looked at once
+        let block = self.values.get(at..)?.get(..plane + columns + 2)?;
+        let pair = |at: usize| -> Option<T> {
+            let (a, b) = (*block.get(at)?, *block.get(at + 1)?);
+            Some(r.mix(a.get(), b.get()))
+        };
+        let low = p.mix(pair(0)?, pair(columns)?);
+        let high = p.mix(pair(plane)?, pair(plane + columns)?);
         Some(y.mix(low * low, high * high) * gain)
     }
 
@@ -227,9 +234,9 @@ impl<S: Storage> LobeTable<'_, S> {
     #[inline(always)]
     pub(super) fn shaped<T: Real>(&self, v2: T, q: T) -> T {
         match self.fall {
-            Fall::Flat => v2,
-            Fall::Second => v2 * q,
             Fall::Fourth => v2 * q * q,
+            Fall::Second => v2 * q,
+            Fall::Flat => v2,
         }
     }
 
@@ -308,19 +315,6 @@ impl<S: Storage> LobeTable<'_, S> {
         T::TWO * around * ratio * ratio * ratio
             / (whole::<T>(self.shape.intervals) * (b - a) * s0 * s0)
     }
-}
-
-/// The value between the first two neighbours of a block, and those a row on.
-#[inline(always)]
-fn between<T: Real, S: Storage>(
-    block: &[S],
-    columns: usize,
-    p: Place<T>,
-    r: Place<T>,
-) -> Option<T> {
-    let block = block.get(..columns + 2)?;
-    let (&[a, b], &[c, d]) = (block.first_chunk()?, block.last_chunk()?);
-    Some(p.mix(r.mix(a.get(), b.get()), r.mix(c.get(), d.get())))
 }
 
 /// Cosine and sine, but for a factor, of half an azimuth from `w` in [-1, 1): `tan(phi / 2) = k w / (1 - w^2)`.

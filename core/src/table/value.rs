@@ -17,13 +17,15 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         wi: Direction<T>,
         wo: Direction<T>,
     ) -> Option<&LobeTable<'a, S>> {
-        let below = wi.z() < T::ZERO;
-        let mirrored = below == (wo.z() < T::ZERO);
-        if !(scope::side(below) && scope::lobe(mirrored)) {
-            return None;
-        }
-        let side = if below { &self.dielectric } else { &self.air };
-        if mirrored { &side.reflection } else { &side.transmission }.as_ref()
+        let (air, dielectric) = (&self.air, &self.dielectric);
+        let there = match (wi.z() > T::ZERO, wo.z() > T::ZERO) {
+            (true, true) if scope::AIR && scope::REFLECTION => &air.reflection,
+            (true, false) if scope::AIR && scope::TRANSMISSION => &air.transmission,
+            (false, true) if scope::DIELECTRIC && scope::TRANSMISSION => &dielectric.transmission,
+            (false, false) if scope::DIELECTRIC && scope::REFLECTION => &dielectric.reflection,
+            _ => return None,
+        };
+        there.as_ref()
     }
 
     /// What a pair of directions is looked up by; `None` where nothing scatters.
@@ -36,7 +38,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     ) -> Option<HalfVector<T>> {
         let half = match form {
             Form::Direct => self.direct(wi, wo),
-            _ => HalfVector::between(self.eta.cast(), wi, wo),
+            _ => HalfVector::roughly(self.eta.cast(), wi, wo),
         };
         half.possible.then_some(half)
     }
@@ -61,6 +63,13 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         }
     }
 
+    /// `|wi.h|` of unit vectors, from `h = n_i wi + n_o wo`.
+    #[inline(always)]
+    fn facing<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+        let (n_i, n_o, _) = self.indices::<T>(wi.z() < T::ZERO, wo.z() < T::ZERO);
+        (n_i + n_o * wi.dot(wo)).abs().max(T::MIN_POSITIVE)
+    }
+
     /// The indices by which `wi` and `wo` count in `h_xy`, and the sign that turns it towards the mirror direction.
     #[inline(always)]
     pub(super) fn indices<T: Real>(&self, below: bool, to_below: bool) -> (T, T, T) {
@@ -79,10 +88,17 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         let half = self.half(lobe.form, wi, wo)?;
         let facets = lobe.facets(wi, &half)?;
         Some(match lobe.form {
-            Form::Drawn => facets * ((half.xy2 + half.z2).sqrt() / half.ih),
+            Form::Drawn => facets * ((half.xy2 + half.z2).sqrt() / self.facing(wi, wo)),
             Form::Masked | Form::Direct => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
         })
     }
+}
+
+/// No light, out of line: a zero in line the compiler sets anew before each test that may lead to it.
+#[cold]
+#[inline(never)]
+fn dark<T: Real>() -> T {
+    core::hint::black_box(T::ZERO)
 }
 
 /// The coordinates of a pair of directions in a lobe.
@@ -139,7 +155,8 @@ impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
 
     #[inline]
     fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
-        self.scattered(wi, wo).unwrap_or(T::ZERO)
+        let Some(ars) = self.scattered(wi, wo) else { return dark() };
+        ars
     }
 
     /// Of the diffuse samples.
