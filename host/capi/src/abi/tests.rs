@@ -153,7 +153,7 @@ fn rays_of_both_tiers_are_unit_vectors_or_lost() {
 /// A lobe of 2 incidences, 2 azimuths, 2 radii and one interval, as a payload of words so that it is aligned.
 fn payload() -> Vec<u32> {
     let mut bytes = Vec::new();
-    bytes.extend([1.0_f32, 1.0].iter().flat_map(|g| g.to_le_bytes()));
+    bytes.extend([1.0_f32; 9].iter().flat_map(|g| g.to_le_bytes()));
     bytes.extend([100_u8, 90, 80, 70, 60, 50, 40, 30]);
     bytes.extend([0_u16, 40_000, 0, 40_000].iter().flat_map(|q| q.to_le_bytes()));
     bytes.extend([5_u8, 10]);
@@ -185,7 +185,7 @@ const SOURCE: AsperityTableSource = AsperityTableSource {
     fluxes_length: 0,
     value_bytes: 1,
 };
-const BYTES: usize = 8 + 8 + 8 + 2 + 16;
+const BYTES: usize = 36 + 8 + 8 + 2 + 16;
 
 #[test]
 fn a_table_is_viewed_in_its_payload_or_refused() {
@@ -241,7 +241,7 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
         assert_eq!(asperity_table_sample_batch(t, 4, wi, Some(uniform), state, to), Status::Ok);
         // the arrays apart, the values at an odd address
         let apart =
-            AsperityTableSource { gains: start.wrapping_add(1).cast(), gains_length: 2, ..source };
+            AsperityTableSource { gains: start.wrapping_add(1).cast(), gains_length: 9, ..source };
         assert_eq!(asperity_table_init(t, &raw const apart, 0), Status::Misaligned);
         assert_eq!(
             asperity_table_eval(t, WI.as_ptr(), WO.as_ptr(), &raw mut out),
@@ -255,7 +255,7 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
 fn parts(incidences: usize, radii: usize, bytes: usize) -> (Vec<u8>, [usize; 5]) {
     let mut all = Vec::new();
     let mut starts = [0; 5];
-    for _ in 0..incidences {
+    for _ in 0..8 * (incidences - 1) + 1 {
         all.extend(1.0_f32.to_le_bytes());
     }
     starts[1] = all.len();
