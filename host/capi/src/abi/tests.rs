@@ -255,7 +255,7 @@ fn a_table_is_viewed_in_its_payload_or_refused() {
 fn parts(incidences: usize, radii: usize, bytes: usize) -> (Vec<u8>, [usize; 5]) {
     let mut all = Vec::new();
     let mut starts = [0; 5];
-    for _ in 0..8 * (incidences - 1) + 1 {
+    for _ in 0..=8 * (incidences - 1) {
         all.extend(1.0_f32.to_le_bytes());
     }
     starts[1] = all.len();
