@@ -194,7 +194,6 @@ macro_rules! in_two {
     ($name:ident, $t:ident, [$($constant:ident)?], [$($generic:tt)*], $splitter:expr, $nan:expr,
      $inline:meta) => {
         mod $name {
-            use super::RelativeIor;
             use crate::math::Real;
             use crate::scope;
 
@@ -241,7 +240,7 @@ macro_rules! in_two {
             /// All that follows from an index. Matched media scatter nothing: with NaN for a limit no facet is possible, and
             /// nobody has to ask.
             #[cfg_attr(target_arch = "arm", $inline)]
-            pub(super) $($constant)? fn follows $($generic)* (n: $t) -> RelativeIor<$t> {
+            pub(super) $($constant)? fn follows $($generic)* (n: $t) -> super::RelativeIor<$t> {
                 let (one, four) = ($t::ONE, $t::TWO * $t::TWO);
                 let (value, eighth) = ([n, $t::ZERO], $t::HALF / four);
                 let squared = product(value, value);
@@ -262,7 +261,7 @@ macro_rules! in_two {
                     nothing
                 };
                 let [squares, squares_low] = sum(squared[0], one);
-                RelativeIor {
+                super::RelativeIor {
                     value: n,
                     inverse: one / n,
                     limits: [

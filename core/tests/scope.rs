@@ -125,7 +125,7 @@ fn a_table_answers_what_it_is_built_for() {
         grazing: [1.0; 2],
     };
     let table = header.table(Arrays {
-        gains: &[0.01; 8],
+        gains: &[1e-4; 4 * SHAPE.gains()],
         values: &[100_u8; 4 * SHAPE.values()],
         quantiles: &[
             0, 60_000, 0, 60_000, 0, 60_000, 0, 60_000, 0, 60_000, 0, 60_000, 0, 60_000, 0, 60_000,
