@@ -84,7 +84,11 @@ fn imports(module: &Module) -> Vec<&Token> {
     let mut k = 0;
     while k < code.len() {
         match text(k) {
-            "{" => braces.push(k >= 2 && text(k - 2) == "mod"),
+            // `mod name {`, or in a macro `mod $name {`
+            "{" => {
+                let names = if k >= 3 && text(k - 2) == "$" { 3 } else { 2 };
+                braces.push(k >= names && text(k - names) == "mod");
+            }
             "}" => drop(braces.pop()),
             "crate" if text(k + 1) == "::" => found.extend(first_names(code, k + 2)),
             "super" => {
@@ -133,7 +137,7 @@ fn first_names(code: &[Token], start: usize) -> Vec<&Token> {
 #[test]
 fn an_import_against_the_order_is_reported() {
     // (what `low` says, what of it must be reported)
-    let cases: [(&str, &[&str]); 11] = [
+    let cases: [(&str, &[&str]); 12] = [
         ("use crate::high::X;", &["high"]),
         ("use crate::{low::Y, high::X, nested::{A, B}};", &["high", "nested"]),
         ("fn f() -> crate::high::X { crate::high::X }", &["high", "high"]),
@@ -145,6 +149,7 @@ fn an_import_against_the_order_is_reported() {
         ("#[cfg(test)] mod tests { use crate::high::X; }", &[]),
         ("// crate::high\nconst S: &str = \"crate::high\";", &[]),
         ("mod inner { use super::high; }", &[]),
+        ("macro_rules! inner { ($n:ident) => { mod $n { fn f() -> super::high {} } } }", &[]),
     ];
     for (source, expected) in cases {
         let dir = tempfile::tempdir().unwrap();
