@@ -9,14 +9,15 @@ use super::{EmbeddedTable, with_view};
 use crate::kirchhoff::CoherentFlux;
 
 /// The lobes in the order of the header.
-const LOBES: [(Side, Lobe); 4] = [
+pub(crate) const LOBES: [(Side, Lobe); 4] = [
     (Side::Air, Lobe::Reflection),
     (Side::Air, Lobe::Transmission),
     (Side::Dielectric, Lobe::Reflection),
     (Side::Dielectric, Lobe::Transmission),
 ];
-/// Index that stands for an opaque body, in a table of nothing but reflection from the air.
-const OPAQUE: f32 = 10.0;
+/// Index that stands for an opaque body, in a table of nothing but reflection from the air: Fresnel's factor hardly changes with
+/// angle.
+pub(crate) const OPAQUE: f32 = 10.0;
 
 /// Lobes that were left out of a table; its text names them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

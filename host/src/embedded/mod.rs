@@ -10,6 +10,7 @@ mod holds;
 pub use file::{Record, TableFileError, is_table, of_bytes, read, write};
 pub use generate::{c_header, rust_source};
 pub use holds::MissingLobes;
+pub(crate) use holds::{LOBES, OPAQUE};
 
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
 use asperity_core::direction::Direction;

@@ -9,7 +9,6 @@ use super::rays::Turning;
 use crate::boundary::{Boundary, with_boundary};
 use crate::energy::balance;
 use crate::forward::{Rays, count_flux};
-use crate::kirchhoff::CoherentFlux;
 
 /// Factor by which the flux may change a gain.
 const MOST: f64 = 2.0;
@@ -37,10 +36,7 @@ pub(super) fn model_fluxes(
         let flux = count_flux(&Turning(t), incident(side, cos), rays);
         (flux.reflected, flux.transmitted)
     });
-    let coherent = match boundary {
-        Boundary::Wave(wave) => wave.coherent(incident(side, cos)),
-        _ => CoherentFlux::default(),
-    };
+    let coherent = boundary.coherent(incident(side, cos));
     let [r, t] = [reflected - coherent.reflected, transmitted - coherent.transmitted];
     (reflected + transmitted <= 1.0 + ROUNDING).then_some([r.max(0.0), t.max(0.0)])
 }

@@ -12,16 +12,8 @@ use asperity_core::table::{
 use super::facet::{Beam, Turned};
 use super::law::Law;
 
-/// Which of the four lobes: from the air reflection and transmission, then from the dielectric.
-pub(super) const LOBES: [(Side, Lobe); 4] = [
-    (Side::Air, Lobe::Reflection),
-    (Side::Air, Lobe::Transmission),
-    (Side::Dielectric, Lobe::Reflection),
-    (Side::Dielectric, Lobe::Transmission),
-];
-
 /// Azimuths of a sum over facets, from the mirror direction to the other.
-pub(super) const AROUND: u32 = 24;
+const AROUND: u32 = 24;
 /// Successive offsets, none near another.
 pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Cosine that stands for grazing light, which itself scatters nothing.
@@ -54,15 +46,17 @@ impl LobeGrid {
 
     /// Cosine of incidence of a node.
     pub(super) fn cosine(&self, node_of: usize) -> f64 {
-        let y = node(node_of, self.header.shape.incidences);
+        self.cosine_at(node(node_of, self.header.shape.incidences))
+    }
+
+    fn cosine_at(&self, y: f64) -> f64 {
         incidence_cosine(y, f64::from(self.header.grazing)).max(GRAZING)
     }
 
     /// Cosines of incidence of the gains.
     pub(super) fn cosines(&self) -> Vec<f64> {
-        let (count, k) = (self.trim.len(), f64::from(self.header.grazing));
-        let at = |n: usize| incidence_cosine(n as f64 / (count - 1) as f64, k).max(GRAZING);
-        (0..count).map(at).collect()
+        let last = self.trim.len() - 1;
+        (0..=last).map(|n| self.cosine_at(n as f64 / last as f64)).collect()
     }
 
     pub(super) fn beam(&self, cos: f64) -> Beam {
@@ -144,14 +138,14 @@ impl LobeGrid {
     pub(super) fn flux_of(&self, law: &dyn Law, cos: f64) -> f64 {
         let beam = self.beam(cos);
         let mut sum = 0.0;
-        self.over_facets(&beam, AROUND, |spot| {
+        self.over_facets(&beam, |spot| {
             sum += law.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
         });
         sum
     }
 
     /// Visits facets that send a beam into the lobe, slopes ascending; weights are their solid angles.
-    pub(super) fn over_facets(&self, beam: &Beam, around: u32, mut visit: impl FnMut(&Spot)) {
+    pub(super) fn over_facets(&self, beam: &Beam, mut visit: impl FnMut(&Spot)) {
         let cells = u32::from(self.header.shape.radii - 1);
         let sub = (192 / cells).max(2);
         let s0 = f64::from(self.header.scale);
@@ -162,11 +156,11 @@ impl LobeGrid {
             let cos = 1.0 / s.hypot(1.0);
             // ds = s0 / (1 - r)^2 dr, both halves of the circle
             let ds = s0 / ((1.0 - r) * (1.0 - r)) / f64::from(rings);
-            let weight = s * ds * cos * cos * cos * (2.0 * PI / f64::from(around));
+            let weight = s * ds * cos * cos * cos * (2.0 * PI / f64::from(AROUND));
             // azimuths of their own on each ring: a horizon that crosses the rings is met evenly
             let offset = (f64::from(ring) * GOLDEN).fract();
-            for k in 0..around {
-                let p = (PI * (f64::from(k) + offset) / f64::from(around)).cos();
+            for k in 0..AROUND {
+                let p = (PI * (f64::from(k) + offset) / f64::from(AROUND)).cos();
                 if let Some(turned) = beam.turn(s, p) {
                     visit(&Spot { r, s, p, weight, turned });
                 }

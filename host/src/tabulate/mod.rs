@@ -26,9 +26,9 @@ use asperity_core::table::{Header, Storage};
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, with_boundary};
-use crate::embedded::{EmbeddedTable, Rest, Values};
+use crate::embedded::{EmbeddedTable, LOBES, OPAQUE, Rest, Values};
 use crate::forward::Rays;
-use grid::{LOBES, LobeGrid};
+use grid::LobeGrid;
 
 /// How numbers are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,8 +54,6 @@ pub struct Plan {
     pub rays: Rays,
 }
 
-/// Index that stands for an opaque body, whose table has no transmission: Fresnel's factor hardly changes with angle.
-const OPAQUE: f64 = 10.0;
 /// Bytes from which on values have 16 bits unless asked otherwise.
 const WIDE: usize = 12 << 10;
 
@@ -103,7 +101,7 @@ pub fn tabulate(
     if count == 0 {
         return Err(NoTable::NoLobe);
     }
-    let eta = boundary.eta().unwrap_or(OPAQUE);
+    let eta = boundary.eta().unwrap_or(f64::from(OPAQUE));
     let index = RelativeIor::new(eta as f32).map_err(|_| NoTable::Values)?;
     if index.is_matched() {
         return Err(NoTable::Matched);

@@ -6,7 +6,7 @@ use asperity_core::direction::Side;
 use asperity_core::table::{Fall, Form, LobeHeader, Shape, incidence_cosine};
 use rayon::prelude::*;
 
-use super::grid::{AROUND, LobeGrid, node};
+use super::grid::{LobeGrid, node};
 use super::rays::{Left, complete, corners, plane_size, sharpen, trace};
 use crate::forward::{Rays, mix};
 
@@ -156,7 +156,7 @@ fn parts(
         let one = |Shot { cos, left }: &Shot| {
             let beam = grid.beam(*cos);
             let mut square = 0.0;
-            grid.over_facets(&beam, AROUND, |spot| {
+            grid.over_facets(&beam, |spot| {
                 let ars = table.ars(beam.wi, spot.turned.wo);
                 square += ars * ars / spot.turned.jacobian * spot.weight;
             });

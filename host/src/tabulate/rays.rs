@@ -14,7 +14,7 @@ use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
 use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
-use super::grid::{AROUND, GOLDEN, LobeGrid};
+use super::grid::{GOLDEN, LobeGrid};
 use crate::forward::{Rays, Tiles, mix};
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
@@ -54,6 +54,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
 ) -> Option<Vec<[f64; 2]>> {
     let [mut reflection, mut transmission] = lobes;
     let count = reflection.as_ref().or(transmission.as_ref())?.header.shape.incidences;
+    let fewer = Rays { count: (rays.count / FEWER).max(rays.count.min(LEAST_RAYS)), ..rays };
     let mut fluxes = Vec::new();
     let mut lit = [Vec::new(), Vec::new()];
     for j in 0..usize::from(count) {
@@ -61,15 +62,17 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
             return None;
         }
         let views = [reflection.as_deref(), transmission.as_deref()];
-        let found = gather(boundary, views, j, rays);
+        let any = views.into_iter().flatten().next()?;
+        let (side, cos) = (any.side, any.cosine(j));
+        let found = gather(boundary, views, (side, cos), salted(rays, side, 11));
         fluxes.push(found.flux.map(|f| f / found.rays));
         if j + 1 < usize::from(count) {
-            let any = reflection.as_ref().or(transmission.as_ref())?;
             let cosines = any.cosines();
             let from = usize::from(GAIN_STEPS) * j;
             let next = from + usize::from(GAIN_STEPS);
             for cos in cosines[from + 2..next].iter().step_by(2) {
-                fluxes.push(flux(boundary, (any.side, *cos), rays));
+                let counted = gather(boundary, [None; 2], (side, *cos), salted(fewer, side, 13));
+                fluxes.push(counted.flux.map(|f| f / counted.rays));
             }
         }
         let grids = [&mut reflection, &mut transmission];
@@ -89,17 +92,19 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
     Some(doubled(&fluxes))
 }
 
+/// Rays of their own from a side: `salt` from the air, the number after it from the dielectric.
+fn salted(rays: Rays, side: Side, salt: u64) -> Rays {
+    Rays { seed: mix(rays.seed, if side == Side::Air { salt } else { salt + 1 }), ..rays }
+}
+
+/// Sends rays at a cosine of incidence; without lobes their flux alone is counted.
 fn gather<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&LobeGrid>; 2],
-    incidence: usize,
+    (side, cos): (Side, f64),
     rays: Rays,
 ) -> Gathered {
-    let any = lobes.iter().flatten().next();
-    let (side, cos, eta) =
-        any.map_or((Side::Air, 1.0, 1.5), |g| (g.side, g.cosine(incidence), g.eta));
-    let seed = mix(rays.seed, if side == Side::Air { 11 } else { 12 });
-    let tiles = Rays { seed, ..rays }.tiles(cos);
+    let tiles = rays.tiles(cos);
     let part = |number: u64| {
         let mut sum = [0, 1].map(|k| vec![0.0; lobes[k].map_or(0, plane_size)]);
         let mut flux = [0.0; 2];
@@ -109,7 +114,7 @@ fn gather<S: Scatter<f64> + Sync>(
                 let which = usize::from(ray.lobe == Lobe::Transmission);
                 flux[which] += ray.weight;
                 let Some(grid) = lobes[which] else { continue };
-                if let Some((s, p)) = ray.place((eta, grid.header.form)) {
+                if let Some((s, p)) = ray.place((grid.eta, grid.header.form)) {
                     for (node, share) in corners(grid, s, p) {
                         sum[which][node] += share * ray.weight;
                     }
@@ -142,27 +147,6 @@ fn doubled(known: &[[f64; 2]]) -> Vec<[f64; 2]> {
     }
     all.extend(known.last());
     all
-}
-
-/// Reflected and transmitted flux at a cosine of incidence, of fewer rays.
-fn flux<S: Scatter<f64> + Sync>(boundary: &S, (side, cos): (Side, f64), rays: Rays) -> [f64; 2] {
-    let count = (rays.count / FEWER).max(rays.count.min(LEAST_RAYS));
-    let tiles =
-        Rays { count, seed: mix(rays.seed, if side == Side::Air { 13 } else { 14 }) }.tiles(cos);
-    let part = |number: u64| {
-        let mut flux = [0.0; 2];
-        for tile in (number..tiles.count()).step_by(PARTS as usize) {
-            for k in 0..tiles.rays_each() {
-                if let Some(ray) = trace(boundary, (side, cos), tiles, (tile, k)) {
-                    flux[usize::from(ray.lobe == Lobe::Transmission)] += ray.weight;
-                }
-            }
-        }
-        flux
-    };
-    let parts: Vec<[f64; 2]> = (0..PARTS).into_par_iter().map(part).collect();
-    let rays = tiles.count() as f64 * f64::from(tiles.rays_each());
-    [0, 1].map(|k| parts.iter().map(|flux| flux[k]).sum::<f64>() / rays)
 }
 
 pub(super) fn plane_size(grid: &LobeGrid) -> usize {
@@ -235,7 +219,7 @@ pub(super) fn sharpen(
     let masking = f64::from(grid.header.masking);
     // facets of the sums: nodes about them and the flux of v = 1
     let mut spots: Vec<([(usize, f64); 4], f64)> = Vec::new();
-    grid.over_facets(&beam, AROUND, |spot| {
+    grid.over_facets(&beam, |spot| {
         let flux = beam.per(&spot.turned, masking) * tail(fall, spot.s, s0) / spot.turned.jacobian;
         spots.push((corners(grid, spot.s, spot.p), flux * spot.weight));
     });

@@ -4,7 +4,7 @@ use asperity_core::bsdf::Bsdf;
 use asperity_core::table::{BsdfTableRef, Storage};
 use rayon::prelude::*;
 
-use super::grid::{AROUND, LobeGrid};
+use super::grid::LobeGrid;
 
 /// Share of a lobe beyond its last quantile.
 const LEFT_OUT: f64 = 1e-6;
@@ -38,7 +38,7 @@ fn one<S: Storage>(
     let beam = grid.beam(cos);
     // r, flux, flux times the azimuth's cosine; one row a ring
     let mut rings: Vec<[f64; 3]> = Vec::new();
-    grid.over_facets(&beam, AROUND, |spot| {
+    grid.over_facets(&beam, |spot| {
         let flux = table.ars(beam.wi, spot.turned.wo) / spot.turned.jacobian * spot.weight;
         match rings.last_mut() {
             Some(ring) if ring[0].to_bits() == spot.r.to_bits() => {
