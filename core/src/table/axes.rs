@@ -60,6 +60,8 @@ pub const GAIN_STEPS: u16 = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Incidence<T> {
     pub(super) place: Place<T>,
+    /// Number of the nearer node.
+    pub(super) nearest: usize,
     pub(super) gain: T,
 }
 
@@ -75,13 +77,22 @@ impl<T: Real> Incidence<T> {
             Place { cell: step, share: scaled - T::from_index(step as u32) }.mix(real(a), real(b));
         let cell = step / steps;
         let share = scaled * T::from_f64(1.0 / f64::from(GAIN_STEPS)) - T::from_index(cell as u32);
-        Some(Self { place: Place { cell, share }, gain })
+        Some(Self { place: Place { cell, share }, nearest: (step + steps / 2) / steps, gain })
     }
 }
 
-/// Cells between nodes, less what makes a place that rounding sends past the last node stay before it.
+/// What makes a place that rounding sends past the last node stay before it.
+pub(super) const INWARDS: f32 = 1.0 - 4e-6;
+
+/// Cells between so many nodes, at least one, a hair less.
 pub const fn cells(nodes: u16) -> f32 {
-    nodes.saturating_sub(1) as f32 * (1.0 - 4e-6)
+    steps(nodes, 1.0)
+}
+
+/// The same times a number of steps in each cell.
+#[inline(always)]
+pub(super) const fn steps(nodes: u16, each: f32) -> f32 {
+    (nodes as f32 - 1.0) * (INWARDS * each)
 }
 
 /// A small whole number; exact, and a single conversion where the device has one.

@@ -1,7 +1,7 @@
 //! A table as numbers and five flat arrays: how it is kept in files and generated source.
 
-use super::lobe::{Fall, Form, LobeTable, Shape};
-use super::side::SideTable;
+use super::lobe::{Fall, Form, LobeTable, Shape, unit};
+use super::side::{SideTable, fine};
 use super::storage::Storage;
 use super::view::{BsdfTableRef, TableError};
 use crate::quantity::RelativeIor;
@@ -22,6 +22,35 @@ pub struct LobeHeader {
     pub grazing: f32,
     /// Width of the masking that is divided out.
     pub masking: f32,
+}
+
+impl LobeHeader {
+    /// The lobe over arrays of its own.
+    #[inline(always)]
+    pub const fn over<'a, S>(
+        &self,
+        gains: &'a [f32],
+        values: &'a [S],
+        quantiles: &'a [u16],
+        leans: &'a [i8],
+    ) -> LobeTable<'a, S> {
+        let Self { shape, form, fall, scale, grazing, masking } = *self;
+        let (cells, unit) = (shape.cells(), unit(shape, scale));
+        LobeTable {
+            shape,
+            form,
+            fall,
+            scale,
+            grazing,
+            masking,
+            cells,
+            unit,
+            gains,
+            values,
+            quantiles,
+            leans,
+        }
+    }
 }
 
 /// The numbers of a table.
@@ -129,15 +158,10 @@ impl Header {
         let ([air_r, air_t, inside_r, inside_t], [above, below]) = (&self.lobes, self.fluxes);
         let [grazing_above, grazing_below] = self.grazing;
         let (r, t) = (&mut dielectric.reflection, &mut dielectric.transmission);
-        next_lobe(air_r.as_ref(), from, &mut air.reflection, scope::AIR && scope::REFLECTION)
-            && next_lobe(
-                air_t.as_ref(),
-                from,
-                &mut air.transmission,
-                scope::AIR && scope::TRANSMISSION,
-            )
-            && next_lobe(inside_r.as_ref(), from, r, scope::DIELECTRIC && scope::REFLECTION)
-            && next_lobe(inside_t.as_ref(), from, t, scope::DIELECTRIC && scope::TRANSMISSION)
+        next_lobe(air_r, from, &mut air.reflection, scope::AIR && scope::REFLECTION)
+            && next_lobe(air_t, from, &mut air.transmission, scope::AIR && scope::TRANSMISSION)
+            && next_lobe(inside_r, from, r, scope::DIELECTRIC && scope::REFLECTION)
+            && next_lobe(inside_t, from, t, scope::DIELECTRIC && scope::TRANSMISSION)
             && next_fluxes(above, grazing_above, from, air, scope::AIR)
             && next_fluxes(below, grazing_below, from, dielectric, scope::DIELECTRIC)
     }
@@ -146,37 +170,21 @@ impl Header {
 /// Takes the numbers of a lobe, and puts them where they belong if they are wanted.
 #[inline(never)]
 const fn next_lobe<'a, S: Storage>(
-    header: Option<&LobeHeader>,
+    header: &Option<LobeHeader>,
     from: &mut Arrays<'a, S>,
     to: &mut Option<LobeTable<'a, S>>,
     wanted: bool,
 ) -> bool {
-    let Some(&LobeHeader { shape, form, fall, scale, grazing, masking }) = header else {
+    let Some(lobe) = header else {
         return true;
     };
-    let (Some(gains), Some(values), Some(quantiles), Some(leans)) = (
-        take(&mut from.gains, shape.gains()),
-        take(&mut from.values, shape.values()),
-        take(&mut from.quantiles, shape.quantiles()),
-        take(&mut from.leans, shape.leans()),
-    ) else {
-        return false;
-    };
+    let shape = lobe.shape;
+    let Some(gains) = take(&mut from.gains, shape.gains()) else { return false };
+    let Some(values) = take(&mut from.values, shape.values()) else { return false };
+    let Some(quantiles) = take(&mut from.quantiles, shape.quantiles()) else { return false };
+    let Some(leans) = take(&mut from.leans, shape.leans()) else { return false };
     if wanted {
-        let cells = shape.cells();
-        *to = Some(LobeTable {
-            shape,
-            form,
-            fall,
-            scale,
-            grazing,
-            masking,
-            gains,
-            cells,
-            values,
-            quantiles,
-            leans,
-        });
+        *to = Some(lobe.over(gains, values, quantiles, leans));
     }
     true
 }
@@ -192,6 +200,7 @@ const fn next_fluxes<'a, S: Storage>(
 ) -> bool {
     let Some(fluxes) = take(&mut from.fluxes, rows as usize) else { return false };
     if wanted {
+        to.steps = fine(fluxes.len());
         to.fluxes = fluxes;
         to.grazing = grazing;
     }

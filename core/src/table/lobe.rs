@@ -1,6 +1,8 @@
 //! One lobe from one side: its values, and the quantiles it is sampled with.
 
-use super::axes::{GAIN_STEPS, Incidence, Place, cells, incidence_place, real, whole};
+use super::axes::{
+    GAIN_STEPS, INWARDS, Incidence, Place, cells, incidence_place, real, steps, whole,
+};
 use super::storage::Storage;
 use super::view::TableError;
 use crate::direction::Direction;
@@ -99,11 +101,16 @@ impl Shape {
     }
     /// Number of gains: between nodes of incidence there are [`GAIN_STEPS`].
     pub const fn gains(self) -> usize {
-        self.incidences.saturating_sub(1) as usize * GAIN_STEPS as usize + 1
+        (self.incidences as usize * GAIN_STEPS as usize + 1).saturating_sub(GAIN_STEPS as usize)
     }
-    /// [`cells`](super::cells) of gains, azimuths and radii.
-    pub const fn cells(self) -> [f32; 3] {
-        [cells(self.incidences) * GAIN_STEPS as f32, cells(self.azimuths), cells(self.radii)]
+    /// [`cells`](super::cells) of gains, of azimuths on each half of the cosine's range, of radii, and of samples.
+    pub const fn cells(self) -> [f32; 4] {
+        [
+            steps(self.incidences, GAIN_STEPS as f32),
+            steps(self.azimuths, 0.5),
+            cells(self.radii),
+            self.intervals as f32 * INWARDS,
+        ]
     }
     /// Number of quantiles.
     pub const fn quantiles(self) -> usize {
@@ -133,7 +140,9 @@ pub struct LobeTable<'a, S> {
     /// What the square of a stored unit is worth, linear between steps of incidence: here the flux is the model's.
     pub gains: &'a [f32],
     /// [`Shape::cells`], which every look-up needs.
-    pub cells: [f32; 3],
+    pub cells: [f32; 4],
+    /// What a sample stands for, but for its interval, its slope and its azimuth: [`unit`], which every one needs.
+    pub unit: f32,
     /// `v`: radii run fastest, then azimuths, then incidences.
     pub values: &'a [S],
     /// `r^2` in units of 1/65536, strictly ascending from 0 within each incidence.
@@ -142,19 +151,28 @@ pub struct LobeTable<'a, S> {
     pub leans: &'a [i8],
 }
 
-/// A facet drawn from a lobe, about the z axis with the mirror direction on the side of +x.
+/// Four times what a sample stands for in a lobe of a scale of slopes, but for its interval, its slope and its azimuth:
+/// `dt = 2 r dr`, `d omega = s ds cos^3`, `ds = s0 / (1 - r)^2 dr`; a quarter of one over the density of [`half_angle`].
+#[inline(always)]
+pub(super) const fn unit(shape: Shape, scale: f32) -> f32 {
+    let [.., intervals] = shape.cells();
+    intervals * (scale * scale)
+}
+
+/// A facet drawn from a lobe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drawn<T> {
-    /// Unit normal.
-    pub(super) m: [T; 3],
-    /// Cosine of its azimuth.
+    /// Cosine of its azimuth against the mirror direction.
     pub(super) p: T,
+    /// Sine of it.
+    pub(super) across: T,
     /// `r`.
     pub(super) r: T,
-    /// `q` of [`Fall`].
-    pub(super) q: T,
-    /// Density per solid angle of the normal.
-    pub(super) density: T,
+    /// Sine and cosine of its polar angle.
+    pub(super) sin: T,
+    pub(super) cos: T,
+    /// Four times `Q` at `v` = 1 and the gain there, times the solid angle of normals a sample stands for: one over their density.
+    pub(super) room: T,
 }
 
 impl<S: Storage> LobeTable<'_, S> {
@@ -168,7 +186,8 @@ impl<S: Storage> LobeTable<'_, S> {
             && self.values.len() == self.shape.values()
             && self.quantiles.len() == self.shape.quantiles()
             && self.leans.len() == self.shape.leans()
-            && self.cells.map(f32::to_bits) == self.shape.cells().map(f32::to_bits);
+            && self.cells.map(f32::to_bits) == self.shape.cells().map(f32::to_bits)
+            && self.unit.to_bits() == unit(self.shape, self.scale).to_bits();
         if !lengths {
             return Err(TableError::Length);
         }
@@ -193,12 +212,12 @@ impl<S: Storage> LobeTable<'_, S> {
         }
     }
 
-    /// `4 |cos_o| / (M(wi) M(wo))` of [`Form::Masked`].
+    /// `|cos_o| / (M(wi) M(wo))` of [`Form::Masked`].
     #[inline(always)]
     pub(super) fn unmasked<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         let a: T = real(self.masking);
         let sums = shadow_sum(a, wi.xyz()) * shadow_sum(a, wo.xyz());
-        T::from_f64(4.0) * wo.z().abs() / (sums + T::MIN_POSITIVE)
+        wo.z().abs() / (sums + T::MIN_POSITIVE)
     }
 
     /// Where an incidence lies, by its sine and cosine.
@@ -208,13 +227,12 @@ impl<S: Storage> LobeTable<'_, S> {
         Incidence::of(incidence_place(s, c, real(self.grazing)), steps, self.gains)
     }
 
-    /// `v^2` at an incidence, an azimuth's cosine and a radius; `None` only for places that no table has.
+    /// `v^2` at an incidence, an azimuth's cosine and a radius, but for its gain; `None` only for places that no table has.
     #[inline(always)]
-    pub(super) fn value<T: Real>(&self, y: Incidence<T>, p: T, r: T) -> Option<T> {
-        let Incidence { place: y, gain } = y;
+    pub(super) fn square<T: Real>(&self, y: Place<T>, p: T, r: T) -> Option<T> {
         let Shape { azimuths, radii, .. } = self.shape;
-        let [_, around, outwards] = self.cells;
-        let p = Place::of(T::HALF + T::HALF * p, around);
+        let [_, around, outwards, _] = self.cells;
+        let p = Place::of(T::ONE + p, around);
         let r = Place::of(r, outwards);
         let (rows, columns) = (usize::from(azimuths), usize::from(radii));
         let plane = rows * columns;
@@ -227,7 +245,7 @@ impl<S: Storage> LobeTable<'_, S> {
         };
         let low = p.mix(pair(0)?, pair(columns)?);
         let high = p.mix(pair(plane)?, pair(plane + columns)?);
-        Some(y.mix(low * low, high * high) * gain)
+        Some(y.mix(low * low, high * high))
     }
 
     /// `Q` from `v^2` and `q`.
@@ -240,80 +258,87 @@ impl<S: Storage> LobeTable<'_, S> {
         }
     }
 
-    /// Ends of interval `k` in `r^2`, and its lean.
+    /// Ends of interval `k` in units of 1/65536 of `r^2`.
     #[inline(always)]
-    fn interval<T: Real>(&self, y: Place<T>, k: usize) -> Option<(T, T, T)> {
-        let count = usize::from(self.shape.intervals);
-        let unit = T::from_f64(1.0 / 65536.0);
+    fn ends<T: Real>(&self, y: Place<T>, k: usize) -> Option<[T; 2]> {
+        let row = usize::from(self.shape.intervals) + 1;
+        let at = y.cell * row + k;
         // both incidences in one piece: their ends are its ends
-        let at = y.cell * count + k;
-        let ends = self.quantiles.get(at + y.cell..at + y.cell + count + 3)?;
-        let (&[a, b], &[c, d]) = (ends.first_chunk()?, ends.last_chunk()?);
-        let leans = self.leans.get(at..at + count + 1)?;
-        let (&low, &high) = (leans.first()?, leans.last()?);
-        let lean = |l: i8| T::from_f64(f64::from(l));
-        let lean = y.mix(lean(low), lean(high)) * T::from_f64(1.0 / 128.0);
-        Some((y.mix(whole(a), whole(c)) * unit, y.mix(whole(b), whole(d)) * unit, lean))
+        let both = self.quantiles.get(at..)?.get(..row + 2)?;
+        let (&[a, b], &[c, d]) = (both.first_chunk()?, both.last_chunk()?);
+        Some([y.mix(whole(a), whole(c)), y.mix(whole(b), whole(d))])
+    }
+
+    /// Lean of interval `k`, of the nearer incidence.
+    #[inline(always)]
+    fn lean<T: Real>(&self, y: Incidence<T>, k: usize) -> Option<T> {
+        let lean = self.leans.get(y.nearest * usize::from(self.shape.intervals) + k)?;
+        Some(T::from_f64(f64::from(*lean)) * T::from_f64(1.0 / 128.0))
     }
 
     /// A facet from two uniforms: `u[0]` its azimuth, `u[1]` its slope.
     #[inline(always)]
-    pub(super) fn draw<T: Real>(&self, y: Place<T>, u: [T; 2]) -> Option<Drawn<T>> {
-        let scaled = u[1] * whole(self.shape.intervals);
-        let k = scaled.to_index().min(usize::from(self.shape.intervals) - 1);
-        let (a, b, lean) = self.interval(y, k)?;
-        let t = a + (scaled - whole(k as u16)).min(T::ONE) * (b - a);
-        let r = t.sqrt_positive();
+    pub(super) fn draw<T: Real>(&self, y: Incidence<T>, u: [T; 2]) -> Option<Drawn<T>> {
+        let [.., intervals] = self.cells;
+        let scaled = u[1] * real(intervals);
+        let k = scaled.to_index();
+        let [a, b] = self.ends(y.place, k)?;
+        let lean = self.lean(y, k)?;
+        let t = (a + (scaled - T::from_index(k as u32)) * (b - a)) * T::from_f64(1.0 / 65536.0);
         let w = T::TWO * u[0] - T::ONE;
-        let [x, y] = half_angle(w, lean);
-        let both = x * x + y * y;
-        let over = T::ONE / both;
-        let (p, sin) = ((x * x - y * y) * over, T::TWO * x * y * over);
-        let around = around(w, lean, both);
+        let (w2, [c, s]) = (w * w, half_angle(w, lean));
+        let (c2, s2) = (c * c, s * s);
+        let over = T::ONE / (c2 + s2);
+        let r = t.abs().sqrt();
         let s0: T = real(self.scale);
         let (x, z) = (s0 * r, T::ONE - r);
-        let inverse = T::ONE / (x * x + z * z).sqrt();
-        let (sin_m, cos_m) = (x * inverse, z * inverse);
-        // dt = 2 r dr, d omega = s ds cos^3, ds = s0 / (1 - r)^2 dr
-        let width =
-            whole::<T>(self.shape.intervals) * (b - a) * s0 * s0 * inverse * inverse * inverse;
-        let q = s0 / (s0 * s0 * cos_m * cos_m + sin_m * sin_m);
+        let (z2, length2) = (z * z, x * x + z * z);
+        let length = length2.sqrt();
+        let inverse = T::ONE / length;
+        // q = length^2 even, from sin^2 and cos^2 with their common divisor; its power over the cube of the length
+        let even = T::ONE / (s0 * (z2 + t));
+        let tail = match self.fall {
+            Fall::Fourth => length * even * even,
+            Fall::Second => inverse * even,
+            Fall::Flat => inverse * inverse * inverse,
+        };
+        let room = real::<T>(self.unit) * (b - a) * over * spread(w2, lean);
         Some(Drawn {
-            m: [sin_m * p, sin_m * sin, cos_m],
-            p,
+            p: (c2 - s2) * over,
+            across: (c + c) * s * over,
             r,
-            q,
-            density: T::TWO * around / width,
+            sin: x * inverse,
+            cos: z * inverse,
+            room: room * y.gain * tail,
         })
     }
 
     /// Density of [`Self::draw`] per solid angle, for a facet of radius `r`, azimuth's cosine `p` and polar cosine `cos_m`.
-    pub(super) fn density<T: Real>(&self, y: Place<T>, p: T, r: T, cos_m: T) -> T {
-        let t = r * r;
+    pub(super) fn density<T: Real>(&self, y: Incidence<T>, p: T, r: T, cos_m: T) -> T {
+        let t = r * r * T::from_f64(65536.0);
         let count = usize::from(self.shape.intervals);
         // bisection: the last interval that starts at or below t
         let (mut low, mut high) = (0, count);
         while high - low > 1 {
             let middle = usize::midpoint(low, high);
-            match self.interval(y, middle) {
-                Some((a, _, _)) if a <= t => low = middle,
+            match self.ends(y.place, middle) {
+                Some([a, _]) if a <= t => low = middle,
                 _ => high = middle,
             }
         }
-        let Some((a, b, lean)) = self.interval(y, low).filter(|i| t < i.1) else {
+        let Some([a, b]) = self.ends(y.place, low).filter(|[_, b]| t < *b) else {
             return T::ZERO;
         };
+        let Some(lean) = self.lean(y, low) else { return T::ZERO };
         // the number that draws this azimuth: the positive root of k w / (1 - w^2) = sin / cos
         let (cos, sin) = ((T::ONE + p).sqrt_positive(), (T::ONE - p).sqrt_positive());
         let k = T::from_f64(core::f64::consts::SQRT_2) * (T::ONE - lean) / (T::ONE + lean);
         let w =
             T::TWO * sin / (k * cos + (k * k * (T::ONE + p) + T::from_f64(4.0) * sin * sin).sqrt());
         let [x, y] = half_angle(w, lean);
-        let around = around(w, lean, x * x + y * y);
-        let s0: T = real(self.scale);
         let ratio = (T::ONE - r) / cos_m;
-        T::TWO * around * ratio * ratio * ratio
-            / (whole::<T>(self.shape.intervals) * (b - a) * s0 * s0)
+        (x * x + y * y) * (ratio * ratio * ratio)
+            / (T::from_f64(0.25) * real(self.unit) * (b - a) * spread(w * w, lean))
     }
 }
 
@@ -329,9 +354,11 @@ fn half_angle<T: Real>(w: T, lean: T) -> [T; 2] {
     ]
 }
 
-/// Density of that azimuth on the circle, from the sum of the squares of [`half_angle`].
+/// `1 / (4 sqrt 2)` of the sum of the squares of [`half_angle`], over the density of that azimuth on the circle.
 #[inline(always)]
-fn around<T: Real>(w: T, lean: T, both: T) -> T {
-    T::from_f64(0.25 * core::f64::consts::FRAC_1_SQRT_2) * both
-        / ((T::ONE - lean * lean) * (T::ONE + w * w))
+fn spread<T: Real>(w2: T, lean: T) -> T {
+    T::from_f64(core::f64::consts::SQRT_2 / 8192.0)
+        * (T::ONE + lean)
+        * (T::ONE - lean)
+        * (T::ONE + w2)
 }

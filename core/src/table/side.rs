@@ -1,10 +1,19 @@
 //! What light from one side becomes: two lobes, and their fluxes.
 
-use super::axes::{Place, cells, incidence_place, real, whole};
+use super::axes::{Place, incidence_place, real, steps, whole};
 use super::lobe::LobeTable;
 use super::storage::Storage;
 use crate::math::Real;
 use crate::scope;
+
+/// Steps of the shares within a cell of incidence.
+const STEPS: u16 = 256;
+
+/// [`SideTable::steps`] of a number of fluxes.
+#[inline(always)]
+pub(super) const fn fine(fluxes: usize) -> f32 {
+    steps(fluxes as u16, STEPS as f32)
+}
 
 /// Fractions of the incident flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,15 +37,17 @@ pub struct SideTable<'a, S> {
     pub transmission: Option<LobeTable<'a, S>>,
     /// `k` of the incidences of the fluxes.
     pub grazing: f32,
-    /// Fluxes in units of 1/65535, one row an incidence.
+    /// 256 times [`cells`](super::cells) of the fluxes, which every sample needs.
+    pub steps: f32,
+    /// Fluxes in units of 1/65535, one row an incidence; 0 for a lobe that was left out, or its samples are lost.
     pub fluxes: &'a [[u16; 4]],
 }
 
-impl<S: Storage> SideTable<'_, S> {
+impl<'a, S: Storage> SideTable<'a, S> {
     /// [`Self::DARK`], made and not copied.
     #[inline(always)]
     pub(super) const fn dark() -> Self {
-        Self { reflection: None, transmission: None, grazing: 0.0, fluxes: &[] }
+        Self { reflection: None, transmission: None, grazing: 0.0, steps: 0.0, fluxes: &[] }
     }
 
     /// What this build answers of light from `below` or above.
@@ -54,11 +65,16 @@ impl<S: Storage> SideTable<'_, S> {
     /// A side without any light.
     pub const DARK: Self = Self::dark();
 
+    /// The same side with fluxes, and `k` of their incidences.
+    #[inline(always)]
+    pub const fn with_fluxes(self, grazing: f32, fluxes: &'a [[u16; 4]]) -> Self {
+        Self { grazing, steps: fine(fluxes.len()), fluxes, ..self }
+    }
+
     /// Fluxes at an incidence, by its sine and cosine.
     #[inline(always)]
     pub(super) fn at<T: Real>(&self, s: T, c: T) -> Fluxes<T> {
-        let cells = cells(self.fluxes.len() as u16);
-        let y = Place::of(incidence_place(s, c, real(self.grazing)), cells);
+        let y = Place::of(incidence_place(s, c, real(self.grazing)), self.steps / f32::from(STEPS));
         let rows = self.fluxes.get(y.cell..).and_then(|rows| rows.first_chunk());
         let Some([low, high]) = rows else { return Fluxes::default() };
         let unit = T::from_f64(1.0 / 65535.0);
@@ -77,5 +93,25 @@ impl<S: Storage> SideTable<'_, S> {
         }
         let (coherent_reflected, coherent_transmitted) = (mix(true, c, g), mix(false, d, h));
         Fluxes { coherent_reflected, coherent_transmitted, ..diffuse }
+    }
+
+    /// What samples go by: diffuse and coherent fluxes in units of 1/65535/256, in steps of 1/256 of a cell. Whole numbers
+    /// take a device half the instructions.
+    #[inline(always)]
+    pub(super) fn shares<T: Real>(&self, s: T, c: T) -> Option<[[u32; 2]; 2]> {
+        let fine = (incidence_place(s, c, real(self.grazing)) * real(self.steps)).to_index();
+        let steps = usize::from(STEPS);
+        let &[low, high] = self.fluxes.get(fine / steps..)?.first_chunk()?;
+        let upper = (fine % steps) as u32;
+        let mix = |mirrored: bool, low: u16, high: u16| {
+            let mixed = u32::from(low) * (u32::from(STEPS) - upper) + u32::from(high) * upper;
+            if scope::lobe(mirrored) { mixed } else { 0 }
+        };
+        let ([a, b, c, d], [e, f, g, h]) = (low, high);
+        let diffuse = [mix(true, a, e), mix(false, b, f)];
+        if c | d | g | h == 0 {
+            return Some([diffuse, [0; 2]]);
+        }
+        Some([diffuse, [mix(true, c, g), mix(false, d, h)]])
     }
 }

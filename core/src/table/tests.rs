@@ -87,21 +87,48 @@ fn one_value_is_ggx_in_every_storage_and_precision() {
 
 #[test]
 fn the_weight_of_a_sample_is_ars_over_pdf() {
+    for form in [Form::Masked, Form::Drawn, Form::Direct] {
+        for fall in [Fall::Fourth, Fall::Second, Fall::Flat] {
+            let change = |header: &mut Header| {
+                for lobe in header.lobes.iter_mut().flatten() {
+                    *lobe = LobeHeader { form, fall, ..*lobe };
+                }
+            };
+            let table = build::<u16>(65_535, change).unwrap();
+            let view = table.view();
+            let mut seen = 0;
+            for (k, (wi, _)) in directions().enumerate() {
+                let mut u = 0.17 * k as f64;
+                let mut uniform = || {
+                    u = (u + 0.618) % 1.0;
+                    u
+                };
+                let Some(s) = view.sample(wi, &mut uniform) else { continue };
+                let (ars, pdf) = (view.ars(wi, s.wo), view.pdf(wi, s.wo));
+                let off = (ars / pdf - s.weight).abs();
+                assert!(off <= 1e-6 * s.weight, "{form:?} {fall:?} {wi:?} {s:?} {ars} {pdf}");
+                seen += 1;
+            }
+            assert!(seen > 150, "{form:?} {seen}");
+        }
+    }
+}
+
+#[test]
+fn samples_of_light_along_the_normal_are_unit_vectors() {
     let table = build::<u16>(65_535, |_| ()).unwrap();
     let view = table.view();
-    let mut seen = 0;
-    for (k, (wi, _)) in directions().enumerate() {
-        let mut u = 0.17 * k as f64;
-        let mut uniform = || {
-            u = (u + 0.618) % 1.0;
-            u
-        };
-        let Some(s) = view.sample(wi, &mut uniform) else { continue };
-        let (ars, pdf) = (view.ars(wi, s.wo), view.pdf(wi, s.wo));
-        assert!((ars / pdf - s.weight).abs() <= 1e-6 * s.weight, "{wi:?} {s:?} {ars} {pdf}");
-        seen += 1;
+    for x in [0.0, 1e-45, 1e-38, -3e-30, 1e-23, -2e-22, 1e-19, 1e-16, 1e-9_f32] {
+        for (wi, lobe) in [(1.0, Lobe::Reflection), (-1.0, Lobe::Transmission)]
+            .map(|(z, lobe)| (Direction::from_unit(0.6 * x, -0.8 * x, z), lobe))
+        {
+            let ray = view.sample_lobe(wi, lobe, [0.3, 0.6]).unwrap();
+            assert!(
+                (ray.wo.dot(ray.wo) - 1.0).abs() < 1e-6 && ray.wo.z().abs() < 0.999,
+                "{x} {ray:?}"
+            );
+        }
     }
-    assert!(seen > 200, "{seen}");
 }
 
 #[test]

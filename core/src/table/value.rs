@@ -2,6 +2,7 @@
 
 use super::axes::{Incidence, real};
 use super::lobe::{Form, LobeTable};
+use super::sample::Shares;
 use super::storage::Storage;
 use super::view::BsdfTableRef;
 use crate::bsdf::{Bsdf, HalfVector, Lobe, Scattered};
@@ -81,7 +82,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         }
     }
 
-    /// `ars`; `None` where nothing scatters.
+    /// `ars`, or infinity beyond it; `None` where nothing scatters.
     #[inline(always)]
     fn scattered<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> Option<T> {
         let lobe = self.lobe_between(wi, wo)?;
@@ -89,7 +90,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         let facets = lobe.facets(wi, &half)?;
         Some(match lobe.form {
             Form::Drawn => facets * ((half.xy2 + half.z2).sqrt() / self.facing(wi, wo)),
-            Form::Masked | Form::Direct => (facets * lobe.unmasked(wi, wo)).min(T::MAX),
+            Form::Masked | Form::Direct => T::from_f64(4.0) * facets * lobe.unmasked(wi, wo),
         })
     }
 }
@@ -125,7 +126,7 @@ impl<S: Storage> LobeTable<'_, S> {
         let Found { y, p, r } = self.find(wi, half)?;
         let (s0, hh): (T, T) = (real(self.scale), half.xy2 + half.z2);
         let q = s0 * hh / (s0 * s0 * half.z2 + half.xy2);
-        Some(self.shaped(self.value(y, p, r)?, q) * half.share)
+        Some(self.shaped(self.square(y.place, p, r)? * y.gain, q) * half.share)
     }
 }
 
@@ -133,14 +134,14 @@ impl<S: Storage> BsdfTableRef<'_, S> {
     /// Density of the diffuse samples; `None` where there are none.
     #[inline(always)]
     fn density<T: Real>(&self, wi: Direction<T>, wo: Direction<T>) -> Option<T> {
-        let (side, lobe) = (wi.side()?, self.lobe_between(wi, wo)?);
+        let (from, lobe) = (self.arriving(wi)?, self.lobe_between(wi, wo)?);
         let half = self.half(lobe.form, wi, wo)?;
         let Found { y, p, r } = lobe.find(wi, &half)?;
-        let [reflected, transmitted, cr, ct] = self.shares(wi, side);
-        let share = if (wo.z() > T::ZERO) == (wi.z() > T::ZERO) { reflected } else { transmitted };
-        let all = reflected + transmitted + cr + ct;
+        let Shares { diffuse: [back, on], coherent } = self.shares(&from)?;
+        let share = if (wo.z() > T::ZERO) == (wi.z() > T::ZERO) { back } else { on };
+        let all = back + on + (coherent[0] + coherent[1]);
         let length = (half.xy2 + half.z2).sqrt();
-        let facet = lobe.density(y.place, p.max(-T::ONE).min(T::ONE), r, half.z2.sqrt() / length);
+        let facet = lobe.density(y, p.max(-T::ONE).min(T::ONE), r, half.z2.sqrt() / length);
         let density = facet * half.turn * length / half.ih;
         (all > T::ZERO).then(|| density * (share / all))
     }
@@ -156,7 +157,7 @@ impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
     #[inline]
     fn ars(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         let Some(ars) = self.scattered(wi, wo) else { return dark() };
-        ars
+        ars.min(T::MAX)
     }
 
     /// Of the diffuse samples.
@@ -166,24 +167,19 @@ impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
 
     /// Coherent light for the lowest `u[1]`, then a facet: `u[0]` is its azimuth, `u[1]` its slope.
     fn sample_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
-        let side = wi.side()?;
-        let [r, t, cr, ct] = self.shares(wi, side);
+        let from = self.arriving(wi)?;
+        let Shares { diffuse: [r, t], coherent: [cr, ct] } = self.shares(&from)?;
         let (diffuse, coherent) = if lobe == Lobe::Reflection { (r, cr) } else { (t, ct) };
-        let all = diffuse + coherent;
-        if coherent <= T::ZERO || diffuse <= T::ZERO {
-            if diffuse <= T::ZERO && coherent > T::ZERO {
-                return self.specular(wi, lobe);
-            }
-            return self.draw(self.lobe(side, lobe)?, lobe, wi, u);
+        if coherent <= T::ZERO {
+            return self.draw(&from, lobe, u, T::ONE);
         }
+        let all = diffuse + coherent;
         let at = u[1] * all;
-        if at < coherent {
-            let ray = self.specular(wi, lobe)?;
-            return Some(Scattered { weight: all, ..ray });
+        if at < coherent || diffuse <= T::ZERO {
+            return self.specular(wi, lobe, all);
         }
         let rest = ((at - coherent) / diffuse).max(T::ZERO).min(T::ONE - T::EPSILON);
-        let ray = self.draw(self.lobe(side, lobe)?, lobe, wi, [u[0], rest])?;
-        Some(Scattered { weight: ray.weight * all / diffuse, ..ray })
+        self.draw(&from, lobe, [u[0], rest], all / diffuse)
     }
 
     fn slope(&self) -> T {

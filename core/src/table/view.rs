@@ -4,7 +4,7 @@ use core::fmt;
 
 use super::axes::real;
 use super::lobe::LobeTable;
-use super::side::SideTable;
+use super::side::{SideTable, fine};
 use super::storage::Storage;
 use crate::bsdf::{Lobe, Scattered};
 use crate::direction::{Direction, Side};
@@ -105,7 +105,10 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
             if side.fluxes.len() < 2 && lobes.peek().is_some() {
                 return Err(TableError::Shape);
             }
-            if !(-0.95..=100.0).contains(&side.grazing) || side.fluxes.len() > 4096 {
+            if !(-0.95..=100.0).contains(&side.grazing)
+                || side.fluxes.len() > 4096
+                || side.steps.to_bits() != fine(side.fluxes.len()).to_bits()
+            {
                 return Err(TableError::Number);
             }
             for lobe in lobes {

@@ -1,7 +1,8 @@
 //! Instructions a call on a Cortex-M4F, by QEMU's `-icount shift=0` and `SysTick`.
 //!
 //! One line a case: `count LAW TIER WHAT INSTRUCTIONS`. Pairs of directions are the same in all, transmission and
-//! reflection in turn; "+unit" makes both directions from ready components, "+new" normalises them.
+//! reflection in turn; "+unit" makes both directions from ready components, "+new" normalises them. The uniforms of a
+//! sample are ready, too, and its rays are not lost, which would spare the rest.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -177,15 +178,31 @@ mod device {
             _ => 0.0,
         });
         say("ars+new", built);
-        let mut u = 0.0_f32;
-        let sample = each(&ready, |(i, _)| {
-            let mut uniform = || {
-                u = if u > 0.9 { u - 0.9 } else { u + 0.0618 };
-                T::of(u)
-            };
+        let mut step = 0.0;
+        let rays = ready.map(|(i, _)| {
+            for _ in 0..100 {
+                step += 1.0;
+                let uniforms = [0.618, 0.755, 0.570].map(|each: f32| (0.5 + each * step) % 1.0);
+                if drawn(law, i, uniforms) {
+                    return (i, uniforms);
+                }
+            }
+            (i, [0.5; 3])
+        });
+        let floor = each(&rays, |(i, [a, b, c])| i.z().value() + a + b + c);
+        let sample = each(&rays, |(i, u)| {
+            let mut next = u.into_iter();
+            let mut uniform = || T::of(next.next().unwrap_or(0.5));
             law.sample(i, &mut uniform).map_or(0.0, |s| (s.weight + s.wo.z()).value())
         });
-        say("sample", sample);
+        hprintln!("count {} {} sample {}", name, tier, sample.saturating_sub(floor));
+    }
+
+    /// Whether these uniforms draw a ray.
+    #[inline(never)]
+    fn drawn<T: Tier, B: Bsdf<T>>(law: &B, wi: Direction<T>, uniforms: [f32; 3]) -> bool {
+        let mut next = uniforms.into_iter();
+        law.sample(wi, &mut || T::of(next.next().unwrap_or(0.5))).is_some()
     }
 
     /// Instructions a call, with the loop.

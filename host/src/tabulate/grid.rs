@@ -6,7 +6,7 @@ use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{
-    BsdfTableRef, GAIN_STEPS, LobeHeader, LobeTable, SideTable, Storage, incidence_cosine, slope,
+    BsdfTableRef, GAIN_STEPS, LobeHeader, SideTable, Storage, incidence_cosine, slope,
 };
 
 use super::facet::{Beam, Turned};
@@ -104,24 +104,12 @@ impl LobeGrid {
         run: impl FnOnce(&BsdfTableRef<'_, S>) -> R,
     ) -> Option<R> {
         let (gains, values) = self.stored::<S>();
-        let LobeHeader { mut shape, form, fall, scale, grazing, masking } = self.header;
-        shape.intervals = 1;
-        let quantiles: Vec<u16> = (0..shape.incidences).flat_map(|_| [0, 65535]).collect();
-        let leans = vec![0; shape.leans()];
-        let lobe = LobeTable {
-            shape,
-            form,
-            fall,
-            scale,
-            grazing,
-            masking,
-            cells: shape.cells(),
-            gains: &gains,
-            values: &values,
-            quantiles: &quantiles,
-            leans: &leans,
-        };
-        let mut lit = SideTable { fluxes: &[[32767, 32767, 0, 0]; 2], ..SideTable::DARK };
+        let mut header = self.header;
+        header.shape.intervals = 1;
+        let quantiles: Vec<u16> = (0..header.shape.incidences).flat_map(|_| [0, 65535]).collect();
+        let leans = vec![0; header.shape.leans()];
+        let lobe = header.over(&gains, &values, &quantiles, &leans);
+        let mut lit = SideTable::DARK.with_fluxes(0.0, &[[32767, 32767, 0, 0]; 2]);
         match self.lobe {
             Lobe::Reflection => lit.reflection = Some(lobe),
             Lobe::Transmission => lit.transmission = Some(lobe),

@@ -16,12 +16,12 @@ use crate::table::TableLaw;
 #[derive(Clone, Copy, Debug)]
 pub struct AsperityTable {
     /// Room for it.
-    opaque: [MaybeUninit<usize>; 96],
+    opaque: [MaybeUninit<usize>; 104],
 }
 
 impl AsperityTable {
     /// Storage without an object in it.
-    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 96] };
+    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 104] };
 }
 
 impl Storage for AsperityTable {
