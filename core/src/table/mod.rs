@@ -12,8 +12,8 @@
 //! Stored is the square root: small values keep their digits in 8 or 16 bits, and nothing is negative. Between nodes it is
 //! linear in the last two, its square is in the first. What a unit of it is worth, the gain, has [`GAIN_STEPS`] within each cell
 //! of incidence, at which the flux is that of the model. Samples need no values: each incidence has the quantiles of
-//! `r^2` and, for each interval, the mean of `p`; both are interpolated like the values, so the density of
-//! the samples is known exactly without a sum over incidences.
+//! `r^2`, which are interpolated like the values, and for each interval the mean of `p`, of which the nearer is taken; so the
+//! density of the samples is known exactly without a sum over incidences.
 
 mod storage;
 mod axes;

@@ -17,70 +17,20 @@
 //! ```
 
 use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use asperity_core::gonio::Geometry;
-use asperity_core::plate::RoughSide;
-use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range, checksum};
+use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::plan::{CalibrationRule, Plan};
+use super::plan_error::PlanError;
 use crate::measurement::{Metadata, excerpt};
 
 /// Largest plan file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 /// Most angles of incidence.
 const MAX_SIGMAS: usize = 1000;
-
-/// A plan that cannot be read, or cannot be meant.
-#[derive(Debug, Error)]
-pub enum PlanError {
-    /// The file cannot be read.
-    #[error("{}: cannot be read: {source}; check the path", path.display())]
-    Read {
-        /// The plan file.
-        path: PathBuf,
-        /// The operating system's answer.
-        source: io::Error,
-    },
-    /// The file is too large.
-    #[error("{}: is larger than 1 MiB, no plan is; check the path", path.display())]
-    TooLarge {
-        /// The plan file.
-        path: PathBuf,
-    },
-    /// The file is not a plan.
-    #[error("{}:{line}: {what}; see the example in `asperity acquire --help`", path.display())]
-    Syntax {
-        /// The plan file.
-        path: PathBuf,
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong.
-        what: String,
-    },
-    /// A value that cannot be meant.
-    #[error("{key} {value} is not usable; {allowed}")]
-    Value {
-        /// The key of the plan file; a flag is called alike.
-        key: &'static str,
-        /// What it says.
-        value: String,
-        /// What may be said.
-        allowed: &'static str,
-    },
-    /// A longer grid than an instrument holds.
-    #[error(
-        "{count} angles of observation are more than the {MAX_POINTS} of a segment; take a larger \
-         --step, or scan in two files (--theta-range)"
-    )]
-    TooLong {
-        /// Angles asked for.
-        count: i64,
-    },
-}
 
 /// What is said of a plan; `None` is not said. Its text is TOML, in the same order each time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -346,54 +296,6 @@ fn angle(
     Microdegrees::from_degrees(degrees)
         .filter(|angle| exact(angle) && inside(angle.0))
         .ok_or_else(|| wrong(key, &degrees.to_string(), allowed))
-}
-
-impl Plan {
-    /// The plan with nothing left unsaid.
-    pub fn draft(&self) -> Draft {
-        let word = |text: &str| Some(text.to_owned());
-        Draft {
-            sigma_deg: Some(self.sigmas.iter().map(|sigma| sigma.degrees()).collect()),
-            theta_from_deg: Some(self.start.degrees()),
-            theta_to_deg: Some(self.theta(self.count.saturating_sub(1)).degrees()),
-            theta_step_deg: Some(self.step.degrees()),
-            aperture_deg: Some(self.aperture.degrees()),
-            integration_ms: Some(f64::from(self.integration_us) / 1e3),
-            range: Some(match self.range {
-                Range::Auto => RangeWord::Word("auto".to_owned()),
-                Range::Fixed(number) => RangeWord::Number(i64::from(number)),
-            }),
-            run_up_deg: Some(self.run_up.degrees()),
-            calibrate: word(match self.calibration {
-                CalibrationRule::Once => "once",
-                CalibrationRule::PerSigma => "per-sigma",
-            }),
-            geometry: word(match self.geometry {
-                Geometry::Transmission => "transmission",
-                Geometry::Reflection => "reflection",
-            }),
-            sample: self.sample.clone(),
-            ior: self.ior,
-            rough_side: self.rough_side.and_then(|side| {
-                word(match side {
-                    RoughSide::Source => "source",
-                    RoughSide::Detector => "detector",
-                })
-            }),
-            wavelength_nm: self.wavelength_nm,
-        }
-    }
-
-    /// The plan as a plan file: the same text for the same plan, and the same plan from that text.
-    pub fn text(&self) -> String {
-        // such a structure has no value that TOML does not know
-        toml::to_string(&self.draft()).unwrap_or_default()
-    }
-
-    /// CRC-32C of [`text`](Self::text).
-    pub fn hash(&self) -> u32 {
-        checksum(self.text().as_bytes())
-    }
 }
 
 #[cfg(test)]

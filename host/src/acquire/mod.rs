@@ -10,6 +10,8 @@
 //! | `motion` | what takes time: homing, moving, calibrating |
 //! | [`plan`] | what is to be measured |
 //! | [`draft`] | a plan as a file or as flags say it |
+//! | `plan_text` | a plan written out |
+//! | [`plan_error`] | a plan that cannot be read, or cannot be meant |
 //! | [`estimate`] | how long it takes |
 //! | [`journal`] | what has been measured, safe on the disk |
 //! | `result` | from a complete journal to a scan file |
@@ -26,6 +28,8 @@ pub mod client;
 mod motion;
 pub mod plan;
 pub mod draft;
+mod plan_text;
+pub mod plan_error;
 pub mod estimate;
 pub mod journal;
 mod result;
@@ -40,10 +44,11 @@ mod tests_line;
 mod tests_run;
 
 pub use self::client::Client;
-pub use self::draft::{Draft, PlanError};
+pub use self::draft::Draft;
 pub use self::error::{LinkError, Trouble};
 pub use self::journal::{Journal, JournalError};
 pub use self::patience::Patience;
 pub use self::plan::{CalibrationRule, Plan};
+pub use self::plan_error::PlanError;
 pub use self::run::{AcquireError, Job, Progress, Summary, run};
 pub use self::transport::{InProcess, Peer, Transport};

@@ -119,7 +119,7 @@ impl LobeGrid {
             Side::Dielectric => [SideTable::DARK, lit],
         };
         let eta = RelativeIor::new(self.eta as f32).ok()?;
-        BsdfTableRef::new(eta, scale, sides[0], sides[1]).ok().map(|table| run(&table))
+        BsdfTableRef::new(eta, header.scale, sides[0], sides[1]).ok().map(|table| run(&table))
     }
 
     /// Flux of the lobe of a law, at a cosine of incidence.

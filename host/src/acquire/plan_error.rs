@@ -1,0 +1,55 @@
+//! A plan that cannot be read, or cannot be meant.
+
+use std::io;
+use std::path::PathBuf;
+
+use asperity_core::protocol::MAX_POINTS;
+use thiserror::Error;
+
+/// A plan that cannot be read, or cannot be meant.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// The file cannot be read.
+    #[error("{}: cannot be read: {source}; check the path", path.display())]
+    Read {
+        /// The plan file.
+        path: PathBuf,
+        /// The operating system's answer.
+        source: io::Error,
+    },
+    /// The file is too large.
+    #[error("{}: is larger than 1 MiB, no plan is; check the path", path.display())]
+    TooLarge {
+        /// The plan file.
+        path: PathBuf,
+    },
+    /// The file is not a plan.
+    #[error("{}:{line}: {what}; see the example in `asperity acquire --help`", path.display())]
+    Syntax {
+        /// The plan file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// A value that cannot be meant.
+    #[error("{key} {value} is not usable; {allowed}")]
+    Value {
+        /// The key of the plan file; a flag is called alike.
+        key: &'static str,
+        /// What it says.
+        value: String,
+        /// What may be said.
+        allowed: &'static str,
+    },
+    /// A longer grid than an instrument holds.
+    #[error(
+        "{count} angles of observation are more than the {MAX_POINTS} of a segment; take a larger \
+         --step, or scan in two files (--theta-range)"
+    )]
+    TooLong {
+        /// Angles asked for.
+        count: i64,
+    },
+}

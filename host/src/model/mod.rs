@@ -1,0 +1,175 @@
+//! The model file: a boundary's parameters, and how they were found. JSON, `"asperity": 1`.
+//!
+//! | module | concept |
+//! |---|---|
+//! | `record` | the measured map that a model was made with |
+//! | `read` | from a file to a model, with the line of what is wrong |
+//! | `build` | from a model to its boundary |
+
+mod record;
+mod read;
+mod build;
+
+pub use self::read::ModelError;
+pub(crate) use self::read::read_bytes;
+pub use self::record::MapRecord;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::kirchhoff::WaveOptions;
+use crate::method::{Method, Surface};
+use crate::provenance::Provenance;
+
+/// Version of the format.
+pub const FORMAT: u32 = 1;
+
+/// A value with its unit, and its standard error if it was fitted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Value {
+    /// The value, in the unit below.
+    pub value: f64,
+    /// The unit; empty if dimensionless.
+    #[serde(default)]
+    pub unit: String,
+    /// Standard error; absent if the value was given, or the data do not determine it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_error: Option<f64>,
+}
+
+/// The body that has the rough surface, in files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Body {
+    /// A clear dielectric; `ior` is given.
+    #[default]
+    Dielectric,
+    /// An opaque body; no `ior`.
+    Opaque,
+}
+
+/// How a fit went.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IncidenceRecord {
+    /// Angle of incidence, degrees.
+    pub sigma_deg: f64,
+    /// Error of eq. (18) for this incidence alone, %.
+    pub rmsd_percent: Option<f64>,
+}
+
+/// A model or fit, as in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Version of the format, 1.
+    pub asperity: u32,
+    /// Name of the method.
+    pub method: String,
+    /// Shape of the law, for `normals`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<String>,
+    /// The measured map, for methods that have one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub map: Option<MapRecord>,
+    /// How waves are sent, for methods that do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wave: Option<WaveOptions>,
+    /// Seed of the heights, for methods that draw them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface_seed: Option<u64>,
+    /// What the surface bounds.
+    #[serde(default)]
+    pub body: Body,
+    /// Refractive index over that of air; null for an opaque body.
+    #[serde(default)]
+    pub ior: Option<f64>,
+    /// The parameters by name.
+    #[serde(deserialize_with = "read::distinct")]
+    pub parameters: BTreeMap<String, Value>,
+    /// Error of eq. (18), %.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rmsd_percent: Option<f64>,
+    /// Noise of the measurement in the same terms, %.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise_floor_percent: Option<f64>,
+    /// Noise of the simulated readings in the same terms, %, for methods that trace rays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulation_noise_percent: Option<f64>,
+    /// What was minimised.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objective: Option<String>,
+    /// Its value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub objective_value: Option<f64>,
+    /// The error of every incidence.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub incidences: Vec<IncidenceRecord>,
+    /// Evaluations of the forward model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evaluations: Option<u64>,
+    /// Wall time, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// Why the fit ended: `converged`, `max_evaluations` or `interrupted`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub termination: Option<String>,
+    /// Flux left out of the internal passes, as a fraction of the beam's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub neglected_flux: Option<f64>,
+    /// Estimate of what that adds to a reading at most, in % of the largest reading.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub neglected_percent: Option<f64>,
+    /// Warnings about the model's validity, in plain words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub validity: Vec<String>,
+    /// Who made the file, from what.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub provenance: Option<Provenance>,
+}
+
+impl Model {
+    /// A model that was not fitted.
+    pub fn new(
+        method: &dyn Method,
+        surface: Surface,
+        values: impl IntoIterator<Item = (String, Value)>,
+    ) -> Self {
+        let (body, ior) = match surface {
+            Surface::Dielectric { ior } => (Body::Dielectric, Some(ior)),
+            Surface::Opaque => (Body::Opaque, None),
+        };
+        Self {
+            asperity: FORMAT,
+            method: method.name().into(),
+            law: method.law().map(Into::into),
+            map: None,
+            wave: method.wave().cloned(),
+            surface_seed: method.seed(),
+            body,
+            ior,
+            parameters: values.into_iter().collect(),
+            rmsd_percent: None,
+            noise_floor_percent: None,
+            simulation_noise_percent: None,
+            objective: None,
+            objective_value: None,
+            incidences: Vec::new(),
+            evaluations: None,
+            seconds: None,
+            termination: None,
+            neglected_flux: None,
+            neglected_percent: None,
+            validity: Vec::new(),
+            provenance: None,
+        }
+    }
+
+    /// The file's text.
+    pub fn to_json(&self) -> String {
+        // A structure of strings and finite numbers cannot fail to serialise.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
