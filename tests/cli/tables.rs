@@ -60,6 +60,7 @@ fn fan(incidence_deg: f64, (below, to_below): (bool, bool)) -> String {
 }
 
 #[test]
+#[allow(clippy::print_stdout, reason = "shown with --nocapture")]
 fn values_of_a_table_are_those_of_its_model() {
     let folder = folder();
     for beam in [(false, false), (false, true), (true, false), (true, true)] {
@@ -75,6 +76,7 @@ fn values_of_a_table_are_those_of_its_model() {
                 let peak = model.iter().map(|v| v[k]).fold(0.0, f64::max);
                 let worst = model.iter().zip(&table).map(|(m, t)| (m[k] - t[k]).abs());
                 let worst = worst.fold(0.0, f64::max);
+                println!("{beam:?} {incidence_deg}: {:.6} % of the peak", 100.0 * worst / peak);
                 assert!(
                     worst <= tolerance::TABLE_VALUES.allowed * peak,
                     "{beam:?} {incidence_deg}: {worst} of {peak}"

@@ -14,9 +14,12 @@ const FALLS: [Fall; 3] = [Fall::Fourth, Fall::Second, Fall::Flat];
 const SCALES: [f64; 6] = [0.35, 0.6, 1.0, 1.7, 3.0, 5.0];
 /// Widths of masking in units of the median slope; the last hides nothing that the others do not.
 const MASKING: [f64; 6] = [0.0, 0.35, 0.7, 1.0, 2.0, 20.0];
-const GRAZING: [f32; 4] = [-0.7, -0.4, 0.0, 1.0];
-const INCIDENCES: [u16; 7] = [5, 7, 9, 12, 16, 20, 26];
+/// Of shapes that serve alike the first is taken: samples of many incidences vary least in weight.
+const INCIDENCES: [u16; 7] = [26, 20, 16, 12, 9, 7, 5];
+const GRAZING: [f32; 4] = [0.0, -0.4, -0.7, 1.0];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
+/// Error, over the largest value, below which shapes serve alike.
+const FINE: f64 = 3e-6;
 /// Factors by which scale and masking are tried.
 const STEPS: [f32; 4] = [1.3, 1.1, 1.03, 1.01];
 /// Values beyond which a lobe need not use up its bytes.
@@ -71,10 +74,12 @@ pub(super) fn best<S: Storage>(
         grid.fill(law);
         (error::<S>(&grid, &probes), header)
     };
-    let least = |candidates: Vec<LobeHeader>| {
+    let least_above = |candidates: Vec<LobeHeader>, floor: f64| {
         let judged: Vec<_> = candidates.into_par_iter().map(judged).collect();
-        judged.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |best| best.1)
+        let errors = judged.into_iter().map(|(error, header)| (error.max(floor), header));
+        errors.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |best| best.1)
     };
+    let least = |candidates| least_above(candidates, 0.0);
     let mut kinds = Vec::new();
     for fall in FALLS {
         for factor in SCALES {
@@ -88,6 +93,9 @@ pub(super) fn best<S: Storage>(
             }));
         }
     }
+    // GGX itself, of which one `v` is all: the median, far off where steep facets reflect totally, need not lead there
+    let own = law.slope() as f32;
+    kinds.push(LobeHeader { scale: own, masking: own, ..start });
     let kind = refined(least(kinds), &least);
     let mut shapes = Vec::new();
     for incidences in INCIDENCES {
@@ -105,7 +113,8 @@ pub(super) fn best<S: Storage>(
         // too few bytes for any of them
         shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
     }
-    let mut grid = LobeGrid::new(eta, which, refined(least(shapes), &least));
+    let floor = FINE * probes.iter().map(|probe| probe.ars).fold(0.0, f64::max);
+    let mut grid = LobeGrid::new(eta, which, refined(least_above(shapes, floor), &least));
     grid.fill(law);
     grid
 }
@@ -125,7 +134,7 @@ fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader)
     best
 }
 
-/// Root mean square error of the probes over the largest value.
+/// Root mean square error of the probes.
 fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
     let sum = grid.with_table::<S, _>(|table| {
         let (mut sum, mut weights) = (0.0, 0.0);
