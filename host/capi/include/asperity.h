@@ -239,7 +239,7 @@ typedef struct asperity_table {
   /*
    Room for it.
    */
-  size_t opaque[96];
+  size_t opaque[104];
 } asperity_table;
 
 /*
