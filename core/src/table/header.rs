@@ -43,9 +43,9 @@ impl LobeHeader {
             scale,
             grazing,
             masking,
+            gains,
             cells,
             unit,
-            gains,
             values,
             quantiles,
             leans,
@@ -169,6 +169,7 @@ impl Header {
 
 /// Takes the numbers of a lobe, and puts them where they belong if they are wanted.
 #[inline(never)]
+#[allow(clippy::ref_option, reason = "a reference in an option costs every call 10 bytes of code")]
 const fn next_lobe<'a, S: Storage>(
     header: &Option<LobeHeader>,
     from: &mut Arrays<'a, S>,

@@ -43,6 +43,46 @@ pub(super) struct Shares<T> {
 const FLUX: f64 = 1.0 / 65535.0 / 256.0;
 
 impl<T: Real> Arriving<T> {
+    /// Where a facet sends this light.
+    #[inline(always)]
+    fn turned(&self, drawn: &Drawn<T>, which: Lobe) -> Option<Leaving<T>> {
+        // the normal on the side of wi
+        let tilt = drawn.sin * self.up;
+        let (mx, my) = (tilt * drawn.p, tilt * drawn.across);
+        let c = drawn.cos * self.cos - mx * self.sin;
+        // what the sample stands for with it, which is then found early: its terms are many
+        let seen = c * drawn.room;
+        if seen <= T::ZERO {
+            return None;
+        }
+        let eta = self.eta;
+        let (eta2, step) = (eta * eta, (eta - T::ONE) * (eta + T::ONE));
+        let g2 = step + c * c;
+        let g = g2.abs().sqrt();
+        let leaving = |turn: T| turn * drawn.cos - self.cos;
+        let (turn, facet, height) = if which == Lobe::Reflection {
+            let turn = c + c;
+            let height = leaving(turn);
+            if height <= T::ZERO {
+                return None;
+            }
+            let part = || fresnel::reflectance(c, g, T::ONE, eta2, step);
+            (turn, if g2 > T::ZERO { part() } else { T::ONE }, height)
+        } else {
+            let turn = c - g;
+            let height = leaving(turn);
+            if g2 <= T::ZERO || height >= T::ZERO {
+                return None;
+            }
+            let (s, p) = (c + g, eta2 * c + g);
+            (turn, T::TWO * c * g * (T::ONE / (s * s) + eta2 / (p * p)), height)
+        };
+        let (along, across) = (turn * mx + self.sin, turn * my);
+        let inverse = T::ONE / (along * along + across * across + height * height).sqrt();
+        let (along, across, height) = (along * inverse, across * inverse, height * inverse);
+        Some(Leaving { along, across, height, weight: facet * seen, facing: c })
+    }
+
     /// A direction of that frame in the table's.
     #[inline(always)]
     fn back(&self, Leaving { along, across, height, .. }: &Leaving<T>) -> Direction<T> {
@@ -93,7 +133,7 @@ impl<S: Storage> BsdfTableRef<'_, S> {
         let drawn = lobe.draw(place, u)?;
         let to = match lobe.form {
             Form::Direct => self.moved(&drawn, from, which)?,
-            _ => self.turned(&drawn, from, which)?,
+            _ => from.turned(&drawn, which)?,
         };
         let wo = from.back(&to);
         let law = lobe.square(place.place, drawn.p, drawn.r)? * to.weight;
@@ -104,50 +144,6 @@ impl<S: Storage> BsdfTableRef<'_, S> {
         let weight = ars * factor;
         // a weight of 0 is a draw as any other: the density counts it
         (weight <= T::MAX).then_some(Scattered { wo, weight })
-    }
-
-    #[inline(always)]
-    fn turned<T: Real>(
-        &self,
-        drawn: &Drawn<T>,
-        from: &Arriving<T>,
-        which: Lobe,
-    ) -> Option<Leaving<T>> {
-        // the normal on the side of wi
-        let tilt = drawn.sin * from.up;
-        let (mx, my) = (tilt * drawn.p, tilt * drawn.across);
-        let c = drawn.cos * from.cos - mx * from.sin;
-        // what the sample stands for with it, which is then found early: its terms are many
-        let seen = c * drawn.room;
-        if seen <= T::ZERO {
-            return None;
-        }
-        let eta = from.eta;
-        let (eta2, step) = (eta * eta, (eta - T::ONE) * (eta + T::ONE));
-        let g2 = step + c * c;
-        let g = g2.abs().sqrt();
-        let leaving = |turn: T| turn * drawn.cos - from.cos;
-        let (turn, facet, height) = if which == Lobe::Reflection {
-            let turn = c + c;
-            let height = leaving(turn);
-            if height <= T::ZERO {
-                return None;
-            }
-            let part = || fresnel::reflectance(c, g, T::ONE, eta2, step);
-            (turn, if g2 > T::ZERO { part() } else { T::ONE }, height)
-        } else {
-            let turn = c - g;
-            let height = leaving(turn);
-            if g2 <= T::ZERO || height >= T::ZERO {
-                return None;
-            }
-            let (s, p) = (c + g, eta2 * c + g);
-            (turn, T::TWO * c * g * (T::ONE / (s * s) + eta2 / (p * p)), height)
-        };
-        let (along, across) = (turn * mx + from.sin, turn * my);
-        let inverse = T::ONE / (along * along + across * across + height * height).sqrt();
-        let (along, across, height) = (along * inverse, across * inverse, height * inverse);
-        Some(Leaving { along, across, height, weight: facet * seen, facing: c })
     }
 
     /// Where `h_xy` of [`Form::Direct`] leads, given as a slope; the solid angle there is its part of the weight.

@@ -2,7 +2,10 @@
 
 use core::f32::consts::FRAC_1_PI;
 
-use super::{Arrays, BsdfTable, Fall, Form, Header, LobeHeader, Shape, Storage, TableError};
+use super::{
+    Arrays, BsdfTable, BsdfTableRef, Fall, Form, Header, LobeHeader, Shape, SideTable, Storage,
+    TableError,
+};
 use crate::bsdf::{Bsdf, Ggx, Lobe, Scatter};
 use crate::direction::{Direction, Side};
 use crate::math::{Fast, Real};
@@ -153,6 +156,18 @@ fn extremes_are_finite_and_what_is_left_out_is_dark() {
     let flux = view.reflectance(0.5_f32, Side::Air) + view.transmittance(0.5_f32, Side::Air);
     assert!((flux - 59_000.0 / 65_535.0).abs() < 1e-6);
     assert!(view.coherent(Direction::<f32>::normal()).unwrap().reflected.weight == 0.0);
+}
+
+#[test]
+fn one_side_may_be_dark() {
+    let table = build::<u16>(65_535, |_| ()).unwrap();
+    let view = table.view();
+    let (air, dark) = (*view.side(Side::Air), SideTable::DARK);
+    let above = BsdfTableRef::new(view.eta(), ALPHA, air, dark).unwrap();
+    let up = Direction::<f64>::from_angles(0.5, 0.0);
+    assert!(above.ars(up, up) > 0.0 && above.pdf(up, up) > 0.0);
+    let down = up.opposite();
+    assert!(above.ars(down, down).to_bits() == 0 && above.sample(down, &mut || 0.5).is_none());
 }
 
 #[test]
