@@ -15,6 +15,8 @@ pub(super) struct Density {
     nodes: Vec<Arc<Node>>,
     radii: Arc<Vec<f64>>,
     base: f64,
+    /// The largest `|q_x|` and `|q_y|` that the pitch can show, 1/um.
+    ends: [f64; 2],
 }
 
 /// Where a value is looked up: rings and nodes about it, with their shares.
@@ -28,9 +30,32 @@ struct Spot {
 }
 
 impl Density {
-    /// From nodes that follow each other; `radii` of the rings in 1/um, `base` the side of an order.
-    pub(super) fn new(first: i32, nodes: Vec<Arc<Node>>, radii: Arc<Vec<f64>>, base: f64) -> Self {
-        Self { first, nodes, radii, base }
+    /// From nodes that follow each other; `radii` of the rings in 1/um, `base` the side of an order, `ends` of the orders.
+    pub(super) fn new(
+        first: i32,
+        nodes: Vec<Arc<Node>>,
+        radii: Arc<Vec<f64>>,
+        (base, ends): (f64, [f64; 2]),
+    ) -> Self {
+        Self { first, nodes, radii, base, ends }
+    }
+
+    /// Radii between which ln D is linear at any `q_z`, ascending to the last at which there is light, 1/um.
+    pub(super) fn radii(&self) -> impl Iterator<Item = f64> + '_ {
+        let [x, y] = self.ends;
+        let corner = x.hypot(y);
+        let rings = self.radii.iter().copied().filter(move |q| *q < corner);
+        rings.chain([x, y, corner])
+    }
+
+    /// Share of the azimuths of a radius at which there are orders: a map has them in the rectangle `|q_x| <= e_x`,
+    /// `|q_y| <= e_y`, `e = pi / pitch`, so that of a circle of radius `q` two arcs of half angle `acos(e / q)` are dark for
+    /// each side it crosses. Without this share the mean over azimuths would hold light beyond the rectangle that the map does
+    /// not have, and the integral of D would exceed 1 less the coherent light.
+    fn shown(&self, q: f64) -> f64 {
+        let dark = |end: f64| if q > end { (end / q).acos() } else { 0.0 };
+        let [x, y] = self.ends;
+        (1.0 - std::f64::consts::FRAC_2_PI * (dark(x) + dark(y))).max(0.0)
     }
 
     fn spot(&self, q: f64, q_z: f64) -> Option<Spot> {
@@ -58,15 +83,20 @@ impl Density {
         Some(Spot { ring, along, node, shares, ln_below: 2.0 * STEP * (x - low).min(0.0) })
     }
 
-    /// `D` in um^2 at `|q_xy|` and `q_z > 0`, both in 1/um; 0 beyond what the pitch can show.
+    /// `D` in um^2 at `|q_xy|` and `q_z > 0`, both in 1/um, averaged over all azimuths; none of them is seen beyond what the
+    /// pitch can show.
     pub(super) fn value(&self, q: f64, q_z: f64) -> f64 {
         let Some(spot) = self.spot(q, q_z) else { return 0.0 };
+        let shown = self.shown(q);
+        if shown <= 0.0 {
+            return 0.0;
+        }
         let mut ln = 0.0;
         for (share, node) in spot.shares.iter().zip(&self.nodes[spot.node - 1..]) {
             let (a, b) = (node.ln_density[spot.ring], node.ln_density[spot.ring + 1]);
             ln += share * (a + spot.along * (b - a));
         }
-        (ln + spot.ln_below).exp()
+        shown * (ln + spot.ln_below).exp()
     }
 
     /// Relative standard error of `D`, averaged over `width` in `|q_xy|`, by what is left of the speckle.

@@ -97,7 +97,7 @@ impl MeanSpectra {
             }
         }
         let nodes = (first..=last).filter_map(|k| kept.get(&k).cloned()).collect();
-        Density::new(first, nodes, Arc::clone(&self.radii), self.rings.base)
+        Density::new(first, nodes, Arc::clone(&self.radii), (self.rings.base, self.rings.ends))
     }
 
     fn node(&self, q_z: f64, room: &mut Coefficients<f32>) -> Node {

@@ -21,6 +21,7 @@ mod shadowing;
 mod options;
 mod boundary;
 mod sampling;
+mod flux;
 
 pub use boundary::{CoherentFlux, WaveBoundary};
 pub use coherence::warning_for_rays;

@@ -25,8 +25,8 @@ pub(super) struct Rings {
     cell: f64,
     /// Its side, 1/um.
     pub(super) base: f64,
-    /// Radius within which rings are whole, 1/um.
-    whole: f64,
+    /// The largest `|q_x|` and `|q_y|` of an order's cell, 1/um: rings are whole within both.
+    pub(super) ends: [f64; 2],
     /// Whether the field was weighted by a window, which makes neighbouring orders alike.
     windowed: bool,
 }
@@ -66,8 +66,8 @@ impl Rings {
                 if counts[k] > 0 { radii[k] / f64::from(counts[k]) } else { edge(k as f64) * base };
             radii[k] = radii[k].max(radii[k - 1] + 1e-9 * base);
         }
-        let whole = 0.5 * (nx as f64 * step[0]).min(ny as f64 * step[1]);
-        Self { of_order, radii, counts, cell, base, whole, windowed: !periodic }
+        let ends = [0.5 * nx as f64 * step[0], 0.5 * ny as f64 * step[1]];
+        Self { of_order, radii, counts, cell, base, ends, windowed: !periodic }
     }
 
     /// Means over rings of the squares of coefficients, scaled so that all of them hold `total`.
@@ -138,8 +138,8 @@ impl Rings {
     /// Scales the densities so that what is interpolated between the means holds the flux of the rings, as far as
     /// these are whole.
     fn keep_flux(&self, node: &mut Node) {
-        let whole =
-            (1..self.radii.len()).take_while(|&k| ring_edges(k).1 * self.base <= self.whole);
+        let most = self.ends[0].min(self.ends[1]);
+        let whole = (1..self.radii.len()).take_while(|&k| ring_edges(k).1 * self.base <= most);
         // a few rings say little about the shape between them
         let Some(last) = whole.last().filter(|k| (8..self.radii.len() - 1).contains(k)) else {
             return;
