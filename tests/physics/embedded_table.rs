@@ -5,15 +5,18 @@ use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
 use asperity::embedded::EmbeddedTable;
+use asperity::energy::balance;
 use asperity::forward::Rays;
+use asperity::kirchhoff::{MeanSpectra, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::raytrace::{Field, TracedBoundary};
-use asperity::surface::{Edges, HeightMap};
+use asperity::surface::{Edges, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Plan, distance_percent, energy_error, tabulate};
 use asperity_core::bsdf::{Bsdf, Scatter};
+use asperity_core::direction::Side;
 use asperity_core::math::Fast;
 use asperity_core::ndf::law::Profile;
 use asperity_tests::chi2::{Bins, sidak};
-use asperity_tests::{count, tolerance};
+use asperity_tests::{count, data, tolerance};
 
 use crate::common::{Random, dir, ggx, incidence, ior, normals, wide};
 
@@ -115,6 +118,42 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
         }
     }
     assert!(bad.is_empty(), "{bad:?}");
+}
+
+/// Sample 5, whose light is all scattered, and a tenth of its heights, of whose light much stays coherent. Kirchhoff's integral
+/// gives up to twice what it receives where light grazes the surface: there the table gives what it receives.
+#[test]
+fn a_table_of_waves_gives_the_readings_and_the_flux_of_the_mean_law() {
+    let Some(path) = data::find("samples/sample5.npy") else { return };
+    let preparation = Preparation { pixel_um: Some(0.361), ..Preparation::default() };
+    let Prepared { map, edges, .. } = preparation.load(&path, Purpose::Light).unwrap();
+    let wavelengths = Wavelengths::single(550.0).unwrap();
+    let options = WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: false };
+    let spectra = Arc::new(MeanSpectra::new(&map, edges).unwrap());
+    for scale in [1.0, 0.1] {
+        let scaled = Arc::new(map.clone().map(|_, _, h| scale * h));
+        let spectra = (Arc::clone(&spectra), scale);
+        let wave = WaveBoundary::new(scaled, edges, spectra, ior(1.49), &options);
+        let boundary = Boundary::Wave(Box::new(wave));
+        let table = table_of(&boundary, 32 << 10);
+        let stop = AtomicBool::new(false);
+        let distance = distance_percent(&boundary, &table, 0.5, RAYS, &stop).unwrap();
+        let energy = energy_error(&boundary, &table, RAYS).unwrap();
+        println!("waves, heights times {scale}: {distance:.4} %, flux {:.3} %", 100.0 * energy);
+        assert!(distance <= tolerance::TABLE_32_KIB.allowed, "{scale}: {distance} %");
+        assert!(energy <= tolerance::TABLE_FLUX.allowed, "{scale}: flux {energy}");
+        let table = Boundary::Table(Box::new(table));
+        for side in [Side::Air, Side::Dielectric] {
+            for deg in [0.0, 30.0, 45.0, 60.0, 75.0, 80.0, 84.0, 87.0] {
+                let [model, found] =
+                    [&boundary, &table].map(|of| 1.0 - balance(of, side, deg, RAYS).lost);
+                println!("  {side:?} {deg}: R + T {model:.4}, of the table {found:.4}");
+                assert!(found <= 1.0 + tolerance::TABLE_GAIN.allowed, "{side:?} {deg}: {found}");
+                let lowered = (found - model.min(1.0)).abs();
+                assert!(lowered <= 2.0 * tolerance::TABLE_FLUX.allowed, "{side:?} {deg}: {found}");
+            }
+        }
+    }
 }
 
 /// Flux of all light at dense incidences, by the samples' own weights.

@@ -1,7 +1,7 @@
 //! Flux: what the model has, what the table has, and never more than there is.
 
 use asperity_core::direction::{Direction, Side};
-use asperity_core::table::{Storage, incidence_cosine, incidence_place};
+use asperity_core::table::{Place, Storage, cells, incidence_cosine, incidence_place};
 use rayon::prelude::*;
 
 use super::grid::{LobeGrid, node};
@@ -10,8 +10,9 @@ use crate::boundary::{Boundary, with_boundary};
 use crate::energy::balance;
 use crate::forward::{Rays, count_flux};
 
-/// Factor by which the flux may change a gain.
+/// Factor by which the flux may change a gain where the table has next to none, and what that is.
 const MOST: f64 = 2.0;
+const DIM: f64 = 1e-3;
 /// Places from one gain to the next where the flux is looked at.
 const BETWEEN: u32 = 2;
 /// Rounds of lowering.
@@ -59,13 +60,35 @@ pub(super) fn coherent(boundary: &Boundary, side: Side, cos: f64) -> [f64; 4] {
     [flux.reflected, flux.transmitted, shares[0], shares[1]]
 }
 
-/// Changes the gains so that the flux at each is the model's, but none by more than a factor of [`MOST`].
+/// The same as a table gives them: the shares are linear between its rows of fluxes. At grazing incidence, where all light becomes
+/// coherent, that may be some percent more.
+pub(super) fn coherent_between(
+    coherent: &dyn Fn(f64) -> [f64; 4],
+    beyond: f64,
+    (count, grazing): (u16, f32),
+) -> impl Fn(f64) -> [f64; 4] + use<> {
+    let k = f64::from(grazing);
+    let rows = row_cosines(count, grazing).into_iter().map(coherent).map(|[.., r, t]| [r, t]);
+    let rows: Vec<[f64; 2]> = rows.collect();
+    move |cos| {
+        let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
+        let place: Place<f64> = Place::of(incidence_place(sin, cos, k), cells(count));
+        let low = place.cell.min(rows.len() - 2);
+        let [r, t] = [0, 1].map(|lobe| place.mix(rows[low][lobe], rows[low + 1][lobe]));
+        let fresnel = asperity_core::fresnel::dielectric(cos, beyond);
+        [r * fresnel.reflected, t * fresnel.transmitted, r, t]
+    }
+}
+
+/// Changes the gains so that the flux at each is the model's; where there is hardly any light by no more than a factor of
+/// [`MOST`].
 pub(super) fn to_model(grid: &mut LobeGrid, model: &[f64]) {
     let own = fluxes::<f32>(Some(grid), &grid.cosines());
     for (trim, (own, wanted)) in grid.trim.iter_mut().zip(own.iter().zip(model)) {
         if *own > 0.0 {
             // where there is hardly any light sums of either kind are rough
-            *trim *= (wanted / own).clamp(1.0 / MOST, MOST);
+            let most = if *own < DIM { MOST } else { f64::INFINITY };
+            *trim *= (wanted / own).clamp(1.0 / most, most);
         }
     }
 }
@@ -94,50 +117,66 @@ fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
     grid.and_then(of).unwrap_or_else(|| vec![0.0; cosines.len()])
 }
 
-/// Lowers both lobes of a side about each incidence where together they give more than they receive.
+/// Lowers both lobes of a side where together they give more than they receive, each by the same factor
+/// `F = (1 - coherent) / (R + T)`.
+///
+/// First every gain by the `F` of its own incidence, so that `R + T` is what is received at those incidences and the lobes share it
+/// as they did; then, round by round, the gains about each incidence between them at which too much is left. Without the first
+/// step the greater need of one incidence would lower those beside it: where `R + T` runs away as `1 / cos`, as that of waves does at
+/// grazing incidence, the table would end far below 1.
 pub(super) fn lower<'a, S: Storage>(
     mut reflection: Option<&'a mut LobeGrid>,
     mut transmission: Option<&'a mut LobeGrid>,
     coherent: &dyn Fn(f64) -> [f64; 4],
 ) {
+    let factors = |lobes: [Option<&LobeGrid>; 2], cosines: &[f64]| -> Vec<f64> {
+        let [r, t] = lobes.map(|grid| fluxes::<S>(grid, cosines));
+        let all = r.iter().zip(&t).map(|(r, t)| r + t);
+        let factor = |(cos, all): (&f64, f64)| {
+            let [cr, ct, ..] = coherent(*cos);
+            let room = (1.0 - MARGIN - cr - ct).max(0.0);
+            if all <= room { 1.0 } else { room / all * (1.0 - 1e-6) }
+        };
+        cosines.iter().zip(all).map(factor).collect()
+    };
+    let own = [&reflection, &transmission].map(|grid| {
+        let lobes = [reflection.as_deref(), transmission.as_deref()];
+        grid.as_ref().map(|grid| factors(lobes, &grid.cosines()))
+    });
+    for (grid, own) in [&mut reflection, &mut transmission].into_iter().zip(own) {
+        if let (Some(grid), Some(own)) = (grid, own) {
+            grid.trim.iter_mut().zip(own).for_each(|(trim, factor)| *trim *= factor);
+        }
+    }
     let mut cosines: Vec<f64> = Vec::new();
     for grid in [&reflection, &transmission].into_iter().flatten() {
         cosines.extend(dense(grid));
     }
     for _ in 0..ROUNDS {
-        let r = fluxes::<S>(reflection.as_deref(), &cosines);
-        let t = fluxes::<S>(transmission.as_deref(), &cosines);
-        let mut lowered = false;
-        let mut factors = [&reflection, &transmission]
-            .map(|g| vec![1.0_f64; g.as_ref().map_or(0, |g| g.trim.len())]);
-        for ((cos, r), t) in cosines.iter().zip(&r).zip(&t) {
-            let [cr, ct, ..] = coherent(*cos);
-            let room = (1.0 - MARGIN - cr - ct).max(0.0);
-            if r + t <= room {
-                continue;
-            }
-            lowered = true;
-            let factor = room / (r + t) * (1.0 - 1e-6);
-            for (grid, factors) in [&reflection, &transmission].into_iter().zip(&mut factors) {
-                let Some(grid) = grid else { continue };
-                let k = f64::from(grid.header.grazing);
-                let last = grid.trim.len() - 1;
+        let needed = factors([reflection.as_deref(), transmission.as_deref()], &cosines);
+        if needed.iter().all(|factor| *factor >= 1.0) {
+            return;
+        }
+        for grid in [&mut reflection, &mut transmission].into_iter().flatten() {
+            let k = f64::from(grid.header.grazing);
+            let last = grid.trim.len() - 1;
+            let mut lowered = vec![1.0_f64; last + 1];
+            for (cos, factor) in cosines.iter().zip(&needed) {
                 let y = incidence_place(((1.0 - cos) * (1.0 + cos)).sqrt(), *cos, k) * last as f64;
                 for j in [y.floor(), y.ceil()] {
                     let j = (j as usize).min(last);
-                    factors[j] = factors[j].min(factor);
+                    lowered[j] = lowered[j].min(*factor);
                 }
             }
-        }
-        if !lowered {
-            return;
-        }
-        for (grid, factors) in [&mut reflection, &mut transmission].into_iter().zip(factors) {
-            if let Some(grid) = grid {
-                grid.trim.iter_mut().zip(factors).for_each(|(trim, factor)| *trim *= factor);
-            }
+            grid.trim.iter_mut().zip(lowered).for_each(|(trim, factor)| *trim *= factor);
         }
     }
+}
+
+/// Cosines of incidence of the rows of fluxes.
+fn row_cosines(count: u16, grazing: f32) -> Vec<f64> {
+    let cosine = |k| incidence_cosine(node(k, count), f64::from(grazing)).max(2e-3);
+    (0..usize::from(count)).map(cosine).collect()
 }
 
 /// Rows of fluxes of a side.
@@ -146,9 +185,7 @@ pub(super) fn stored<S: Storage>(
     coherent: &dyn Fn(f64) -> [f64; 4],
     (count, grazing): (u16, f32),
 ) -> Vec<[u16; 4]> {
-    let cosines: Vec<f64> = (0..usize::from(count))
-        .map(|k| incidence_cosine(node(k, count), f64::from(grazing)).max(2e-3))
-        .collect();
+    let cosines = row_cosines(count, grazing);
     let [r, t] = lobes.map(|grid| fluxes::<S>(grid, &cosines));
     let unit = |x: f64| (x.clamp(0.0, 1.0) * 65535.0) as u16;
     cosines

@@ -132,12 +132,16 @@ impl LobeGrid {
         sum
     }
 
+    /// Rings of a sum over facets, even in `r`.
+    pub(super) fn rings(&self) -> u32 {
+        let cells = u32::from(self.header.shape.radii - 1);
+        cells * (192 / cells).max(2)
+    }
+
     /// Visits facets that send a beam into the lobe, slopes ascending; weights are their solid angles.
     pub(super) fn over_facets(&self, beam: &Beam, mut visit: impl FnMut(&Spot)) {
-        let cells = u32::from(self.header.shape.radii - 1);
-        let sub = (192 / cells).max(2);
         let s0 = f64::from(self.header.scale);
-        let rings = cells * sub;
+        let rings = self.rings();
         for ring in 0..rings {
             let r = (f64::from(ring) + 0.5) / f64::from(rings);
             let s = slope(r, s0);

@@ -3,7 +3,7 @@
 //! A law that can be evaluated is looked up at the nodes, and what is divided out, the scale of slopes and the numbers of nodes
 //! are those that err least (`search`). A boundary that can only be sampled sends rays: some choose these (`pilot`), many fill
 //! the nodes (`rays`). Then the lobes are given the flux of the model at each node of incidence, and where the table would give
-//! more than it receives between nodes, both are lowered (`balance`).
+//! more than it receives, as waves do at grazing incidence, both are lowered (`balance`).
 
 mod facet;
 mod grid;
@@ -228,7 +228,9 @@ fn finish<S: Storage>(
     for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
         let [reflection, transmission] = lobes.get_disjoint_mut([2 * k, 2 * k + 1]).ok()?;
         let coherent = |cos| balance::coherent(boundary, side, cos);
-        balance::lower::<S>(reflection.as_mut(), transmission.as_mut(), &coherent);
+        let beyond = f64::from(if side == Side::Air { eta.get() } else { eta.inverse() });
+        let between = balance::coherent_between(&coherent, beyond, (fluxes, GRAZING));
+        balance::lower::<S>(reflection.as_mut(), transmission.as_mut(), &between);
         if reflection.is_some() || transmission.is_some() {
             rows[k] = fluxes;
             let both = [reflection.as_ref(), transmission.as_ref()];

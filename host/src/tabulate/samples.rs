@@ -54,13 +54,19 @@ fn one<S: Storage>(
         let even = (0..=count).map(|k| (65535 * u32::from(k) / u32::from(count)) as u16).collect();
         return (even, vec![0; intervals]);
     }
-    // ends of the rings: half way to the next
+    // ends of the rings: half way to the next, and of the outermost at infinity: that of a wave in transmission at grazing incidence
+    // holds up to 1 % of the light, where q_z vanishes
+    let outermost = 1.0 - 0.6 / f64::from(grid.rings());
     let mut quantiles = vec![0_u16];
     let mut leans = Vec::with_capacity(intervals);
     let (mut sum, mut before) = (0.0, 0.0);
     let mut own = [0.0; 2];
     for (k, &[r, flux, moment]) in rings.iter().enumerate() {
-        let end = rings.get(k + 1).map_or(0.5 * (1.0 + r), |next| 0.5 * (r + next[0]));
+        let end = match rings.get(k + 1) {
+            Some(next) => 0.5 * (r + next[0]),
+            None if r > outermost => 1.0,
+            None => 0.5 * (1.0 + r),
+        };
         let start = before;
         before = end;
         let (mut from, mut rest, mut along) = (start, flux, moment);
