@@ -174,7 +174,7 @@ impl<'a> Problem<'a> {
     fn rays(&self, effort: Effort) -> Rays {
         let count = match effort {
             Effort::Draft => self.options.rays.draft,
-            Effort::Full | Effort::Passes => self.full_rays,
+            Effort::Full | Effort::Fine | Effort::Passes => self.full_rays,
         };
         Rays { count, seed: self.options.rays.seed }
     }

@@ -23,6 +23,8 @@ pub enum Effort {
     Draft,
     /// Internal passes included: what a result is computed with.
     Full,
+    /// The same with eight times the rays inside: those of a table weigh unevenly.
+    Fine,
     /// Internal passes alone, where first hits are known otherwise.
     Passes,
 }
@@ -95,7 +97,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         let scale = lobe_width(boundary.slope(), setup);
         let cells_per_unit = match effort {
             Effort::Draft => 6.0,
-            Effort::Full | Effort::Passes => 16.0,
+            Effort::Full | Effort::Fine | Effort::Passes => 16.0,
         };
         let warp = Warp::new(sigma, scale, cells_per_unit);
         Self { boundary, setup, incidence, effort, sigma, entry: enter(setup, sigma), scale, warp }
@@ -218,6 +220,7 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             Geometry::Transmission => 256,
             Geometry::Reflection => 2048,
         };
+        let count = if self.effort == Effort::Fine { 8 * count } else { count };
         let found = passes(self.boundary, eta, &self.entry, &views, count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
         // view: it is left out of the cubic, which goes on there as it was.

@@ -22,6 +22,10 @@ pub fn simulate(
     if let Boundary::Wave(b) = boundary {
         return wave(b, setup, plan, effort, stop, &|_, _| ());
     }
+    let effort = match (boundary, effort) {
+        (Boundary::Table(_), Effort::Full) => Effort::Fine,
+        _ => effort,
+    };
     let mut readings = with_boundary!(boundary,
     b => quadrature(b, setup, plan, effort),
     traced t => {

@@ -63,7 +63,9 @@ fn kept(
             neglected: super::Neglected::default(),
             std_errors: None,
         },
-        Effort::Full | Effort::Passes => quadrature(boundary, setup, plan, Effort::Passes),
+        Effort::Full | Effort::Fine | Effort::Passes => {
+            quadrature(boundary, setup, plan, Effort::Passes)
+        }
     };
     let all: Vec<Beams<'_>> =
         plan.incidences.iter().map(|angles| Beams::new(boundary, setup, angles)).collect();

@@ -21,8 +21,14 @@ pub(super) fn samples<S: Storage>(
         .into_par_iter()
         .map(|j| one(grid, table, grid.cosine(j), usize::from(shape.intervals)))
         .collect();
+    // what a facet reaches ends elsewhere at each incidence: between two of them no light is beyond both ends
+    let ends: Vec<u16> = each.iter().filter_map(|(q, _)| q.last().copied()).collect();
+    let reach = |j: usize| ends.iter().take(j + 2).skip(j.saturating_sub(1)).max().copied();
     let (mut quantiles, mut leans) = (Vec::new(), Vec::new());
-    for (q, l) in each {
+    for (j, (mut q, l)) in each.into_iter().enumerate() {
+        if let (Some(last), Some(end)) = (q.last_mut(), reach(j)) {
+            *last = end;
+        }
         quantiles.extend(q);
         leans.extend(l);
     }
@@ -54,22 +60,17 @@ fn one<S: Storage>(
         let even = (0..=count).map(|k| (65535 * u32::from(k) / u32::from(count)) as u16).collect();
         return (even, vec![0; intervals]);
     }
-    // ends of the rings: half way to the next, and of the outermost at infinity: that of a wave in transmission at grazing incidence
-    // holds up to 1 % of the light, where q_z vanishes
-    let outermost = 1.0 - 0.6 / f64::from(grid.rings());
     let mut quantiles = vec![0_u16];
     let mut leans = Vec::with_capacity(intervals);
-    let (mut sum, mut before) = (0.0, 0.0);
+    // the outermost ring ends at infinity: that of a wave in transmission at grazing incidence holds up to 1 % of the light, where
+    // q_z vanishes
+    let half = 0.5 / f64::from(grid.rings());
+    let (mut sum, mut last) = (0.0, 0.0);
     let mut own = [0.0; 2];
-    for (k, &[r, flux, moment]) in rings.iter().enumerate() {
-        let end = match rings.get(k + 1) {
-            Some(next) => 0.5 * (r + next[0]),
-            None if r > outermost => 1.0,
-            None => 0.5 * (1.0 + r),
-        };
-        let start = before;
-        before = end;
-        let (mut from, mut rest, mut along) = (start, flux, moment);
+    for &[r, flux, moment] in &rings {
+        let end = r + half;
+        last = end;
+        let (mut from, mut rest, mut along) = (r - half, flux, moment);
         while leans.len() + 1 < intervals {
             let wanted = all * (leans.len() + 1) as f64 / intervals as f64 - sum;
             if wanted > rest {
@@ -92,7 +93,7 @@ fn one<S: Storage>(
         }
     }
     leans.push(lean(own));
-    quantiles.push((before * before * 65536.0).ceil().min(65535.0) as u16);
+    quantiles.push((last * last * 65536.0).ceil().min(65535.0) as u16);
     ascend(&mut quantiles);
     (quantiles, leans)
 }
