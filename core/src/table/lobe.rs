@@ -141,7 +141,7 @@ pub struct LobeTable<'a, S> {
     pub gains: &'a [f32],
     /// [`Shape::cells`], which every look-up needs.
     pub cells: [f32; 4],
-    /// What a sample stands for, but for its interval, its slope and its azimuth: [`unit`], which every one needs.
+    /// What a sample stands for, but for its interval, its slope and its azimuth, which every one needs.
     pub unit: f32,
     /// `v`: radii run fastest, then azimuths, then incidences.
     pub values: &'a [S],
