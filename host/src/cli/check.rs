@@ -26,7 +26,8 @@ enum SideFlag {
 /// Say where the flux goes: reflected, transmitted and lost fractions, from both sides
 ///
 /// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays, or with --method wave by integrating
-/// the mean law of the surface, with the speckle kept by summing the orders of the map; their coherent part is given apart. A table (.bsdft) needs both lobes of the sides asked for.
+/// the mean law of the surface, with the speckle kept by summing the orders of the map; their coherent part is given
+/// apart. A table (.bsdft) needs both lobes of the sides asked for.
 ///
 /// Exit 1 if the model gives more than it receives (R + T > 1.0001, of tables 1.0005, of waves 1.01) or a value that is not
 /// finite.
