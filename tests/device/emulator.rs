@@ -22,6 +22,8 @@ pub(crate) enum Firmware {
     Instrument,
     /// Counts the instructions of a model that is written into it.
     Trade,
+    /// Counts those of laws and tables it has.
+    Counts,
 }
 
 impl Firmware {
@@ -30,8 +32,10 @@ impl Firmware {
         static SELF_TEST: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         static INSTRUMENT: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         static TRADE: OnceLock<Result<PathBuf, String>> = OnceLock::new();
+        static COUNTS: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         match self {
             Self::SelfTest => SELF_TEST.get_or_init(|| build_qemu("selftest", "release")).clone(),
+            Self::Counts => COUNTS.get_or_init(|| build_qemu("counts", "release")).clone(),
             Self::Trade => TRADE.get_or_init(|| build_qemu("trade", "release")).clone(),
             Self::Instrument => INSTRUMENT.get_or_init(|| build_qemu("qemu", "firmware")).clone(),
         }

@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests may fail")]
 
 mod corruption;
+mod counts;
 mod elf;
 mod emulator;
 mod evaluator;

@@ -1,0 +1,38 @@
+//! Instructions a call of the evaluators on a Cortex-M4F. Counts of an emulator, the same everywhere: no time.
+
+use crate::emulator::{self, Firmware};
+use crate::skip;
+
+/// Most instructions of a call: law, tier, what (see `firmware-sim/src/bin/counts.rs`).
+const MOST: [(&str, u32); 12] = [
+    // directions made of ready components; a C compiler makes 161 of the same formula
+    ("ggx fast ars+unit", 161),
+    ("ggx fast sample", 400),
+    ("normals fast ars", 200),
+    ("normals fast sample", 400),
+    ("table-u8 fast ars", 250),
+    ("table-u8 fast eval", 250),
+    ("table-u8 fast sample", 400),
+    ("table-u16 fast ars", 250),
+    ("table-u16 fast eval", 250),
+    ("table-u16 fast sample", 400),
+    ("table-f32 fast ars", 250),
+    ("table-f32 fast sample", 400),
+];
+
+#[test]
+#[allow(clippy::print_stdout, reason = "shown with --nocapture")]
+fn a_call_takes_a_few_hundred_instructions() {
+    let said = match Firmware::Counts.path().and_then(|elf| emulator::run(&elf)) {
+        Ok(said) => said,
+        Err(remedy) => return skip(&remedy),
+    };
+    println!("{said}");
+    for (what, most) in MOST {
+        let start = format!("count {what} ");
+        let count = said.lines().find_map(|line| line.strip_prefix(&start)).unwrap();
+        let count: u32 = count.parse().unwrap();
+        // one that does nothing is no evaluator
+        assert!((50..=most).contains(&count), "{what}: {count} instructions, at most {most}");
+    }
+}
