@@ -28,7 +28,10 @@ fn a_call_takes_a_few_hundred_instructions() {
         Err(remedy) => return skip(&remedy),
     };
     println!("{said}");
+    // figures of the compiler that is asked for; another one may need some more
+    let another = std::env::var("ASPERITY_DEVICE_ENV").is_ok_and(|settings| !settings.is_empty());
     for (what, most) in MOST {
+        let most = if another { most + most / 4 } else { most };
         let start = format!("count {what} ");
         let count = said.lines().find_map(|line| line.strip_prefix(&start)).unwrap();
         let count: u32 = count.parse().unwrap();
