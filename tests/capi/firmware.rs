@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use asperity_tests::code;
+
 use crate::table::Example;
 use crate::tools::{Scope, capi, compiler, device_library, run, skip};
 
@@ -62,8 +64,6 @@ const RUST: [&str; 6] =
 fn a_firmware_in_c_is_small_and_neither_panics_nor_allocates() {
     let folder = tempfile::tempdir().unwrap();
     let arrays = Example::read().bytes();
-    // figures of the compiler that is asked for; another one may need some more
-    let another = std::env::var("ASPERITY_DEVICE_ENV").is_ok_and(|settings| !settings.is_empty());
     for (name, scope, beside, most) in [
         ("ggx", Scope::Whole, 0, GGX),
         ("ggx", Scope::Transmission, 0, GGX),
@@ -77,7 +77,7 @@ fn a_firmware_in_c_is_small_and_neither_panics_nor_allocates() {
             return skip(&remedy);
         }
         let bytes = flash(&elf) - beside;
-        let most = if another { most + most / 4 } else { most };
+        let most = code::limit(most);
         println!("flash: {name}, {scope:?}: {bytes} bytes beside {beside} of arrays");
         let symbols = || ask("arm-none-eabi-nm", &["-S", "--size-sort"], &elf);
         assert!(bytes <= most, "{bytes}\n{}", symbols());

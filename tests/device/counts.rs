@@ -1,10 +1,12 @@
 //! Instructions a call of the evaluators on a Cortex-M4F. Counts of an emulator, the same everywhere: no time.
 
+use asperity_tests::code;
+
 use crate::emulator::{self, Firmware};
 use crate::skip;
 
 /// Most instructions of a call: law, tier, what (see `firmware-sim/src/bin/counts.rs`).
-const MOST: [(&str, u32); 12] = [
+const MOST: [(&str, usize); 12] = [
     // directions made of ready components; a C compiler makes 161 of the same formula
     ("ggx fast ars+unit", 161),
     ("ggx fast sample", 400),
@@ -28,13 +30,11 @@ fn a_call_takes_a_few_hundred_instructions() {
         Err(remedy) => return skip(&remedy),
     };
     println!("{said}");
-    // figures of the compiler that is asked for; another one may need some more
-    let another = std::env::var("ASPERITY_DEVICE_ENV").is_ok_and(|settings| !settings.is_empty());
     for (what, most) in MOST {
-        let most = if another { most + most / 4 } else { most };
+        let most = code::limit(most);
         let start = format!("count {what} ");
         let count = said.lines().find_map(|line| line.strip_prefix(&start)).unwrap();
-        let count: u32 = count.parse().unwrap();
+        let count: usize = count.parse().unwrap();
         // one that does nothing is no evaluator
         assert!((50..=most).contains(&count), "{what}: {count} instructions, at most {most}");
     }

@@ -1,6 +1,7 @@
 //! What the workspace-wide tests share: one table of tolerances, oracles, a chi-square test, the data.
 
 pub mod chi2;
+pub mod code;
 pub mod data;
 pub mod oracle;
 pub mod kirchhoff;
