@@ -10,9 +10,10 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 6] = [
+const MAY_IMPORT: [(&str, &[&str]); 7] = [
     ("asperity-core", &[]),
-    ("asperity", &["asperity-core"]),
+    ("asperity-fourier", &[]),
+    ("asperity", &["asperity-core", "asperity-fourier"]),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
     ("asperity-evaluator", &["asperity-core"]),

@@ -1,6 +1,6 @@
 //! The coherent part: the mean field `<exp(-i q_z h)>`, the characteristic function of the heights.
 
-use rustfft::FftPlanner;
+use asperity_fourier::Precision as _;
 use rustfft::num_complex::Complex;
 
 /// Bins of the histogram of heights.
@@ -37,7 +37,7 @@ impl Coherent {
             bins[k + 1].re += share * (x - k as f64);
         }
         let step = std::f64::consts::TAU / (bin_um * bins.len() as f64);
-        FftPlanner::new().plan_fft_forward(bins.len()).process(&mut bins);
+        f64::forward(bins.len()).process(&mut bins);
         // the phase of the middle is taken out, for what is left is smooth between two values
         for (j, value) in bins.iter_mut().enumerate() {
             let turns = (j * BINS / 2 % (BINS * PADDING)) as f64 / (BINS * PADDING) as f64;

@@ -7,9 +7,10 @@
 
 use std::sync::Arc;
 
+use asperity_fourier::Precision;
 use rayon::prelude::*;
+use rustfft::Fft;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftNum, FftPlanner};
 
 use crate::surface::Edges;
 
@@ -18,13 +19,13 @@ const PANEL: usize = 16;
 
 /// Transforms of all fields of one size.
 #[derive(Clone)]
-pub struct Fourier<T: FftNum> {
+pub struct Fourier<T: Precision> {
     x: Line<T>,
     y: Line<T>,
     edges: Edges,
 }
 
-impl<T: FftNum> std::fmt::Debug for Fourier<T> {
+impl<T: Precision> std::fmt::Debug for Fourier<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Fourier").field("size", &[self.x.n, self.y.n]).finish_non_exhaustive()
     }
@@ -39,7 +40,7 @@ pub struct Coefficients<T> {
     edges: Edges,
 }
 
-impl<T: FftNum> Coefficients<T> {
+impl<T: Precision> Coefficients<T> {
     /// All orders along y of one order along x, which may be negative.
     pub fn column(&self, order_x: isize) -> &[Complex<T>] {
         let [nx, ny] = self.size;
@@ -67,11 +68,10 @@ pub(super) fn place(order: isize, n: usize, edges: Edges) -> usize {
     }
 }
 
-impl<T: FftNum> Fourier<T> {
+impl<T: Precision> Fourier<T> {
     /// For fields of `nx` times `ny` points.
     pub fn new((nx, ny): (usize, usize), edges: Edges) -> Self {
-        let mut planner = FftPlanner::new();
-        Self { x: Line::new(&mut planner, nx, edges), y: Line::new(&mut planner, ny, edges), edges }
+        Self { x: Line::new(nx, edges), y: Line::new(ny, edges), edges }
     }
 
     /// Room for the coefficients, to be used for one field after the other.
@@ -117,7 +117,7 @@ impl<T: FftNum> Fourier<T> {
 
 /// Transforms of lines of one length.
 #[derive(Clone)]
-struct Line<T: FftNum> {
+struct Line<T: Precision> {
     n: usize,
     edges: Edges,
     plan: Arc<dyn Fft<T>>,
@@ -130,15 +130,15 @@ struct Work<T> {
     scratch: Vec<Complex<T>>,
 }
 
-impl<T: FftNum> Line<T> {
-    fn new(planner: &mut FftPlanner<T>, n: usize, edges: Edges) -> Self {
+impl<T: Precision> Line<T> {
+    fn new(n: usize, edges: Edges) -> Self {
         let turn = |k: usize| {
             let z = Complex::from_polar(0.5, -std::f64::consts::FRAC_PI_2 * k as f64 / n as f64);
             let of = |x: f64| T::from_f64(x / n as f64).unwrap_or_else(T::zero);
             Complex::new(of(z.re), of(z.im))
         };
         let turns = if edges == Edges::Mirrored { (0..n).map(turn).collect() } else { Vec::new() };
-        Self { n, edges, plan: planner.plan_fft_forward(n), turns }
+        Self { n, edges, plan: T::forward(n), turns }
     }
 
     fn work(&self, lines: usize) -> Work<T> {

@@ -7,9 +7,10 @@
 
 use std::sync::Arc;
 
+use asperity_fourier::{real_forward, real_inverse};
 use rayon::prelude::*;
 use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
 
 use super::Edges;
 
@@ -22,8 +23,7 @@ pub(super) struct Transform {
 
 impl Transform {
     pub(super) fn new((nx, ny): (usize, usize), edges: Edges) -> Self {
-        let mut planner = RealFftPlanner::new();
-        Self { x: Line::new(&mut planner, nx, edges), y: Line::new(&mut planner, ny, edges) }
+        Self { x: Line::new(nx, edges), y: Line::new(ny, edges) }
     }
 
     /// Periods of the coefficients within `n` points, by their place along x.
@@ -98,14 +98,14 @@ struct Work {
 }
 
 impl Line {
-    fn new(planner: &mut RealFftPlanner<f64>, n: usize, edges: Edges) -> Self {
+    fn new(n: usize, edges: Edges) -> Self {
         let turn =
             |k: usize| Complex::from_polar(1.0, -std::f64::consts::FRAC_PI_2 * k as f64 / n as f64);
         Self {
             n,
             edges,
-            forward: planner.plan_fft_forward(n),
-            back: planner.plan_fft_inverse(n),
+            forward: real_forward(n),
+            back: real_inverse(n),
             turns: (0..=n / 2).map(turn).collect(),
         }
     }
