@@ -16,19 +16,25 @@
 //! wavelength_nm = 550
 //! ```
 
-use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range};
 use serde::{Deserialize, Serialize};
 
+use super::error::plain;
 use super::plan::{CalibrationRule, Plan};
 use super::plan_error::PlanError;
+use crate::input::read_file;
 use crate::measurement::{Metadata, excerpt};
 
 /// Largest plan file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
+/// Longest number that a message repeats as it is.
+const MOST_DIGITS: usize = 12;
+/// Longest message of the parser that is repeated, characters.
+const MOST_WORDS: usize = 160;
 /// Most angles of incidence.
 const MAX_SIGMAS: usize = 1000;
 
@@ -97,11 +103,20 @@ impl Draft {
     /// [`PlanError::Read`], [`PlanError::TooLarge`], [`PlanError::Syntax`] with file and line.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, PlanError> {
         let path = path.as_ref();
-        let failed = |source| PlanError::Read { path: path.to_owned(), source };
-        if fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
-            return Err(PlanError::TooLarge { path: path.to_owned() });
-        }
-        Self::parse(&fs::read_to_string(path).map_err(failed)?, path)
+        let bytes = read_file(path, MAX_BYTES).map_err(|source| match source.kind() {
+            ErrorKind::FileTooLarge => PlanError::TooLarge { path: path.to_owned() },
+            _ => PlanError::Read { path: path.to_owned(), source },
+        })?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let good = e.utf8_error().valid_up_to();
+            let before = e.as_bytes().get(..good).unwrap_or(&[]);
+            PlanError::Syntax {
+                path: path.to_owned(),
+                line: before.iter().filter(|&&byte| byte == b'\n').count() + 1,
+                what: "is not UTF-8 text".to_owned(),
+            }
+        })?;
+        Self::parse(&text, path)
     }
 
     /// Reads the text of a plan file; `path` is for messages.
@@ -114,7 +129,7 @@ impl Draft {
             PlanError::Syntax {
                 path: path.to_owned(),
                 line: before.matches('\n').count() + 1,
-                what: e.message().lines().collect::<Vec<_>>().join(" "),
+                what: brief(e.message()),
             }
         })
     }
@@ -191,11 +206,7 @@ impl Draft {
             let inside = |a| (0..90 * Microdegrees::DEGREE).contains(&a);
             let sigma = angle("sigma", degrees, SIGMA, inside)?;
             if sigmas.contains(&sigma) {
-                return Err(wrong(
-                    "sigma",
-                    &degrees.to_string(),
-                    "it is given twice; leave one out",
-                ));
+                return Err(wrong("sigma", &number(degrees), "it is given twice; leave one out"));
             }
             sigmas.push(sigma);
         }
@@ -227,7 +238,7 @@ impl Draft {
             return Ok(us as u32);
         }
         let allowed = "give 0.1 to 10000 ms in whole microseconds";
-        Err(wrong("integration_ms", &ms.to_string(), allowed))
+        Err(wrong("integration_ms", &number(ms), allowed))
     }
 
     fn range(&self) -> Result<Range, PlanError> {
@@ -268,7 +279,8 @@ impl Draft {
                 _ => "give one wavelength in nm, 10 to 1e6",
             };
             if value.trim().is_empty() || meta.set(key, &value).is_err() {
-                return Err(wrong(key, &value, known));
+                let said = value.parse().map_or(value, number);
+                return Err(wrong(key, &said, known));
             }
         }
         Ok(meta)
@@ -285,6 +297,21 @@ fn wrong(key: &'static str, value: &str, allowed: &'static str) -> PlanError {
     PlanError::Value { key, value: excerpt(value), allowed }
 }
 
+/// A number that was given, with all its digits where they are few.
+fn number(value: f64) -> String {
+    let text = value.to_string();
+    if text.len() <= MOST_DIGITS { text } else { plain(value) }
+}
+
+/// What a parser says, in one line; it may repeat what the file says, however long.
+fn brief(message: &str) -> String {
+    let line = message.lines().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(MOST_WORDS) {
+        Some((end, _)) => format!("{}...", line.get(..end).unwrap_or_default()),
+        None => line,
+    }
+}
+
 /// An angle of whole microdegrees.
 fn angle(
     key: &'static str,
@@ -295,7 +322,7 @@ fn angle(
     let exact = |angle: &Microdegrees| (degrees * 1e6 - f64::from(angle.0)).abs() < 1e-3;
     Microdegrees::from_degrees(degrees)
         .filter(|angle| exact(angle) && inside(angle.0))
-        .ok_or_else(|| wrong(key, &degrees.to_string(), allowed))
+        .ok_or_else(|| wrong(key, &number(degrees), allowed))
 }
 
 #[cfg(test)]
@@ -341,6 +368,9 @@ mod tests {
             ("sigma_deg = [nan]", "sigma NaN"),
             ("theta_step_deg = 0.05", "3601 angles of observation are more than the 1801"),
             ("theta_step_deg = 0.0000001", "at most 6 decimals"),
+            ("sigma_deg = [1e300]", "sigma 1.00000e300 is not usable"),
+            ("integration_ms = -1e308", "integration_ms -1.00000e308 is not usable"),
+            ("ior = 1e300", "ior 1.00000e300 is not usable"),
             ("theta_step_deg = 0", "above 0"),
             ("theta_from_deg = 1\ntheta_to_deg = 0", "smaller angle first"),
             ("aperture_deg = 11", "above 0 to 10"),

@@ -5,10 +5,14 @@
 //! | [`transport`] | bytes to and from a port: serial, TCP, or a simulator in this process |
 //! | [`error`] | what can be wrong with an instrument |
 //! | [`patience`] | how long is waited for what |
+//! | `wording` | requests and answers: which belong together, what they are called |
+//! | `signal` | what currents of the detector can be |
 //! | `link` | frames over bytes: one request, its answer, events in between |
 //! | [`client`] | an instrument that is owned, and owned again after the line was lost |
+//! | `recovery` | finding it again |
 //! | `motion` | what takes time: homing, moving, calibrating |
 //! | [`plan`] | what is to be measured |
+//! | `conditions` | what the instrument has to be meanwhile |
 //! | [`draft`] | a plan as a file or as flags say it |
 //! | `plan_text` | a plan written out |
 //! | [`plan_error`] | a plan that cannot be read, or cannot be meant |
@@ -23,10 +27,14 @@
 pub mod transport;
 pub mod error;
 pub mod patience;
+mod wording;
+mod signal;
 mod link;
 pub mod client;
-mod motion;
+mod recovery;
 pub mod plan;
+mod conditions;
+mod motion;
 pub mod draft;
 mod plan_text;
 pub mod plan_error;
@@ -50,5 +58,6 @@ pub use self::journal::{Journal, JournalError};
 pub use self::patience::Patience;
 pub use self::plan::{CalibrationRule, Plan};
 pub use self::plan_error::PlanError;
+pub use self::result::{AboveBeam, NoScan};
 pub use self::run::{AcquireError, Job, Progress, Summary, run};
 pub use self::transport::{InProcess, Peer, Transport};

@@ -1,20 +1,20 @@
 //! A whole acquisition: from an idle instrument, or from a journal, to a scan file.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use asperity_core::protocol::{Axis, Ident, MachineState, Microdegrees, Request, Status};
 use thiserror::Error;
 
 use super::client::{Client, describe};
+use super::conditions::Conditions;
 use super::error::{LinkError, Trouble};
 use super::journal::{Journal, JournalError};
 use super::patience::Patience;
 use super::plan::{CalibrationRule, LimitError, Plan};
-use super::result::scan_file;
+use super::result::{AboveBeam, Finished, NoScan, scan_file};
 use super::segment::{Course, End, is_forgotten, progress_of, scan};
 use super::transport::Transport;
-use crate::measurement::InvalidReading;
 use crate::output::{AtomicFile, OutputError};
 
 /// How often a segment is begun anew without a new point.
@@ -61,6 +61,8 @@ pub struct Summary {
     pub calibrations: Vec<u32>,
     /// How often the line was lost and found.
     pub recoveries: u32,
+    /// Readings above the beam without the sample: how many, and the largest.
+    pub above_beam: Option<AboveBeam>,
 }
 
 /// Why there is no scan file.
@@ -124,7 +126,7 @@ pub enum AcquireError {
         /// The journal.
         path: PathBuf,
         /// What is wrong.
-        source: InvalidReading,
+        source: NoScan,
     },
     /// Ended by the user.
     #[error(
@@ -146,7 +148,8 @@ pub enum AcquireError {
 /// Measures, and writes the scan file.
 ///
 /// Files are looked at before `connect` is called; it is not called at all if the journal is complete.
-/// Whatever happens, the instrument is stopped and released; after an interruption it is also parked.
+/// Whatever happens, the instrument is stopped and released. When `stop` is set the first thing it is told
+/// is to stop, within a tenth of a second where the line works; it stays where it is.
 ///
 /// # Errors
 /// [`AcquireError`]; the journal keeps all points measured so far.
@@ -162,24 +165,29 @@ pub fn run<T: Transport>(
     let resumed = journal.as_ref().map_or(0, Journal::len);
     let mut recoveries = 0;
     if !journal.as_ref().is_some_and(Journal::is_complete) {
-        let mut client = Client::connect(connect()?, job.patience)?;
-        client.heed(Some(stop));
-        let mut measured = acquire(&mut client, job, &mut journal, progress);
-        let stopped = stop.load(Ordering::SeqCst);
-        if let (Err(AcquireError::Link(e)), true) = (&measured, stopped)
-            && matches!(*e.trouble, Trouble::Interrupted)
-        {
-            measured = Err(interrupted(&mut client, journal.as_ref()));
-        }
+        let interrupted = |journal: Option<&Journal>, e: AcquireError| match e {
+            AcquireError::Link(e) if matches!(*e.trouble, Trouble::Interrupted) => {
+                interruption(journal)
+            }
+            e => e,
+        };
+        let client = Client::connect_heeding(connect()?, job.patience, Some(stop));
+        let mut client = client.map_err(|e| interrupted(journal.as_ref(), e.into()))?;
+        let measured = acquire(&mut client, job, &mut journal, progress);
         client.let_go();
         recoveries = client.recoveries();
-        measured?;
+        let complete = journal.as_ref().is_some_and(Journal::is_complete);
+        match measured.map_err(|e| interrupted(journal.as_ref(), e)) {
+            // all that is left is to write it
+            Err(AcquireError::Interrupted { .. }) if complete => {}
+            measured => measured?,
+        }
     }
     let journal = journal.ok_or(AcquireError::NotBegun)?;
-    let bytes = scan_file(&journal)
+    let Finished { bytes, above_beam } = scan_file(&journal)
         .map_err(|source| AcquireError::NoScan { path: journal.path().to_owned(), source })?;
     AtomicFile::create(job.output)?.finish(&bytes)?;
-    let summary = summary(&journal, resumed, recoveries);
+    let summary = Summary { above_beam, ..summary(&journal, resumed, recoveries) };
     journal.delete()?;
     Ok(summary)
 }
@@ -214,6 +222,7 @@ fn summary(journal: &Journal, resumed: u64, recoveries: u32) -> Summary {
         resumed,
         calibrations: journal.calibrations().iter().map(|stored| stored.values.id).collect(),
         recoveries,
+        above_beam: None,
     }
 }
 
@@ -275,21 +284,8 @@ fn park<T: Transport>(client: &mut Client<'_, T>) -> Result<(), LinkError> {
     client.move_to(Axis::Theta, Microdegrees(0))
 }
 
-/// Stops and parks in good order, as far as it goes.
-fn interrupted<T: Transport>(
-    client: &mut Client<'_, T>,
-    journal: Option<&Journal>,
-) -> AcquireError {
-    client.heed(None);
-    client.hurry();
-    let stopped = client.ask(Request::Stop).and_then(|_| {
-        let limit = client.patience().grace;
-        client.wait_idle("stopping", limit)
-    });
-    if stopped.is_ok_and(|status| status.homed) {
-        // the interruption is what is said, whatever comes of this
-        let _ = park(client);
-    }
+/// What an interruption has left.
+fn interruption(journal: Option<&Journal>) -> AcquireError {
     let Some(journal) = journal else { return AcquireError::NotBegun };
     let (done, total) = (journal.len(), journal.plan().points());
     AcquireError::Interrupted { done, total, path: journal.path().to_owned() }
@@ -322,13 +318,29 @@ impl<T: Transport> Session<'_, '_, T> {
         journal: &Journal,
     ) -> Result<(), AcquireError> {
         let last = journal.calibrations().last().map(|last| last.values.id);
-        if status.calibration == last || self.recalibrate {
+        if status.calibration == last {
             // as long as it is in force it need not be made again
-            self.recalibrate &= status.calibration != last;
+            self.recalibrate = false;
+            return self.same_calibration(journal);
+        }
+        if self.recalibrate {
             return Ok(());
         }
         let (instrument, path) = (describe(self.client.ident()), journal.path().to_owned());
         Err(AcquireError::OtherCalibration { instrument, path })
+    }
+
+    /// Calibrations of one name are the same.
+    fn same_calibration(&mut self, journal: &Journal) -> Result<(), AcquireError> {
+        let Some(last) = journal.calibrations().last().map(|last| last.values) else {
+            return Ok(());
+        };
+        let values = self.client.last_calibration()?;
+        if values == last {
+            return Ok(());
+        }
+        let said = format!("its calibration {:08x} has other currents than before", last.id);
+        Err(self.client.fail(Trouble::Nonsense(said)).into())
     }
 
     /// All incidences.
@@ -338,7 +350,8 @@ impl<T: Transport> Session<'_, '_, T> {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<(), AcquireError> {
         let mut begun = (journal.len(), self.client.now());
-        let mut failures = 0;
+        // in a row, and how many of them because the line was lost
+        let (mut failures, mut lost) = (0, 0);
         while let Some(missing) = journal.next() {
             let before = self.client.recoveries();
             match self.one(missing.0, journal, &mut begun, progress) {
@@ -348,9 +361,19 @@ impl<T: Transport> Session<'_, '_, T> {
                 Err(e) => return Err(e),
             }
             failures = if journal.next() == Some(missing) { failures + 1 } else { 0 };
+            lost += u32::from(self.client.recoveries() != before);
+            if failures == 0 {
+                lost = 0;
+            }
             if failures >= RESTARTS {
-                let what = "the scan of a segment";
-                return Err(self.client.fail(Trouble::Unstable { what, times: RESTARTS }).into());
+                let (what, times) = ("the scan of a segment", RESTARTS);
+                return Err(self
+                    .client
+                    .fail(match lost {
+                        0 => Trouble::Stops { what, times },
+                        _ => Trouble::Unstable { what, times },
+                    })
+                    .into());
             }
         }
         Ok(())
@@ -364,32 +387,60 @@ impl<T: Transport> Session<'_, '_, T> {
         begun: &mut (u64, std::time::Duration),
         progress: &mut dyn FnMut(Progress),
     ) -> Result<End, AcquireError> {
+        let before = self.client.recoveries();
         let status = self.settle()?;
-        if self.will_calibrate(journal) {
-            self.calibrate(sigma, journal)?;
-        } else {
+        if self.client.recoveries() != before {
+            return Ok(End::Disturbed);
+        }
+        self.check_settings(&status)?;
+        let mut calibrates = self.will_calibrate(journal);
+        if !calibrates {
             self.check_calibration(&status, journal)?;
-            if self.recalibrate {
-                self.calibrate(sigma, journal)?;
-            }
+            calibrates = self.recalibrate;
+        }
+        if calibrates && !self.calibrate(sigma, journal)? {
+            return Ok(End::Disturbed);
         }
         if begun.0 == journal.len() {
             begun.1 = self.client.now();
         }
         self.segments += 1;
         let calibration = journal.calibrations().len().saturating_sub(1);
+        let Some(values) = journal.calibrations().last().map(|last| last.values) else {
+            return Ok(End::Disturbed);
+        };
         let (plan, name, credit) = (self.plan, self.segments, self.job.credit.max(1));
-        let course = Course { plan, sigma, name, credit, calibration };
+        let course = Course { plan, sigma, name, credit, calibration, values };
         let start = *begun;
         scan(self.client, &course, journal, &mut |journal, now| {
             progress(progress_of(journal, start, now));
         })
     }
 
-    fn calibrate(&mut self, sigma: usize, journal: &mut Journal) -> Result<(), AcquireError> {
+    /// Calibrates; `false` if the line was lost, and what was found may be gone.
+    fn calibrate(&mut self, sigma: usize, journal: &mut Journal) -> Result<bool, AcquireError> {
         let calibration = self.client.calibrate()?;
+        let before = self.client.recoveries();
+        let status = self.client.status()?;
+        if self.client.recoveries() != before {
+            return Ok(false);
+        }
+        self.check_settings(&status)?;
+        if status.calibration != Some(calibration.id) {
+            let named = status.calibration.map_or_else(|| "none".into(), |id| format!("{id:08x}"));
+            let said = format!(
+                "it has made calibration {:08x}, and its status says {named}",
+                calibration.id
+            );
+            return Err(self.client.fail(Trouble::Nonsense(said)).into());
+        }
         self.recalibrate = false;
-        Ok(journal.add_calibration(sigma, calibration)?)
+        journal.add_calibration(sigma, calibration)?;
+        Ok(true)
+    }
+
+    fn check_settings(&self, status: &Status) -> Result<(), LinkError> {
+        Conditions::of(self.plan).check(status).map_err(|trouble| self.client.fail(trouble))
     }
 
     /// Homes and sets what is not as the plan wants it; what is so is left alone, for setting the
