@@ -254,6 +254,11 @@ impl<'s, T: Transport> Client<'s, T> {
         (self.owner, self.claiming) = (false, false);
     }
 
+    /// The events that have come and are not yet taken.
+    pub(super) fn waiting(&self) -> impl Iterator<Item = &Event> {
+        self.link.waiting()
+    }
+
     /// The events that have come; waits until `until` for the first one.
     pub(super) fn events(&mut self, until: Duration) -> Result<Vec<Event>, LinkError> {
         match self.link.event(until) {

@@ -104,7 +104,9 @@ impl Draft {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, PlanError> {
         let path = path.as_ref();
         let bytes = read_file(path, MAX_BYTES).map_err(|source| match source.kind() {
-            ErrorKind::FileTooLarge => PlanError::TooLarge { path: path.to_owned() },
+            ErrorKind::FileTooLarge | ErrorKind::InvalidInput => {
+                PlanError::TooLarge { path: path.to_owned() }
+            }
             _ => PlanError::Read { path: path.to_owned(), source },
         })?;
         let text = String::from_utf8(bytes).map_err(|e| {

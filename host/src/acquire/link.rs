@@ -197,6 +197,11 @@ impl<'s, T: Transport> Link<'s, T> {
         }
     }
 
+    /// The events that have come and are not yet taken.
+    pub(super) fn waiting(&self) -> impl Iterator<Item = &Event> {
+        self.events.iter()
+    }
+
     /// The events that have come, without waiting.
     pub(super) fn events(&mut self) -> impl Iterator<Item = Event> + '_ {
         self.events.drain(..)

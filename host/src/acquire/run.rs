@@ -107,6 +107,19 @@ pub enum AcquireError {
         /// The journal.
         path: PathBuf,
     },
+    /// The calibration has the name of the journal's, and other currents.
+    #[error(
+        "{instrument}: its calibration {id:08x} has other currents than {} holds under that name, so the \
+         readings of one of them are wrong; delete the journal and measure again", path.display()
+    )]
+    FalseCalibration {
+        /// Model and serial number.
+        instrument: String,
+        /// The name.
+        id: u32,
+        /// The journal.
+        path: PathBuf,
+    },
     /// More light than the range holds.
     #[error(
         "sigma {sigma_deg} deg, theta {theta_deg} deg: more light than range {range} holds; begin anew \
@@ -256,9 +269,7 @@ fn acquire<T: Transport>(
         session.check_calibration(&status, journal)?;
     }
     session.all(journal, progress)?;
-    park(session.client)?;
-    session.client.release()?;
-    Ok(())
+    Ok(park(session.client)?)
 }
 
 fn same_instrument<T: Transport>(
@@ -339,8 +350,8 @@ impl<T: Transport> Session<'_, '_, T> {
         if values == last {
             return Ok(());
         }
-        let said = format!("its calibration {:08x} has other currents than before", last.id);
-        Err(self.client.fail(Trouble::Nonsense(said)).into())
+        let (instrument, path) = (describe(self.client.ident()), journal.path().to_owned());
+        Err(AcquireError::FalseCalibration { instrument, id: last.id, path })
     }
 
     /// All incidences.

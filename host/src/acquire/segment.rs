@@ -172,13 +172,18 @@ impl Taking<'_> {
         let found = self.look(client, journal, progress);
         taken?;
         let found = found?;
-        if client.recoveries() != self.before || found == Found::Stopped {
+        if client.recoveries() != self.before {
             return Ok(false);
         }
-        if self.next < self.course.plan.count() && (found == Found::Ahead || self.has_all()) {
-            return self.go_on(client);
+        if self.next >= self.course.plan.count() {
+            return Ok(true);
         }
-        Ok(true)
+        match found {
+            Found::Stopped => Ok(false),
+            Found::Ahead => self.go_on(client),
+            Found::Underway if self.has_all() => self.go_on(client),
+            Found::Underway => Ok(true),
+        }
     }
 
     /// First point that has not come.
@@ -277,7 +282,10 @@ impl Taking<'_> {
             Some((name, measured)) if name == self.course.name => measured,
             _ => 0,
         };
+        // what it has sent before it answered is here, and not yet looked at
+        let here = |event: &Event| matches!(event, Event::Point(p) if p.segment == self.course.name && p.index >= self.next);
         Ok(match status.state {
+            _ if client.waiting().any(here) => Found::Underway,
             _ if measured > self.next => Found::Ahead,
             MachineState::Idle => Found::Stopped,
             _ => Found::Underway,
