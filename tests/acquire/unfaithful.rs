@@ -86,7 +86,7 @@ fn judge(deed: Misdeed, k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> 
     let mut line = instrument(&config, behaviour);
     let begun = line.now();
     let result = acquire(&mut line, &begin(plan, &output));
-    let took = line.now() - begun;
+    let took = line.now().saturating_sub(begun);
     let mut check = |good: bool, what: String| {
         if !good {
             wrong.push(format!("{name}: {what}"));
@@ -262,7 +262,7 @@ fn an_interruption_at_any_moment_stops_the_stage_at_once_and_keeps_what_is_measu
         let mut line = instrument(&config(7), behaviour);
         let start = line.now();
         let result = run(&begin(&plan, &output), || Ok(&mut line), &stop, &mut |_| {});
-        let late = (line.now() - start).saturating_sub(Duration::from_millis(ms));
+        let late = line.now().saturating_sub(start).saturating_sub(Duration::from_millis(ms));
         assert!(late < Duration::from_millis(500), "{ms} ms: {late:?}");
         assert!(at_rest(&line), "{ms} ms: the stage goes on");
         assert_eq!(line.peer().simulator.status().owner, None, "{ms} ms");

@@ -16,9 +16,6 @@
 //! wavelength_nm = 550
 //! ```
 
-use std::io::ErrorKind;
-use std::path::Path;
-
 use asperity_core::gonio::Geometry;
 use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range};
 use serde::{Deserialize, Serialize};
@@ -26,15 +23,10 @@ use serde::{Deserialize, Serialize};
 use super::error::plain;
 use super::plan::{CalibrationRule, Plan};
 use super::plan_error::PlanError;
-use crate::input::read_file;
 use crate::measurement::{Metadata, excerpt};
 
-/// Largest plan file, bytes.
-const MAX_BYTES: u64 = 1 << 20;
 /// Longest number that a message repeats as it is.
 const MOST_DIGITS: usize = 12;
-/// Longest message of the parser that is repeated, characters.
-const MOST_WORDS: usize = 160;
 /// Most angles of incidence.
 const MAX_SIGMAS: usize = 1000;
 
@@ -97,45 +89,6 @@ pub enum RangeWord {
 }
 
 impl Draft {
-    /// Reads a plan file.
-    ///
-    /// # Errors
-    /// [`PlanError::Read`], [`PlanError::TooLarge`], [`PlanError::Syntax`] with file and line.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, PlanError> {
-        let path = path.as_ref();
-        let bytes = read_file(path, MAX_BYTES).map_err(|source| match source.kind() {
-            ErrorKind::FileTooLarge | ErrorKind::InvalidInput => {
-                PlanError::TooLarge { path: path.to_owned() }
-            }
-            _ => PlanError::Read { path: path.to_owned(), source },
-        })?;
-        let text = String::from_utf8(bytes).map_err(|e| {
-            let good = e.utf8_error().valid_up_to();
-            let before = e.as_bytes().get(..good).unwrap_or(&[]);
-            PlanError::Syntax {
-                path: path.to_owned(),
-                line: before.iter().filter(|&&byte| byte == b'\n').count() + 1,
-                what: "is not UTF-8 text".to_owned(),
-            }
-        })?;
-        Self::parse(&text, path)
-    }
-
-    /// Reads the text of a plan file; `path` is for messages.
-    ///
-    /// # Errors
-    /// [`PlanError::Syntax`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
-        toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
-            PlanError::Syntax {
-                path: path.to_owned(),
-                line: before.matches('\n').count() + 1,
-                what: brief(e.message()),
-            }
-        })
-    }
-
     /// Whether nothing is said.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -305,15 +258,6 @@ fn number(value: f64) -> String {
     if text.len() <= MOST_DIGITS { text } else { plain(value) }
 }
 
-/// What a parser says, in one line; it may repeat what the file says, however long.
-fn brief(message: &str) -> String {
-    let line = message.lines().collect::<Vec<_>>().join(" ");
-    match line.char_indices().nth(MOST_WORDS) {
-        Some((end, _)) => format!("{}...", line.get(..end).unwrap_or_default()),
-        None => line,
-    }
-}
-
 /// An angle of whole microdegrees.
 fn angle(
     key: &'static str,
@@ -329,6 +273,8 @@ fn angle(
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     fn read(text: &str) -> Result<Plan, String> {

@@ -81,7 +81,7 @@ struct Heard {
     astray: u64,
 }
 
-impl<'s, T: Transport> Link<'s, T> {
+impl<T: Transport> Link<'_, T> {
     pub(super) fn new(line: T, patience: Patience) -> Self {
         Self {
             line,
@@ -140,14 +140,13 @@ impl<'s, T: Transport> Link<'s, T> {
             match self.attempt(&frame, k, deadline) {
                 Ok(Some(Ok(Response::Ident(ident)))) => return plausible(ident),
                 Ok(Some(_)) => self.pause(self.patience.back_off(k)),
-                Ok(None) => {}
+                Ok(None) | Err(Failed::Silent | Failed::Astray(_)) => {}
                 Err(Failed::Interrupted) => return Err(Trouble::Interrupted),
                 Err(Failed::Unfit(answer)) => return Err(unfit(Request::Identify, answer)),
                 Err(Failed::Io(e)) => {
                     self.pause(self.patience.back_off(k));
                     cause = Some(self.reconnect().err().unwrap_or(e));
                 }
-                Err(Failed::Silent | Failed::Astray(_)) => {}
             }
             if let Some(theirs) = self.version.take() {
                 return Err(Trouble::Version { theirs, ours: VERSION });
@@ -193,7 +192,7 @@ impl<'s, T: Transport> Link<'s, T> {
     pub(super) fn pause(&mut self, time: Duration) {
         let deadline = self.line.now() + time;
         while self.line.now() < deadline && !self.is_stopped() {
-            self.line.pause((deadline - self.line.now()).min(SLICE));
+            self.line.pause(deadline.saturating_sub(self.line.now()).min(SLICE));
         }
     }
 

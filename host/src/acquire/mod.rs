@@ -14,12 +14,14 @@
 //! | [`plan`] | what is to be measured |
 //! | `conditions` | what the instrument has to be meanwhile |
 //! | [`draft`] | a plan as a file or as flags say it |
-//! | `plan_text` | a plan written out |
+//! | `plan_text` | a plan read from a file and written out |
 //! | [`plan_error`] | a plan that cannot be read, or cannot be meant |
 //! | [`estimate`] | how long it takes |
 //! | [`journal`] | what has been measured, safe on the disk |
+//! | `run_error` | why there is no scan file |
 //! | `result` | from a complete journal to a scan file |
 //! | `segment` | one incidence |
+//! | `session` | incidence after incidence |
 //! | [`run`](mod@run) | all of it |
 //!
 //! PROTOCOL.md is what is said on the line.
@@ -41,7 +43,9 @@ pub mod plan_error;
 pub mod estimate;
 pub mod journal;
 mod result;
+mod run_error;
 mod segment;
+mod session;
 pub mod run;
 
 #[cfg(test)]
@@ -59,5 +63,6 @@ pub use self::patience::Patience;
 pub use self::plan::{CalibrationRule, Plan};
 pub use self::plan_error::PlanError;
 pub use self::result::{AboveBeam, NoScan};
-pub use self::run::{AcquireError, Job, Progress, Summary, run};
+pub use self::run::{Job, Progress, Summary, run};
+pub use self::run_error::AcquireError;
 pub use self::transport::{InProcess, Peer, Transport};

@@ -14,7 +14,8 @@ use super::error::Trouble;
 use super::estimate;
 use super::journal::{Journal, Stored};
 use super::plan::Plan;
-use super::run::{AcquireError, Progress};
+use super::run::Progress;
+use super::run_error::AcquireError;
 use super::signal;
 use super::transport::Transport;
 
