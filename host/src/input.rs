@@ -1,27 +1,52 @@
 //! Input without surprise: never more bytes than were asked for, from files, pipes and devices alike.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
+
+/// Bytes that a device gives before it is taken for endless.
+const MOST_OF_A_DEVICE: u64 = 16 << 20;
 
 /// All bytes of a file, `most` of them at most.
 ///
 /// # Errors
-/// Those of the system, [`ErrorKind::IsADirectory`] for a folder, and [`ErrorKind::FileTooLarge`] with
-/// a text that names the limit.
+/// Those of the system, [`ErrorKind::IsADirectory`] for a folder, [`ErrorKind::FileTooLarge`] with a text
+/// that names the limit, and [`ErrorKind::InvalidInput`] for a device that does not come to an end.
 pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     // not every system lets a folder be opened and says so
     if path.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
     }
     let file = File::open(path)?;
-    let length = file.metadata()?.len();
+    let found = file.metadata()?;
+    let length = found.len();
     if length > most {
         return Err(too_large(most));
+    }
+    if is_device(&found) {
+        return read(file, most.min(MOST_OF_A_DEVICE), Vec::new()).map_err(|e| match e.kind() {
+            ErrorKind::FileTooLarge => Error::new(
+                ErrorKind::InvalidInput,
+                "it is a device that does not come to an end; give a file",
+            ),
+            _ => e,
+        });
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(length).unwrap_or(0))?;
     read(file, most, bytes)
+}
+
+/// `/dev/stdin` on a terminal has an end, `/dev/zero` has none.
+#[cfg(unix)]
+fn is_device(found: &Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    found.file_type().is_char_device() || found.file_type().is_block_device()
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &Metadata) -> bool {
+    false
 }
 
 /// All bytes of a reader, `most` of them at most.
@@ -47,11 +72,21 @@ fn too_large(most: u64) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::read_all;
+    use super::{read_all, read_file};
 
     #[test]
     fn an_endless_input_ends_at_its_limit() {
         assert!(read_all(std::io::repeat(0), 1000).is_err());
         assert_eq!(read_all(&[7_u8; 1000][..], 1000).unwrap().len(), 1000);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_without_an_end_is_said_to_be_one() {
+        let read = |name: &str| read_file(std::path::Path::new(name), 4 << 30);
+        assert_eq!(read("/dev/null").unwrap(), Vec::<u8>::new());
+        let error = read("/dev/zero").unwrap_err().to_string();
+        assert!(error.contains("does not come to an end"), "{error}");
+        assert!(read("/").is_err());
     }
 }

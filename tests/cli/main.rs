@@ -16,6 +16,7 @@
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
 //! | `extreme_maps` | maps at the edge of what is one |
+//! | `endless_inputs` | devices, folders and pipes given as files |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
 //! | `interrupt` | Ctrl-C |
@@ -42,6 +43,8 @@ mod malformed;
 mod map_files;
 mod malformed_maps;
 mod extreme_maps;
+#[cfg(unix)]
+mod endless_inputs;
 mod no;
 mod determinism;
 #[cfg(unix)]

@@ -1,16 +1,18 @@
 //! An instrument that is owned, and owned again after the line was lost.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity_core::protocol::{
-    Calibration, DeviceError, Diagnostics, Event, Ident, MachineState, Request, Response, Status,
+    Calibration, DeviceError, Diagnostics, Event, Ident, Request, Response, Status,
 };
 
 use super::error::{LinkError, Trouble};
 use super::link::{Failed, Link};
 use super::patience::Patience;
+use super::signal;
 use super::transport::Transport;
+use super::wording::{name, unfit};
 
 /// How often one request survives the loss of the line.
 const LOSSES: u32 = 3;
@@ -22,11 +24,12 @@ const LOSSES: u32 = 3;
 /// motion finds by [`recoveries`](Self::recoveries) that it has to be begun anew.
 #[derive(Debug)]
 pub struct Client<'s, T> {
-    link: Link<T>,
-    ident: Ident,
-    owner: bool,
-    recoveries: u32,
-    stop: Option<&'s AtomicBool>,
+    pub(super) link: Link<'s, T>,
+    pub(super) ident: Ident,
+    pub(super) owner: bool,
+    /// A claim was sent whose answer has not come: perhaps it is the owner.
+    claiming: bool,
+    pub(super) recoveries: u32,
 }
 
 impl<'s, T: Transport> Client<'s, T> {
@@ -36,16 +39,29 @@ impl<'s, T: Transport> Client<'s, T> {
     /// [`Trouble::Silent`], [`Trouble::NotAnInstrument`], [`Trouble::Version`], [`Trouble::Lost`],
     /// [`Trouble::Nonsense`].
     pub fn connect(line: T, patience: Patience) -> Result<Self, LinkError> {
+        Self::connect_heeding(line, patience, None)
+    }
+
+    /// The same, heeding a flag from the first byte on: see [`heed`](Self::heed).
+    ///
+    /// # Errors
+    /// As [`connect`](Self::connect), and [`Trouble::Interrupted`].
+    pub fn connect_heeding(
+        line: T,
+        patience: Patience,
+        stop: Option<&'s AtomicBool>,
+    ) -> Result<Self, LinkError> {
         let mut link = Link::new(line, patience);
+        link.stop = stop;
         match link.identify(patience.identify) {
-            Ok(ident) => Ok(Self { link, ident, owner: false, recoveries: 0, stop: None }),
+            Ok(ident) => Ok(Self { link, ident, owner: false, claiming: false, recoveries: 0 }),
             Err(trouble) => Err(LinkError::new(link.line.name(), trouble)),
         }
     }
 
     /// From now on waits end with [`Trouble::Interrupted`] soon after the flag is set; `None`: no more.
     pub fn heed(&mut self, stop: Option<&'s AtomicBool>) {
-        self.stop = stop;
+        self.link.stop = stop;
     }
 
     /// Who it is.
@@ -86,28 +102,40 @@ impl<'s, T: Transport> Client<'s, T> {
         LinkError::new(self.link.line.name(), trouble)
     }
 
+    /// How long ago the instrument has answered.
+    pub(super) fn unheard(&self) -> Duration {
+        self.now().saturating_sub(self.link.answered())
+    }
+
     pub(super) fn heed_stop(&self) -> Result<(), LinkError> {
-        match self.stop {
-            Some(stop) if stop.load(Ordering::SeqCst) => Err(self.fail(Trouble::Interrupted)),
-            _ => Ok(()),
-        }
+        if self.link.is_stopped() { Err(self.fail(Trouble::Interrupted)) } else { Ok(()) }
     }
 
     /// Makes a request that is answered at once, or begins what takes time.
     ///
     /// # Errors
     /// [`Trouble::Refused`], [`Trouble::InUse`], [`Trouble::Fault`] where the instrument says no;
-    /// [`Trouble::Lost`], [`Trouble::OtherInstrument`], [`Trouble::Unstable`] where it cannot be asked.
+    /// [`Trouble::Lost`], [`Trouble::OtherInstrument`], [`Trouble::Unstable`], [`Trouble::Mute`],
+    /// [`Trouble::Astray`] where it cannot be asked; [`Trouble::Nonsense`], [`Trouble::Interrupted`].
     pub fn ask(&mut self, request: Request) -> Result<Response, LinkError> {
+        let mut astray = 0;
         for _ in 0..LOSSES {
             match self.link.exchange(request) {
                 Ok(Ok(response)) => return Ok(response),
                 Ok(Err(DeviceError::NotOwner)) if self.owner => self.recover(None)?,
                 Ok(Err(why)) => return Err(self.fail(refusal(request, why))),
-                Err(failed) => self.recover(Some(failed))?,
+                Err(Failed::Interrupted) => return Err(self.fail(Trouble::Interrupted)),
+                Err(Failed::Unfit(answer)) => return Err(self.fail(unfit(request, answer))),
+                Err(failed) => {
+                    astray = if let Failed::Astray(answers) = failed { answers } else { 0 };
+                    self.recover(Some(failed))?;
+                }
             }
         }
-        Err(self.fail(Trouble::Unstable { what: name(request), times: LOSSES }))
+        Err(self.fail(match astray {
+            0 => Trouble::Unstable { what: name(request), times: LOSSES },
+            answers => Trouble::Astray { answers },
+        }))
     }
 
     /// What the instrument is doing. An owner that the instrument has forgotten claims it again.
@@ -138,27 +166,15 @@ impl<'s, T: Transport> Client<'s, T> {
         }
     }
 
-    /// The result of both calibration runs; its numbers are finite.
+    /// The result of both calibration runs; readings can be taken relative to it.
     ///
     /// # Errors
-    /// As [`ask`](Self::ask), and [`Trouble::Nonsense`].
+    /// As [`ask`](Self::ask), and [`Trouble::WeakBeam`].
     pub fn last_calibration(&mut self) -> Result<Calibration, LinkError> {
         let Response::Calibration(calibration) = self.ask(Request::LastCalibration)? else {
             return Err(self.fail(other_answer()));
         };
-        let values = calibration.dark.iter().chain([&calibration.reference]);
-        let dark = calibration.dark.get(usize::from(calibration.range));
-        if dark.is_none() || !values.clone().all(|value| value.is_finite()) {
-            let said = format!("the calibration {calibration:?}");
-            return Err(self.fail(Trouble::Nonsense(said)));
-        }
-        if dark.is_some_and(|dark| calibration.reference <= *dark) {
-            return Err(self.fail(Trouble::Nonsense(format!(
-                "without the sample the detector reads {} nA, not more than in the dark; look after \
-                 the lamp and the beam",
-                calibration.reference
-            ))));
-        }
+        signal::check_calibration(&calibration).map_err(|trouble| self.fail(trouble))?;
         Ok(calibration)
     }
 
@@ -172,7 +188,7 @@ impl<'s, T: Transport> Client<'s, T> {
             match self.claim_now() {
                 Err(e) if matches!(*e.trouble, Trouble::InUse) && self.now() < deadline => {
                     self.heed_stop()?;
-                    self.link.line.pause(self.patience().poll);
+                    self.link.pause(self.patience().poll);
                 }
                 done => return done,
             }
@@ -184,9 +200,12 @@ impl<'s, T: Transport> Client<'s, T> {
     /// # Errors
     /// [`Trouble::InUse`], and as [`ask`](Self::ask).
     pub fn claim_now(&mut self) -> Result<(), LinkError> {
-        self.ask(Request::Claim)?;
-        self.owner = true;
-        Ok(())
+        self.claiming = true;
+        let claimed = self.ask(Request::Claim);
+        self.owner = claimed.is_ok();
+        // without an answer it may be the owner all the same
+        self.claiming = claimed.as_ref().is_err_and(|e| !matches!(*e.trouble, Trouble::InUse));
+        claimed.map(drop)
     }
 
     /// From now on waits for lost lines and answers are short: the end is near.
@@ -204,17 +223,40 @@ impl<'s, T: Transport> Client<'s, T> {
         Ok(())
     }
 
+    /// Stops it at once, as far as it can be reached; from now on nothing is waited for long, and no
+    /// flag heeded.
+    pub(super) fn stop_now(&mut self) {
+        self.heed(None);
+        self.hurry();
+        if self.owner || self.claiming {
+            let _ = self.link.exchange(Request::Stop);
+        }
+    }
+
+    /// What it is doing, if it says so without more ado and is still ours.
+    pub(super) fn glance(&mut self) -> Option<Status> {
+        match self.link.exchange(Request::Status) {
+            Ok(Ok(Response::Status(status))) => {
+                (status.owner == Some(self.session())).then_some(status)
+            }
+            _ => None,
+        }
+    }
+
     /// Stops and gives up the instrument as far as it can be reached, in about a second: for the end
     /// of a run that has failed already.
     pub fn let_go(&mut self) {
-        if !self.owner {
+        if !self.owner && !self.claiming {
             return;
         }
-        self.hurry();
-        for request in [Request::Stop, Request::Release] {
-            let _ = self.link.exchange(request);
-        }
-        self.owner = false;
+        self.stop_now();
+        let _ = self.link.exchange(Request::Release);
+        (self.owner, self.claiming) = (false, false);
+    }
+
+    /// The events that have come and are not yet taken.
+    pub(super) fn waiting(&self) -> impl Iterator<Item = &Event> {
+        self.link.waiting()
     }
 
     /// The events that have come; waits until `until` for the first one.
@@ -227,95 +269,6 @@ impl<'s, T: Transport> Client<'s, T> {
             }
         }
     }
-
-    /// Finds the instrument again, the same one, and makes it ours and idle.
-    ///
-    /// `lost` is how the line failed; without it the line is good and only the ownership is gone.
-    fn recover(&mut self, lost: Option<Failed>) -> Result<(), LinkError> {
-        self.recoveries = self.recoveries.wrapping_add(1);
-        let limit = self.patience().lost;
-        let deadline = self.now() + limit;
-        let mut reconnect = lost.is_some();
-        let mut cause = lost.and_then(|failed| match failed {
-            Failed::Io(e) => Some(e),
-            Failed::Silent => None,
-        });
-        let mut taken = false;
-        for k in 0.. {
-            self.heed_stop()?;
-            if self.now() >= deadline {
-                break;
-            }
-            if reconnect && let Err(e) = self.link.reconnect() {
-                cause = Some(e);
-                self.link.line.pause(self.patience().back_off(k));
-                continue;
-            }
-            match self.try_recover(deadline) {
-                Ok(true) => return Ok(()),
-                Ok(false) => taken = true,
-                Err(Recovery::Wait(e)) => (cause, reconnect) = (e.or(cause), true),
-                Err(Recovery::End(trouble)) => return Err(self.fail(trouble)),
-            }
-            self.link.line.pause(self.patience().back_off(k));
-        }
-        let lost = Trouble::Lost { seconds: limit.as_secs_f64(), cause };
-        Err(self.fail(if taken { Trouble::InUse } else { lost }))
-    }
-
-    /// One try on an open line; `false` if another client owns the instrument.
-    fn try_recover(&mut self, deadline: Duration) -> Result<bool, Recovery> {
-        let left = deadline.saturating_sub(self.now()).min(self.patience().identify);
-        let found = self.link.identify(left).map_err(|trouble| match trouble {
-            Trouble::Lost { cause, .. } => Recovery::Wait(cause),
-            Trouble::Silent { .. } | Trouble::NotAnInstrument { .. } => Recovery::Wait(None),
-            other => Recovery::End(other),
-        })?;
-        if (found.model, found.serial) != (self.ident.model, self.ident.serial) {
-            return Err(Recovery::End(Trouble::OtherInstrument {
-                found: describe(&found),
-                expected: describe(&self.ident),
-            }));
-        }
-        self.ident = found;
-        if !self.owner {
-            return Ok(true);
-        }
-        match self.link.exchange(Request::Claim)? {
-            Ok(_) => {}
-            Err(DeviceError::InUse) => return Ok(false),
-            Err(why) => return Err(Recovery::End(refusal(Request::Claim, why))),
-        }
-        while self.now() < deadline {
-            match self.link.exchange(Request::Status)? {
-                Ok(Response::Status(status))
-                    if matches!(status.state, MachineState::Idle | MachineState::Fault) =>
-                {
-                    // events of what was under way are of no use any more
-                    drop(self.link.events());
-                    return Ok(true);
-                }
-                _ => drop(self.link.exchange(Request::Stop)?),
-            }
-            self.link.line.pause(self.patience().poll);
-        }
-        Err(Recovery::Wait(None))
-    }
-}
-
-/// Why a try to recover did not succeed.
-enum Recovery {
-    Wait(Option<std::io::Error>),
-    End(Trouble),
-}
-
-impl From<Failed> for Recovery {
-    fn from(failed: Failed) -> Self {
-        match failed {
-            Failed::Silent => Self::Wait(None),
-            Failed::Io(e) => Self::Wait(Some(e)),
-        }
-    }
 }
 
 /// Model and serial number.
@@ -323,7 +276,7 @@ pub fn describe(ident: &Ident) -> String {
     format!("{} {}", ident.model, ident.serial)
 }
 
-fn refusal(request: Request, why: DeviceError) -> Trouble {
+pub(super) fn refusal(request: Request, why: DeviceError) -> Trouble {
     match why {
         DeviceError::InUse => Trouble::InUse,
         DeviceError::Faulted(fault) => Trouble::Fault(fault),
@@ -334,27 +287,4 @@ fn refusal(request: Request, why: DeviceError) -> Trouble {
 /// Cannot be: the kind of an answer is looked at where it is taken from the line.
 fn other_answer() -> Trouble {
     Trouble::Nonsense("an answer to another question".to_owned())
-}
-
-/// A request in plain words.
-fn name(request: Request) -> &'static str {
-    match request {
-        Request::Identify => "to say who it is",
-        Request::Claim => "to be taken",
-        Request::Release => "to be released",
-        Request::Status => "its status",
-        Request::Diagnostics => "its counters",
-        Request::Home => "homing",
-        Request::Move(..) => "to move",
-        Request::Aperture(_) => "the aperture",
-        Request::Range(_) => "the range",
-        Request::Integration(_) => "the integration time",
-        Request::Lamp(_) => "to switch the lamp",
-        Request::Read | Request::LastReading => "a reading",
-        Request::Calibrate(_) | Request::LastCalibration => "a calibration",
-        Request::Scan(_) => "to scan",
-        Request::Continue { .. } => "to go on with the scan",
-        Request::Stop | Request::EmergencyStop => "to stop",
-        Request::ClearFault => "to clear the fault",
-    }
 }

@@ -16,19 +16,17 @@
 //! wavelength_nm = 550
 //! ```
 
-use std::fs;
-use std::path::Path;
-
 use asperity_core::gonio::Geometry;
 use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range};
 use serde::{Deserialize, Serialize};
 
+use super::error::plain;
 use super::plan::{CalibrationRule, Plan};
 use super::plan_error::PlanError;
 use crate::measurement::{Metadata, excerpt};
 
-/// Largest plan file, bytes.
-const MAX_BYTES: u64 = 1 << 20;
+/// Longest number that a message repeats as it is.
+const MOST_DIGITS: usize = 12;
 /// Most angles of incidence.
 const MAX_SIGMAS: usize = 1000;
 
@@ -91,34 +89,6 @@ pub enum RangeWord {
 }
 
 impl Draft {
-    /// Reads a plan file.
-    ///
-    /// # Errors
-    /// [`PlanError::Read`], [`PlanError::TooLarge`], [`PlanError::Syntax`] with file and line.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, PlanError> {
-        let path = path.as_ref();
-        let failed = |source| PlanError::Read { path: path.to_owned(), source };
-        if fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
-            return Err(PlanError::TooLarge { path: path.to_owned() });
-        }
-        Self::parse(&fs::read_to_string(path).map_err(failed)?, path)
-    }
-
-    /// Reads the text of a plan file; `path` is for messages.
-    ///
-    /// # Errors
-    /// [`PlanError::Syntax`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
-        toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
-            PlanError::Syntax {
-                path: path.to_owned(),
-                line: before.matches('\n').count() + 1,
-                what: e.message().lines().collect::<Vec<_>>().join(" "),
-            }
-        })
-    }
-
     /// Whether nothing is said.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -191,11 +161,7 @@ impl Draft {
             let inside = |a| (0..90 * Microdegrees::DEGREE).contains(&a);
             let sigma = angle("sigma", degrees, SIGMA, inside)?;
             if sigmas.contains(&sigma) {
-                return Err(wrong(
-                    "sigma",
-                    &degrees.to_string(),
-                    "it is given twice; leave one out",
-                ));
+                return Err(wrong("sigma", &number(degrees), "it is given twice; leave one out"));
             }
             sigmas.push(sigma);
         }
@@ -227,7 +193,7 @@ impl Draft {
             return Ok(us as u32);
         }
         let allowed = "give 0.1 to 10000 ms in whole microseconds";
-        Err(wrong("integration_ms", &ms.to_string(), allowed))
+        Err(wrong("integration_ms", &number(ms), allowed))
     }
 
     fn range(&self) -> Result<Range, PlanError> {
@@ -268,7 +234,8 @@ impl Draft {
                 _ => "give one wavelength in nm, 10 to 1e6",
             };
             if value.trim().is_empty() || meta.set(key, &value).is_err() {
-                return Err(wrong(key, &value, known));
+                let said = value.parse().map_or(value, number);
+                return Err(wrong(key, &said, known));
             }
         }
         Ok(meta)
@@ -285,6 +252,12 @@ fn wrong(key: &'static str, value: &str, allowed: &'static str) -> PlanError {
     PlanError::Value { key, value: excerpt(value), allowed }
 }
 
+/// A number that was given, with all its digits where they are few.
+fn number(value: f64) -> String {
+    let text = value.to_string();
+    if text.len() <= MOST_DIGITS { text } else { plain(value) }
+}
+
 /// An angle of whole microdegrees.
 fn angle(
     key: &'static str,
@@ -295,11 +268,13 @@ fn angle(
     let exact = |angle: &Microdegrees| (degrees * 1e6 - f64::from(angle.0)).abs() < 1e-3;
     Microdegrees::from_degrees(degrees)
         .filter(|angle| exact(angle) && inside(angle.0))
-        .ok_or_else(|| wrong(key, &degrees.to_string(), allowed))
+        .ok_or_else(|| wrong(key, &number(degrees), allowed))
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     fn read(text: &str) -> Result<Plan, String> {
@@ -341,6 +316,9 @@ mod tests {
             ("sigma_deg = [nan]", "sigma NaN"),
             ("theta_step_deg = 0.05", "3601 angles of observation are more than the 1801"),
             ("theta_step_deg = 0.0000001", "at most 6 decimals"),
+            ("sigma_deg = [1e300]", "sigma 1.00000e300 is not usable"),
+            ("integration_ms = -1e308", "integration_ms -1.00000e308 is not usable"),
+            ("ior = 1e300", "ior 1.00000e300 is not usable"),
             ("theta_step_deg = 0", "above 0"),
             ("theta_from_deg = 1\ntheta_to_deg = 0", "smaller angle first"),
             ("aperture_deg = 11", "above 0 to 10"),

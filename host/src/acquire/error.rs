@@ -99,6 +99,66 @@ pub enum Trouble {
         what = .0, again = home_again(*.0)
     )]
     Fault(Fault),
+    /// Answers to what was not asked.
+    #[error(
+        "the instrument answers, but not to what it is asked ({answers} answers with numbers of other \
+         requests); switch it off and on"
+    )]
+    Astray {
+        /// How many.
+        answers: u64,
+    },
+    /// It is there, and does not answer one kind of request.
+    #[error(
+        "the instrument answers, but not when it is asked for {what} ({seconds:.0} s); switch it off and on"
+    )]
+    Mute {
+        /// What was asked for.
+        what: &'static str,
+        /// How long was waited.
+        seconds: f64,
+    },
+    /// A setting was accepted, and is not so.
+    #[error(
+        "{what} was set to {wanted}, and the instrument reports {reported}: nothing measured so is kept; \
+         switch it off and on, see `asperity instrument status`"
+    )]
+    Disobeyed {
+        /// The setting.
+        what: &'static str,
+        /// As it was set.
+        wanted: String,
+        /// As the status has it.
+        reported: String,
+    },
+    /// The beam without the sample is too weak to measure against.
+    #[error(
+        "without the sample the detector reads {reference} nA, {above} nA above the dark current, and at \
+         least {least} nA are needed (ten times the largest dark current, {dark} nA, and 1 % of the range); \
+         look after lamp, beam and shutter",
+        reference = plain(*.reference), above = plain(*.above), least = plain(*.least), dark = plain(*.dark)
+    )]
+    WeakBeam {
+        /// What the detector reads without the sample, nA.
+        reference: f64,
+        /// The same less the dark current of its range, nA.
+        above: f64,
+        /// The largest dark current of all ranges, nA.
+        dark: f64,
+        /// The least that is measured against, nA.
+        least: f64,
+    },
+    /// It stops again and again, and says no fault.
+    #[error(
+        "the instrument has stopped {times} times before {what} was over, without a fault; see \
+         `asperity instrument status`, switch it off and on"
+    )]
+    Stops {
+        /// What was under way.
+        what: &'static str,
+        /// How often.
+        times: u32,
+    },
     /// The line was lost and is not back.
     #[error("the connection was lost and not back within {seconds:.0} s{}; check cable and power", because(.cause.as_ref()))]
     Lost {
@@ -109,7 +169,7 @@ pub enum Trouble {
     },
     /// The line or the instrument fails again and again.
     #[error(
-        "{what} failed {times} times because the connection was lost each time; check cable and power"
+        "{what} failed {times} times because the connection was lost or no answer came; check cable and power"
     )]
     Unstable {
         /// What was tried.
@@ -133,6 +193,20 @@ pub enum Trouble {
     Interrupted,
 }
 
+/// A number in a message: six digits at most, whatever its size.
+pub(super) fn plain(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
+        let digits = (5.0 - value.abs().max(1e-4).log10().floor()).clamp(0.0, 9.0) as usize;
+        let text = format!("{value:.digits$}");
+        let text = if text.contains('.') { text.trim_end_matches('0') } else { &text };
+        text.trim_end_matches('.').to_owned()
+    } else if value.is_finite() {
+        format!("{value:.5e}")
+    } else {
+        value.to_string()
+    }
+}
+
 fn because(cause: Option<&io::Error>) -> String {
     cause.map_or_else(String::new, |e| format!(" ({e})"))
 }
@@ -144,5 +218,26 @@ fn home_again(fault: Fault) -> &'static str {
             " and `asperity instrument home`"
         }
         Fault::OverRange | Fault::LampFailed => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain;
+
+    #[test]
+    fn numbers_in_messages_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (800.0, "800"),
+            (-0.0042, "-0.0042"),
+            (123_456.7, "123457"),
+            (1e300, "1.00000e300"),
+            (f64::MIN_POSITIVE, "2.22507e-308"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(plain(value), text);
+        }
     }
 }

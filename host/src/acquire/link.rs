@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, RandomState};
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use asperity_core::protocol::{
@@ -13,11 +14,14 @@ use asperity_core::protocol::{
 use super::error::Trouble;
 use super::patience::Patience;
 use super::transport::Transport;
+use super::wording::{fits, kind, unfit};
 
 /// Events kept; more than any credit. Further ones are lost, as the line may lose them.
 const MOST_EVENTS: usize = 4096;
 /// Bytes of a stranger that are shown.
 const EXCERPT: usize = 32;
+/// The longest wait without a look at the stop flag.
+const SLICE: Duration = Duration::from_millis(50);
 
 /// What an instrument answers.
 pub(super) type Answer = Result<Response, DeviceError>;
@@ -27,6 +31,12 @@ pub(super) type Answer = Result<Response, DeviceError>;
 pub(super) enum Failed {
     /// None came, however often the request was sent.
     Silent,
+    /// Only answers to what was not asked came, so many.
+    Astray(u64),
+    /// The request was answered by what is no answer to it.
+    Unfit(&'static str),
+    /// The user wants it to end.
+    Interrupted,
     /// The line is broken.
     Io(io::Error),
 }
@@ -39,9 +49,11 @@ impl From<io::Error> for Failed {
 
 /// One end of a line on which frames are exchanged.
 #[derive(Debug)]
-pub(super) struct Link<T> {
+pub(super) struct Link<'s, T> {
     pub(super) line: T,
     pub(super) patience: Patience,
+    /// Once it is set, nothing is waited for any more.
+    pub(super) stop: Option<&'s AtomicBool>,
     session: u16,
     sequence: u16,
     decoder: Decoder,
@@ -49,6 +61,10 @@ pub(super) struct Link<T> {
     /// The answer to the request under way.
     answer: Option<Answer>,
     asked: Request,
+    /// The kind of an answer that is none to the request under way.
+    unfit: Option<&'static str>,
+    /// When the last answer came.
+    answered: Duration,
     /// The version of an instrument that speaks another one.
     version: Option<u16>,
     heard: Heard,
@@ -61,19 +77,24 @@ struct Heard {
     first: Vec<u8>,
     /// Frames that only an instrument sends.
     frames: u64,
+    /// Answers among them that are to another request.
+    astray: u64,
 }
 
-impl<T: Transport> Link<T> {
+impl<T: Transport> Link<'_, T> {
     pub(super) fn new(line: T, patience: Patience) -> Self {
         Self {
             line,
             patience,
+            stop: None,
             session: random(),
             sequence: 0,
             decoder: Decoder::new(),
             events: VecDeque::new(),
             answer: None,
             asked: Request::Identify,
+            unfit: None,
+            answered: Duration::ZERO,
             version: None,
             heard: Heard::default(),
         }
@@ -83,15 +104,30 @@ impl<T: Transport> Link<T> {
         self.session
     }
 
+    /// Whether the user wants it to end.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::SeqCst))
+    }
+
+    /// When the last answer came, by the line's clock.
+    pub(super) fn answered(&self) -> Duration {
+        self.answered
+    }
+
     /// Asks, and sends the same bytes again as long as there is no answer.
     pub(super) fn exchange(&mut self, request: Request) -> Result<Answer, Failed> {
         let frame = self.number(request);
+        let astray = self.heard.astray;
         for k in 0..self.patience.tries {
             if let Some(answer) = self.attempt(&frame, k, Duration::MAX)? {
                 return Ok(answer);
             }
         }
-        Err(Failed::Silent)
+        // one or two may be late answers to a client that has gone
+        match self.heard.astray.saturating_sub(astray) {
+            answers if answers >= u64::from(self.patience.tries) => Err(Failed::Astray(answers)),
+            _ => Err(Failed::Silent),
+        }
     }
 
     /// Asks who is there, for `limit` at most, opening a broken line again.
@@ -103,10 +139,12 @@ impl<T: Transport> Link<T> {
         while self.line.now() < deadline {
             match self.attempt(&frame, k, deadline) {
                 Ok(Some(Ok(Response::Ident(ident)))) => return plausible(ident),
-                Ok(Some(_)) => self.line.pause(self.patience.back_off(k)),
-                Ok(None) => {}
-                Err(e) => {
-                    self.line.pause(self.patience.back_off(k));
+                Ok(Some(_)) => self.pause(self.patience.back_off(k)),
+                Ok(None) | Err(Failed::Silent | Failed::Astray(_)) => {}
+                Err(Failed::Interrupted) => return Err(Trouble::Interrupted),
+                Err(Failed::Unfit(answer)) => return Err(unfit(Request::Identify, answer)),
+                Err(Failed::Io(e)) => {
+                    self.pause(self.patience.back_off(k));
                     cause = Some(self.reconnect().err().unwrap_or(e));
                 }
             }
@@ -116,6 +154,9 @@ impl<T: Transport> Link<T> {
             k += 1;
         }
         let seconds = limit.as_secs_f64();
+        if self.heard.astray >= u64::from(self.patience.tries.min(k)) && k > 0 {
+            return Err(Trouble::Astray { answers: self.heard.astray });
+        }
         if self.heard.bytes > 0 && self.heard.frames == 0 {
             let dot = |&byte: &u8| if matches!(byte, b' '..=b'~') { char::from(byte) } else { '.' };
             let first: String = self.heard.first.iter().map(dot).collect();
@@ -139,12 +180,25 @@ impl<T: Transport> Link<T> {
         self.line.reconnect()
     }
 
-    /// The next event; waits for it until `until`.
+    /// The next event; waits for it until `until`, or until it is stopped.
     pub(super) fn event(&mut self, until: Duration) -> io::Result<Option<Event>> {
-        while self.events.is_empty() && self.line.now() < until {
+        while self.events.is_empty() && self.line.now() < until && !self.is_stopped() {
             self.receive(until)?;
         }
         Ok(self.events.pop_front())
+    }
+
+    /// Waits, at most until it is stopped.
+    pub(super) fn pause(&mut self, time: Duration) {
+        let deadline = self.line.now() + time;
+        while self.line.now() < deadline && !self.is_stopped() {
+            self.line.pause(deadline.saturating_sub(self.line.now()).min(SLICE));
+        }
+    }
+
+    /// The events that have come and are not yet taken.
+    pub(super) fn waiting(&self) -> impl Iterator<Item = &Event> {
+        self.events.iter()
     }
 
     /// The events that have come, without waiting.
@@ -154,7 +208,8 @@ impl<T: Transport> Link<T> {
 
     fn number(&mut self, request: Request) -> Encoded {
         self.sequence = self.sequence.wrapping_add(1);
-        (self.asked, self.answer, self.version) = (request, None, None);
+        (self.asked, self.answer) = (request, None);
+        (self.unfit, self.version) = (None, None);
         encode(&Frame {
             session: self.session,
             sequence: self.sequence,
@@ -163,20 +218,36 @@ impl<T: Transport> Link<T> {
     }
 
     /// Sends, and waits once.
-    fn attempt(&mut self, frame: &Encoded, k: u32, end: Duration) -> io::Result<Option<Answer>> {
+    fn attempt(
+        &mut self,
+        frame: &Encoded,
+        k: u32,
+        end: Duration,
+    ) -> Result<Option<Answer>, Failed> {
+        if self.is_stopped() {
+            return Err(Failed::Interrupted);
+        }
         self.line.send(frame.as_bytes())?;
         let back_off = if k == 0 { Duration::ZERO } else { self.patience.back_off(k - 1) };
         let until = (self.line.now() + self.patience.answer + back_off).min(end);
         while self.answer.is_none() && self.version.is_none() && self.line.now() < until {
             self.receive(until)?;
+            if let (None, Some(answer)) = (self.answer, self.unfit) {
+                return Err(Failed::Unfit(answer));
+            }
+            // what is under way was heard, or will not be: last words come next
+            if self.answer.is_none() && self.is_stopped() {
+                return Err(Failed::Interrupted);
+            }
         }
         Ok(self.answer.take())
     }
 
-    /// Takes what comes first until `until`, all of it.
+    /// Takes what comes first until `until`, all of it; returns early where there is a flag to look at.
     fn receive(&mut self, until: Duration) -> io::Result<()> {
         let mut buffer = [0; 4096];
-        let wait = until.saturating_sub(self.line.now());
+        let most = if self.stop.is_some() { SLICE } else { Duration::MAX };
+        let wait = until.saturating_sub(self.line.now()).min(most);
         let count = self.line.receive(&mut buffer, wait)?;
         let mut bytes = buffer.get(..count).unwrap_or(&[]);
         self.heard.bytes += bytes.len() as u64;
@@ -196,28 +267,27 @@ impl<T: Transport> Link<T> {
         let (mine, current) = (frame.session == self.session, frame.sequence == self.sequence);
         self.heard.frames += u64::from(!matches!(frame.message, Message::Request(_)));
         match frame.message {
-            Message::Response(response) if mine && current && fits(self.asked, &response) => {
-                self.answer = Some(Ok(response));
+            Message::Response(response) if mine && current => {
+                if fits(self.asked, &response) {
+                    (self.answer, self.answered) = (Some(Ok(response)), self.line.now());
+                } else {
+                    self.unfit = Some(kind(&response));
+                }
             }
-            Message::Error(error) if mine && current => self.answer = Some(Err(error)),
+            Message::Error(error) if mine && current => {
+                (self.answer, self.answered) = (Some(Err(error)), self.line.now());
+            }
+            Message::Response(_) | Message::Error(_) => {
+                // of another session, or with a number that was not yet given; older ones come late
+                let ahead = frame.sequence.wrapping_sub(self.sequence) < 0x8000;
+                self.heard.astray += u64::from(!mine || (ahead && !current));
+            }
             Message::Event(event) if mine && self.events.len() < MOST_EVENTS => {
                 self.events.push_back(event);
             }
-            // somebody else's, or the answer to an older request
+            // somebody else's
             _ => {}
         }
-    }
-}
-
-/// Whether this is a kind of answer to that request.
-fn fits(request: Request, response: &Response) -> bool {
-    match request {
-        Request::Identify => matches!(response, Response::Ident(_)),
-        Request::Status => matches!(response, Response::Status(_)),
-        Request::Diagnostics => matches!(response, Response::Diagnostics(_)),
-        Request::LastReading => matches!(response, Response::Reading(_)),
-        Request::LastCalibration => matches!(response, Response::Calibration(_)),
-        _ => matches!(response, Response::Accepted),
     }
 }
 

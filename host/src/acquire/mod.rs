@@ -5,17 +5,23 @@
 //! | [`transport`] | bytes to and from a port: serial, TCP, or a simulator in this process |
 //! | [`error`] | what can be wrong with an instrument |
 //! | [`patience`] | how long is waited for what |
+//! | `wording` | requests and answers: which belong together, what they are called |
+//! | `signal` | what currents of the detector can be |
 //! | `link` | frames over bytes: one request, its answer, events in between |
 //! | [`client`] | an instrument that is owned, and owned again after the line was lost |
+//! | `recovery` | finding it again |
 //! | `motion` | what takes time: homing, moving, calibrating |
 //! | [`plan`] | what is to be measured |
+//! | `conditions` | what the instrument has to be meanwhile |
 //! | [`draft`] | a plan as a file or as flags say it |
-//! | `plan_text` | a plan written out |
+//! | `plan_text` | a plan read from a file and written out |
 //! | [`plan_error`] | a plan that cannot be read, or cannot be meant |
 //! | [`estimate`] | how long it takes |
 //! | [`journal`] | what has been measured, safe on the disk |
+//! | `run_error` | why there is no scan file |
 //! | `result` | from a complete journal to a scan file |
 //! | `segment` | one incidence |
+//! | `session` | incidence after incidence |
 //! | [`run`](mod@run) | all of it |
 //!
 //! PROTOCOL.md is what is said on the line.
@@ -23,17 +29,23 @@
 pub mod transport;
 pub mod error;
 pub mod patience;
+mod wording;
+mod signal;
 mod link;
 pub mod client;
-mod motion;
+mod recovery;
 pub mod plan;
+mod conditions;
+mod motion;
 pub mod draft;
 mod plan_text;
 pub mod plan_error;
 pub mod estimate;
 pub mod journal;
 mod result;
+mod run_error;
 mod segment;
+mod session;
 pub mod run;
 
 #[cfg(test)]
@@ -50,5 +62,7 @@ pub use self::journal::{Journal, JournalError};
 pub use self::patience::Patience;
 pub use self::plan::{CalibrationRule, Plan};
 pub use self::plan_error::PlanError;
-pub use self::run::{AcquireError, Job, Progress, Summary, run};
+pub use self::result::{AboveBeam, NoScan};
+pub use self::run::{Job, Progress, Summary, run};
+pub use self::run_error::AcquireError;
 pub use self::transport::{InProcess, Peer, Transport};

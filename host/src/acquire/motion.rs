@@ -7,14 +7,13 @@ use asperity_core::protocol::{
 };
 
 use super::client::Client;
+use super::conditions::OFF_TARGET;
 use super::error::{LinkError, Trouble};
 use super::estimate;
 use super::transport::Transport;
 
 /// How often something is begun anew because the line was lost meanwhile.
 const TRIES: u32 = 5;
-/// How far from where it was sent an axis may stand, by its encoder: microdegrees.
-const OFF_TARGET: u32 = 20_000;
 
 impl<T: Transport> Client<'_, T> {
     /// Waits until the instrument is idle, `limit` at most.
@@ -26,14 +25,9 @@ impl<T: Transport> Client<'_, T> {
         let deadline = self.now() + limit;
         loop {
             let status = self.status()?;
-            match (status.state, status.fault) {
-                (MachineState::Idle, _) => return Ok(status),
-                (MachineState::Fault, Some(fault)) => return Err(self.fail(Trouble::Fault(fault))),
-                (MachineState::Fault, None) => {
-                    let said = "it is in a fault, and in none".to_owned();
-                    return Err(self.fail(Trouble::Nonsense(said)));
-                }
-                _ => {}
+            self.refuse_fault(&status)?;
+            if status.state == MachineState::Idle {
+                return Ok(status);
             }
             self.heed_stop()?;
             if self.now() >= deadline {
@@ -45,10 +39,23 @@ impl<T: Transport> Client<'_, T> {
         }
     }
 
+    /// The fault by which it has stopped is an error.
+    pub(super) fn refuse_fault(&self, status: &Status) -> Result<(), LinkError> {
+        match (status.state, status.fault) {
+            (MachineState::Fault, Some(fault)) => Err(self.fail(Trouble::Fault(fault))),
+            (MachineState::Fault, None) => {
+                let said = "it is in a fault, and in none".to_owned();
+                Err(self.fail(Trouble::Nonsense(said)))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Waits until `until`, or until an event says that the state has changed.
     fn wait_change(&mut self, until: Duration) -> Result<(), LinkError> {
         let changed = |event: &Event| matches!(event, Event::State(_) | Event::Fault(_));
         while self.now() < until {
+            self.heed_stop()?;
             if self.events(until)?.iter().any(changed) {
                 break;
             }

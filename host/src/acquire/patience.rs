@@ -23,6 +23,8 @@ pub struct Patience {
     /// Between two questions how far something is: 200 ms. Far below the 5 s after which an instrument
     /// takes its owner for gone.
     pub poll: Duration,
+    /// The longest time without a question to an instrument that is owned, however well points come: 1 s.
+    pub keep_alive: Duration,
     /// What a motion may take longer than its way at its speed, besides twice that: 15 s.
     pub grace: Duration,
 }
@@ -38,6 +40,7 @@ impl Default for Patience {
             lost: Duration::from_secs(30),
             in_use: Duration::from_secs(6),
             poll: Duration::from_millis(200),
+            keep_alive: Duration::from_secs(1),
             grace: Duration::from_secs(15),
         }
     }

@@ -1,4 +1,7 @@
-//! A plan written out, and its checksum: the way back from [`Plan`] to [`Draft`].
+//! A plan as text: read from a file, and written out, with its checksum: the way back from [`Plan`] to [`Draft`].
+
+use std::io::ErrorKind;
+use std::path::Path;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -6,6 +9,63 @@ use asperity_core::protocol::{Range, checksum};
 
 use super::draft::{Draft, RangeWord};
 use super::plan::{CalibrationRule, Plan};
+use super::plan_error::PlanError;
+use crate::input::read_file;
+
+/// Largest plan file, bytes.
+const MAX_BYTES: u64 = 1 << 20;
+/// Longest message of the parser that is repeated, characters.
+const MOST_WORDS: usize = 160;
+
+impl Draft {
+    /// Reads a plan file.
+    ///
+    /// # Errors
+    /// [`PlanError::Read`], [`PlanError::TooLarge`], [`PlanError::Syntax`] with file and line.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, PlanError> {
+        let path = path.as_ref();
+        let bytes = read_file(path, MAX_BYTES).map_err(|source| match source.kind() {
+            ErrorKind::FileTooLarge | ErrorKind::InvalidInput => {
+                PlanError::TooLarge { path: path.to_owned() }
+            }
+            _ => PlanError::Read { path: path.to_owned(), source },
+        })?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            let good = e.utf8_error().valid_up_to();
+            let before = e.as_bytes().get(..good).unwrap_or(&[]);
+            PlanError::Syntax {
+                path: path.to_owned(),
+                line: String::from_utf8_lossy(before).matches('\n').count() + 1,
+                what: "is not UTF-8 text".to_owned(),
+            }
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// Reads the text of a plan file; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`PlanError::Syntax`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
+        toml::from_str(text).map_err(|e| {
+            let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
+            PlanError::Syntax {
+                path: path.to_owned(),
+                line: before.matches('\n').count() + 1,
+                what: brief(e.message()),
+            }
+        })
+    }
+}
+
+/// What a parser says, in one line; it may repeat what the file says, however long.
+fn brief(message: &str) -> String {
+    let line = message.lines().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(MOST_WORDS) {
+        Some((end, _)) => format!("{}...", line.get(..end).unwrap_or_default()),
+        None => line,
+    }
+}
 
 impl Plan {
     /// The plan with nothing left unsaid.

@@ -3,43 +3,91 @@
 //! The file follows from plan, instrument, calibrations and points alone: how often the line was lost
 //! or the program ended leaves no trace in it.
 
-use asperity_core::protocol::Range;
+use thiserror::Error;
 
+use super::conditions;
+use super::error::plain;
 use super::journal::{Journal, Stored};
+use super::signal;
 use crate::measurement::{InvalidReading, Measurement, Metadata, Quantity, Reading, write};
+
+/// Readings above the beam without the sample: the lamp has drifted, or the reference was too low.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AboveBeam {
+    /// How many.
+    pub count: u64,
+    /// The largest: angle of incidence and of observation, degrees, and value.
+    pub largest: Reading,
+}
+
+impl AboveBeam {
+    /// Those of a scan; `None` if there are none.
+    fn of(readings: &[Reading]) -> Option<Self> {
+        let above = readings.iter().filter(|reading| signal::is_above_beam(reading.value));
+        let count = above.clone().count() as u64;
+        let largest = above.max_by(|a, b| a.value.total_cmp(&b.value))?;
+        Some(Self { count, largest: *largest })
+    }
+}
+
+/// A scan file, and what is to be told of it.
+pub(super) struct Finished {
+    pub(super) bytes: Vec<u8>,
+    pub(super) above_beam: Option<AboveBeam>,
+}
 
 /// The scan file.
 ///
 /// # Errors
-/// [`InvalidReading`] where the readings are no scan, as when all are dark.
-pub(super) fn scan_file(journal: &Journal) -> Result<Vec<u8>, InvalidReading> {
+/// [`NoScan`] where the readings are no scan, as when all are dark, or cannot be: a journal of a former
+/// version may hold such.
+pub(super) fn scan_file(journal: &Journal) -> Result<Finished, NoScan> {
     let plan = journal.plan();
     let mut readings = Vec::new();
     for (k, sigma) in plan.sigmas().iter().enumerate() {
         for (index, point) in (0..plan.count()).zip(journal.points(k)) {
-            readings.push(Reading {
+            let reading = Reading {
                 sigma_deg: sigma.degrees(),
                 theta_deg: plan.theta(index).degrees(),
                 value: relative(journal, point),
-            });
+            };
+            if reading.value.is_finite() && !signal::is_possible(reading.value) {
+                return Err(NoScan::Impossible(reading));
+            }
+            readings.push(reading);
         }
     }
+    let above_beam = AboveBeam::of(&readings);
     let mut bytes = Vec::new();
     let scan = Measurement::new(header(journal), readings)?;
     // writing to memory cannot fail
     let _ = write::write(&scan, &mut bytes);
-    Ok(bytes)
+    Ok(Finished { bytes, above_beam })
+}
+
+/// Why complete points are no scan.
+#[derive(Debug, Error)]
+pub enum NoScan {
+    /// No readings of a goniophotometer.
+    #[error(transparent)]
+    Invalid(#[from] InvalidReading),
+    /// More light than the beam has.
+    #[error(
+        "at sigma {} deg, theta {} deg the reading is {} times the beam without the sample; the reference is \
+         wrong: delete the journal and measure again",
+        .0.sigma_deg, .0.theta_deg, plain(.0.value)
+    )]
+    Impossible(Reading),
 }
 
 /// A reading relative to the beam without the sample; NaN, which is refused, without its calibration.
 fn relative(journal: &Journal, point: &Stored) -> f64 {
-    let calibration = journal.calibrations().get(point.calibration).map(|stored| &stored.values);
-    let Some(calibration) = calibration else { return f64::NAN };
-    let dark = calibration.dark.get(usize::from(calibration.range)).copied().unwrap_or(f32::NAN);
-    let beam = f64::from(calibration.reference) - f64::from(dark);
-    (f64::from(point.reading.signal) - f64::from(point.reading.dark)) / beam
+    let calibration = journal.calibrations().get(point.calibration);
+    calibration.map_or(f64::NAN, |stored| signal::relative(&stored.values, &point.reading))
 }
 
+/// The header. Aperture, integration time and range are what the instrument reported: no point is in the
+/// journal unless its status was the plan's.
 fn header(journal: &Journal) -> Metadata {
     let plan = journal.plan();
     let (model, serial) = journal.instrument();
@@ -47,10 +95,6 @@ fn header(journal: &Journal) -> Metadata {
     let mut ids: Vec<String> = ids.collect();
     // calibrations with one identity are the same
     ids.dedup();
-    let range = match plan.range() {
-        Range::Auto => "auto".to_owned(),
-        Range::Fixed(number) => number.to_string(),
-    };
     let integration = f64::from(plan.integration_us()) / 1e3;
     Metadata {
         sample: plan.sample.clone(),
@@ -64,7 +108,7 @@ fn header(journal: &Journal) -> Metadata {
         quantity: Some(Quantity::Flux),
         other: vec![
             ("integration_ms".to_owned(), integration.to_string()),
-            ("range".to_owned(), range),
+            ("range".to_owned(), conditions::range(plan.range())),
         ],
         ..Metadata::default()
     }

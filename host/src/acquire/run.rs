@@ -1,24 +1,20 @@
 //! A whole acquisition: from an idle instrument, or from a journal, to a scan file.
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
-use asperity_core::protocol::{Axis, Ident, MachineState, Microdegrees, Request, Status};
-use thiserror::Error;
+use asperity_core::protocol::{Axis, Ident, Microdegrees};
 
 use super::client::{Client, describe};
 use super::error::{LinkError, Trouble};
 use super::journal::{Journal, JournalError};
 use super::patience::Patience;
-use super::plan::{CalibrationRule, LimitError, Plan};
-use super::result::scan_file;
-use super::segment::{Course, End, is_forgotten, progress_of, scan};
+use super::plan::Plan;
+use super::result::{AboveBeam, Finished, scan_file};
+use super::run_error::AcquireError;
+use super::session::Session;
 use super::transport::Transport;
-use crate::measurement::InvalidReading;
-use crate::output::{AtomicFile, OutputError};
-
-/// How often a segment is begun anew without a new point.
-const RESTARTS: u32 = 5;
+use crate::output::AtomicFile;
 
 /// What is to be done.
 #[derive(Clone, Debug)]
@@ -61,92 +57,15 @@ pub struct Summary {
     pub calibrations: Vec<u32>,
     /// How often the line was lost and found.
     pub recoveries: u32,
-}
-
-/// Why there is no scan file.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum AcquireError {
-    /// Trouble with the instrument or the way to it.
-    #[error(transparent)]
-    Link(#[from] LinkError),
-    /// Trouble with the journal.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-    /// Trouble with the scan file.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// The instrument cannot carry out the plan.
-    #[error(transparent)]
-    Limit(#[from] LimitError),
-    /// There is a scan already.
-    #[error("{}: exists already; choose another name or delete it", path.display())]
-    Exists {
-        /// The scan file.
-        path: PathBuf,
-    },
-    /// The journal is of another plan.
-    #[error(
-        "{}: was begun with another plan; give the same plan, or none to take the journal's, or \
-         delete the journal to begin anew", path.display()
-    )]
-    OtherPlan {
-        /// The journal.
-        path: PathBuf,
-    },
-    /// The instrument has another calibration than the last one of the journal, or none.
-    #[error(
-        "{instrument}: its calibration is gone or another one than that of {}; go on with \
-         --recalibrate, or delete the journal to begin anew", path.display()
-    )]
-    OtherCalibration {
-        /// Model and serial number.
-        instrument: String,
-        /// The journal.
-        path: PathBuf,
-    },
-    /// More light than the range holds.
-    #[error(
-        "sigma {sigma_deg} deg, theta {theta_deg} deg: more light than range {range} holds; begin anew \
-         with --range auto, or with a smaller number"
-    )]
-    OverRange {
-        /// Angle of incidence, degrees.
-        sigma_deg: f64,
-        /// Angle of observation, degrees.
-        theta_deg: f64,
-        /// The range.
-        range: u8,
-    },
-    /// All points are there, and they are no scan.
-    #[error("{}: keeps all points, but they are no scan: {source}", path.display())]
-    NoScan {
-        /// The journal.
-        path: PathBuf,
-        /// What is wrong.
-        source: InvalidReading,
-    },
-    /// Ended by the user.
-    #[error(
-        "interrupted with {done} of {total} points, kept in {}; go on with --resume", path.display()
-    )]
-    Interrupted {
-        /// Points kept.
-        done: u64,
-        /// Points of the plan.
-        total: u64,
-        /// The journal.
-        path: PathBuf,
-    },
-    /// Ended by the user before anything was measured.
-    #[error("interrupted before the first point; nothing was written")]
-    NotBegun,
+    /// Readings above the beam without the sample: how many, and the largest.
+    pub above_beam: Option<AboveBeam>,
 }
 
 /// Measures, and writes the scan file.
 ///
 /// Files are looked at before `connect` is called; it is not called at all if the journal is complete.
-/// Whatever happens, the instrument is stopped and released; after an interruption it is also parked.
+/// Whatever happens, the instrument is stopped and released. When `stop` is set the first thing it is told
+/// is to stop, within a tenth of a second where the line works; it stays where it is.
 ///
 /// # Errors
 /// [`AcquireError`]; the journal keeps all points measured so far.
@@ -162,24 +81,29 @@ pub fn run<T: Transport>(
     let resumed = journal.as_ref().map_or(0, Journal::len);
     let mut recoveries = 0;
     if !journal.as_ref().is_some_and(Journal::is_complete) {
-        let mut client = Client::connect(connect()?, job.patience)?;
-        client.heed(Some(stop));
-        let mut measured = acquire(&mut client, job, &mut journal, progress);
-        let stopped = stop.load(Ordering::SeqCst);
-        if let (Err(AcquireError::Link(e)), true) = (&measured, stopped)
-            && matches!(*e.trouble, Trouble::Interrupted)
-        {
-            measured = Err(interrupted(&mut client, journal.as_ref()));
-        }
+        let interrupted = |journal: Option<&Journal>, e: AcquireError| match e {
+            AcquireError::Link(e) if matches!(*e.trouble, Trouble::Interrupted) => {
+                interruption(journal)
+            }
+            e => e,
+        };
+        let client = Client::connect_heeding(connect()?, job.patience, Some(stop));
+        let mut client = client.map_err(|e| interrupted(journal.as_ref(), e.into()))?;
+        let measured = acquire(&mut client, job, &mut journal, progress);
         client.let_go();
         recoveries = client.recoveries();
-        measured?;
+        let complete = journal.as_ref().is_some_and(Journal::is_complete);
+        match measured.map_err(|e| interrupted(journal.as_ref(), e)) {
+            // all that is left is to write it
+            Err(AcquireError::Interrupted { .. }) if complete => {}
+            measured => measured?,
+        }
     }
     let journal = journal.ok_or(AcquireError::NotBegun)?;
-    let bytes = scan_file(&journal)
+    let Finished { bytes, above_beam } = scan_file(&journal)
         .map_err(|source| AcquireError::NoScan { path: journal.path().to_owned(), source })?;
     AtomicFile::create(job.output)?.finish(&bytes)?;
-    let summary = summary(&journal, resumed, recoveries);
+    let summary = Summary { above_beam, ..summary(&journal, resumed, recoveries) };
     journal.delete()?;
     Ok(summary)
 }
@@ -214,6 +138,7 @@ fn summary(journal: &Journal, resumed: u64, recoveries: u32) -> Summary {
         resumed,
         calibrations: journal.calibrations().iter().map(|stored| stored.values.id).collect(),
         recoveries,
+        above_beam: None,
     }
 }
 
@@ -247,9 +172,7 @@ fn acquire<T: Transport>(
         session.check_calibration(&status, journal)?;
     }
     session.all(journal, progress)?;
-    park(session.client)?;
-    session.client.release()?;
-    Ok(())
+    Ok(park(session.client)?)
 }
 
 fn same_instrument<T: Transport>(
@@ -275,149 +198,9 @@ fn park<T: Transport>(client: &mut Client<'_, T>) -> Result<(), LinkError> {
     client.move_to(Axis::Theta, Microdegrees(0))
 }
 
-/// Stops and parks in good order, as far as it goes.
-fn interrupted<T: Transport>(
-    client: &mut Client<'_, T>,
-    journal: Option<&Journal>,
-) -> AcquireError {
-    client.heed(None);
-    client.hurry();
-    let stopped = client.ask(Request::Stop).and_then(|_| {
-        let limit = client.patience().grace;
-        client.wait_idle("stopping", limit)
-    });
-    if stopped.is_ok_and(|status| status.homed) {
-        // the interruption is what is said, whatever comes of this
-        let _ = park(client);
-    }
+/// What an interruption has left.
+fn interruption(journal: Option<&Journal>) -> AcquireError {
     let Some(journal) = journal else { return AcquireError::NotBegun };
     let (done, total) = (journal.len(), journal.plan().points());
     AcquireError::Interrupted { done, total, path: journal.path().to_owned() }
-}
-
-/// An acquisition under way.
-struct Session<'a, 's, T> {
-    client: &'a mut Client<'s, T>,
-    job: &'a Job<'a>,
-    plan: &'a Plan,
-    /// Names of segments given so far.
-    segments: u32,
-    /// Calibrate where the calibration is gone; once.
-    recalibrate: bool,
-}
-
-impl<T: Transport> Session<'_, '_, T> {
-    /// Whether the next incidence with a missing point is calibrated first.
-    fn will_calibrate(&self, journal: &Journal) -> bool {
-        let Some((sigma, _)) = journal.next() else { return false };
-        journal.calibrations().last().is_none_or(|last| {
-            self.plan.calibration() == CalibrationRule::PerSigma && last.sigma != sigma
-        })
-    }
-
-    /// The calibration of the journal must be in force: all else is not comparable.
-    fn check_calibration(
-        &mut self,
-        status: &Status,
-        journal: &Journal,
-    ) -> Result<(), AcquireError> {
-        let last = journal.calibrations().last().map(|last| last.values.id);
-        if status.calibration == last || self.recalibrate {
-            // as long as it is in force it need not be made again
-            self.recalibrate &= status.calibration != last;
-            return Ok(());
-        }
-        let (instrument, path) = (describe(self.client.ident()), journal.path().to_owned());
-        Err(AcquireError::OtherCalibration { instrument, path })
-    }
-
-    /// All incidences.
-    fn all(
-        &mut self,
-        journal: &mut Journal,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<(), AcquireError> {
-        let mut begun = (journal.len(), self.client.now());
-        let mut failures = 0;
-        while let Some(missing) = journal.next() {
-            let before = self.client.recoveries();
-            match self.one(missing.0, journal, &mut begun, progress) {
-                Ok(End::Complete | End::Disturbed) => {}
-                Err(AcquireError::Link(e))
-                    if is_forgotten(&e.trouble) && self.client.recoveries() != before => {}
-                Err(e) => return Err(e),
-            }
-            failures = if journal.next() == Some(missing) { failures + 1 } else { 0 };
-            if failures >= RESTARTS {
-                let what = "the scan of a segment";
-                return Err(self.client.fail(Trouble::Unstable { what, times: RESTARTS }).into());
-            }
-        }
-        Ok(())
-    }
-
-    /// One incidence, as far as it goes without a disturbance.
-    fn one(
-        &mut self,
-        sigma: usize,
-        journal: &mut Journal,
-        begun: &mut (u64, std::time::Duration),
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<End, AcquireError> {
-        let status = self.settle()?;
-        if self.will_calibrate(journal) {
-            self.calibrate(sigma, journal)?;
-        } else {
-            self.check_calibration(&status, journal)?;
-            if self.recalibrate {
-                self.calibrate(sigma, journal)?;
-            }
-        }
-        if begun.0 == journal.len() {
-            begun.1 = self.client.now();
-        }
-        self.segments += 1;
-        let calibration = journal.calibrations().len().saturating_sub(1);
-        let (plan, name, credit) = (self.plan, self.segments, self.job.credit.max(1));
-        let course = Course { plan, sigma, name, credit, calibration };
-        let start = *begun;
-        scan(self.client, &course, journal, &mut |journal, now| {
-            progress(progress_of(journal, start, now));
-        })
-    }
-
-    fn calibrate(&mut self, sigma: usize, journal: &mut Journal) -> Result<(), AcquireError> {
-        let calibration = self.client.calibrate()?;
-        self.recalibrate = false;
-        Ok(journal.add_calibration(sigma, calibration)?)
-    }
-
-    /// Homes and sets what is not as the plan wants it; what is so is left alone, for setting the
-    /// aperture or the lamp drops the calibration.
-    fn settle(&mut self) -> Result<Status, AcquireError> {
-        // a request made again after the line was lost may have begun something
-        if !matches!(self.client.status()?.state, MachineState::Idle | MachineState::Fault) {
-            self.client.ask(Request::Stop)?;
-        }
-        let limit = self.client.patience().grace;
-        let (plan, status) = (self.plan, self.client.wait_idle("stopping", limit)?);
-        let settings = [
-            (status.aperture == plan.aperture(), Request::Aperture(plan.aperture())),
-            (status.range == plan.range(), Request::Range(plan.range())),
-            (
-                status.integration_us == plan.integration_us(),
-                Request::Integration(plan.integration_us()),
-            ),
-            (status.lamp, Request::Lamp(true)),
-        ];
-        for (set, request) in settings {
-            if !set {
-                self.client.ask(request)?;
-            }
-        }
-        if !status.homed {
-            self.client.home()?;
-        }
-        Ok(self.client.status()?)
-    }
 }

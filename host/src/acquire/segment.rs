@@ -1,17 +1,22 @@
 //! One incidence: from the first missing point to the last.
 
+use std::path::Path;
 use std::time::Duration;
 
 use asperity_core::protocol::{
-    Axis, DeviceError, Event, MachineState, Microdegrees, Point, RANGES, Range, Request, Segment,
+    Axis, Calibration, DeviceError, Event, MachineState, Microdegrees, Point, RANGES, Range,
+    Request, Segment, Status,
 };
 
-use super::client::Client;
+use super::client::{Client, describe};
+use super::conditions::Conditions;
 use super::error::Trouble;
 use super::estimate;
 use super::journal::{Journal, Stored};
 use super::plan::Plan;
-use super::run::{AcquireError, Progress};
+use super::run::Progress;
+use super::run_error::AcquireError;
+use super::signal;
 use super::transport::Transport;
 
 /// How far from its place a point may have been read, by the encoder, microdegrees; never more than
@@ -31,6 +36,8 @@ pub(super) struct Course<'a> {
     pub(super) credit: u16,
     /// Which calibration is in force, from 0.
     pub(super) calibration: usize,
+    /// What it found.
+    pub(super) values: Calibration,
 }
 
 /// How a segment ended.
@@ -70,18 +77,27 @@ pub(super) fn scan<T: Transport>(
     }
     let mut taking = Taking {
         course,
+        conditions: Conditions::of(plan).at(sigma),
         before,
         next: first,
+        fresh: Vec::new(),
         granted: first.saturating_add(course.credit).min(plan.count()),
         heard: client.now(),
     };
-    while taking.next < plan.count() {
-        if !taking.step(client, journal, progress)? {
-            return Ok(End::Disturbed);
+    let end = taking.all(client, journal, progress);
+    match &end {
+        Ok(End::Complete) => {
+            let limit = client.patience().motion(Duration::ZERO);
+            client.wait_idle("the scan of a segment", limit)?;
         }
+        Ok(End::Disturbed) => taking.salvage(client, journal)?,
+        Err(AcquireError::Link(e)) if matches!(*e.trouble, Trouble::Interrupted) => {
+            client.stop_now();
+            taking.salvage(client, journal)?;
+        }
+        Err(_) => {}
     }
-    client.wait_idle("the scan of a segment", client.patience().motion(Duration::ZERO))?;
-    Ok(End::Complete)
+    end
 }
 
 /// How an instrument is found that has sent nothing for a while.
@@ -98,10 +114,14 @@ enum Found {
 /// A segment that is being scanned.
 struct Taking<'a> {
     course: &'a Course<'a>,
+    conditions: Conditions<'a>,
     /// [`Client::recoveries`] when it was begun.
     before: u32,
     /// First point that is not in the journal.
     next: u16,
+    /// The points from `next` on that have come since the instrument has last said how it is set. They are
+    /// not in the journal: they belong there only if it is still set so.
+    fresh: Vec<Stored>,
     /// First point that has not been asked for.
     granted: u16,
     /// When the last new point came.
@@ -109,7 +129,24 @@ struct Taking<'a> {
 }
 
 impl Taking<'_> {
+    fn all<T: Transport>(
+        &mut self,
+        client: &mut Client<'_, T>,
+        journal: &mut Journal,
+        progress: &mut dyn FnMut(&Journal, Duration),
+    ) -> Result<End, AcquireError> {
+        while self.next < self.course.plan.count() {
+            if !self.step(client, journal, progress)? {
+                return Ok(End::Disturbed);
+            }
+        }
+        Ok(End::Complete)
+    }
+
     /// Waits for points, stores them, asks for more; `false` if the line was lost.
+    ///
+    /// Only a new point is a sign that it goes on. The instrument is asked how it is when none came, when
+    /// it says that it has stopped, when all that was asked for is there, and every second at least.
     fn step<T: Transport>(
         &mut self,
         client: &mut Client<'_, T>,
@@ -117,31 +154,47 @@ impl Taking<'_> {
         progress: &mut dyn FnMut(&Journal, Duration),
     ) -> Result<bool, AcquireError> {
         client.heed_stop()?;
-        let events = client.events(client.now() + client.patience().poll)?;
-        let quiet = events.is_empty();
-        let (points, end) = self.points(client, &events);
+        let patience = client.patience();
+        let events = client.events(client.now() + patience.poll)?;
+        let (points, taken) = self.points(client, &events);
         if !points.is_empty() {
-            journal.add_points(self.course.sigma, &points)?;
-            self.next += points.len() as u16;
+            self.fresh.extend(points);
             self.heard = client.now();
-            progress(journal, self.heard);
         }
-        end?;
+        if client.recoveries() != self.before {
+            return taken.map(|()| false);
+        }
+        let stopped = events.iter().any(|e| matches!(e, Event::State(_) | Event::Fault(_)));
+        let quiet = client.now().saturating_sub(self.heard).min(client.unheard()) >= patience.poll;
+        let due = stopped || quiet || self.has_all() || client.unheard() >= patience.keep_alive;
+        if !due && taken.is_ok() {
+            return Ok(true);
+        }
+        let found = self.look(client, journal, progress);
+        taken?;
+        let found = found?;
         if client.recoveries() != self.before {
             return Ok(false);
         }
         if self.next >= self.course.plan.count() {
             return Ok(true);
         }
-        let stopped = events.iter().any(|e| matches!(e, Event::State(_) | Event::Fault(_)));
-        let found = if quiet || stopped { self.look(client)? } else { Found::Underway };
-        if client.recoveries() != self.before || found == Found::Stopped {
-            return Ok(false);
+        match found {
+            Found::Stopped => Ok(false),
+            Found::Ahead => self.go_on(client),
+            Found::Underway if self.has_all() => self.go_on(client),
+            Found::Underway => Ok(true),
         }
-        if found == Found::Ahead || self.next >= self.granted {
-            return self.go_on(client);
-        }
-        Ok(true)
+    }
+
+    /// First point that has not come.
+    fn wanted(&self) -> u16 {
+        self.next + self.fresh.len() as u16
+    }
+
+    /// Whether all that was asked for has come.
+    fn has_all(&self) -> bool {
+        self.wanted() >= self.granted
     }
 
     /// New points in order from those that came; what ends the scan, if anything does.
@@ -154,7 +207,7 @@ impl Taking<'_> {
         for event in events {
             let Event::Point(point) = event else { continue };
             // of an older segment; there already; or behind one that was lost
-            let expected = self.next + points.len() as u16;
+            let expected = self.wanted() + points.len() as u16;
             if point.segment != self.course.name || point.index != expected {
                 continue;
             }
@@ -185,15 +238,11 @@ impl Taking<'_> {
             let at = point.theta.degrees();
             return Err(nonsense(format!("it was read at {at} deg")).into());
         }
-        if !reading.signal.is_finite() || !reading.dark.is_finite() {
-            return Err(
-                nonsense(format!("signal {}, dark {}", reading.signal, reading.dark)).into()
-            );
-        }
         let other = matches!(plan.range(), Range::Fixed(range) if range != reading.range);
         if other || reading.range >= RANGES {
             return Err(nonsense(format!("it was read in range {}", reading.range)).into());
         }
+        signal::check_reading(&self.course.values, &reading).map_err(nonsense)?;
         if reading.over {
             let sigma = plan.sigmas().get(self.course.sigma).map_or(0.0, |sigma| sigma.degrees());
             let theta_deg = place.degrees();
@@ -204,11 +253,22 @@ impl Taking<'_> {
         Ok(Stored { theta, reading, calibration })
     }
 
-    /// Asks how far it is.
-    fn look<T: Transport>(&self, client: &mut Client<'_, T>) -> Result<Found, AcquireError> {
+    /// Asks how far it is, and stores what has come if it is still set as it was.
+    fn look<T: Transport>(
+        &mut self,
+        client: &mut Client<'_, T>,
+        journal: &mut Journal,
+        progress: &mut dyn FnMut(&Journal, Duration),
+    ) -> Result<Found, AcquireError> {
         let status = client.status()?;
-        if let (MachineState::Fault, Some(fault)) = (status.state, status.fault) {
-            return Err(client.fail(Trouble::Fault(fault)).into());
+        if client.recoveries() != self.before {
+            // what it says is of another run
+            return Ok(Found::Stopped);
+        }
+        client.refuse_fault(&status)?;
+        self.confirm(client, &status, journal.path())?;
+        if self.store(journal)? {
+            progress(journal, client.now());
         }
         let plan = self.course.plan;
         let slowest = estimate::travel(&client.ident().theta, Microdegrees(0), plan.step())
@@ -223,11 +283,53 @@ impl Taking<'_> {
             Some((name, measured)) if name == self.course.name => measured,
             _ => 0,
         };
+        // what it has sent before it answered is here, and not yet looked at
+        let here = |event: &Event| matches!(event, Event::Point(p) if p.segment == self.course.name && p.index >= self.next);
         Ok(match status.state {
+            _ if client.waiting().any(here) => Found::Underway,
             _ if measured > self.next => Found::Ahead,
             MachineState::Idle => Found::Stopped,
             _ => Found::Underway,
         })
+    }
+
+    /// Whether the instrument is set as the plan wants it, and calibrated as the journal says.
+    fn confirm<T: Transport>(
+        &self,
+        client: &Client<'_, T>,
+        status: &Status,
+        journal: &Path,
+    ) -> Result<(), AcquireError> {
+        self.conditions.check(status).map_err(|trouble| client.fail(trouble))?;
+        if status.calibration == Some(self.course.values.id) {
+            return Ok(());
+        }
+        let instrument = describe(client.ident());
+        Err(AcquireError::OtherCalibration { instrument, path: journal.to_owned() })
+    }
+
+    /// Puts into the journal what has come; whether there was anything.
+    fn store(&mut self, journal: &mut Journal) -> Result<bool, AcquireError> {
+        journal.add_points(self.course.sigma, &self.fresh)?;
+        self.next = self.wanted();
+        let any = !self.fresh.is_empty();
+        self.fresh.clear();
+        Ok(any)
+    }
+
+    /// Stores what has come before the scan was broken off, if the instrument is still set as it was.
+    fn salvage<T: Transport>(
+        &mut self,
+        client: &mut Client<'_, T>,
+        journal: &mut Journal,
+    ) -> Result<(), AcquireError> {
+        if !self.fresh.is_empty()
+            && let Some(status) = client.glance()
+            && self.confirm(client, &status, journal.path()).is_ok()
+        {
+            self.store(journal)?;
+        }
+        Ok(())
     }
 
     /// Says what is stored, and asks for what comes next; `false` if the segment has to be begun anew.

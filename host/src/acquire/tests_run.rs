@@ -157,18 +157,30 @@ fn the_first_point_of_what_is_missing_is_approached_from_below() {
 #[test]
 fn damage_in_a_journal_is_named_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
+    let expected = expected(folder.path());
     let (path, journal) = broken_off(folder.path());
     let lines: Vec<&str> = journal.lines().collect();
     let without = |k: usize| [&lines[..k], &lines[k + 1..]].concat().join("\n") + "\n";
     let twice = |k: usize| [&lines[..=k], &lines[k..]].concat().join("\n") + "\n";
+    let swapped = |k: usize| {
+        [&lines[..k], &[lines[k + 1], lines[k]], &lines[k + 2..]].concat().join("\n") + "\n"
+    };
     let changed = journal.replacen("point 0 5", "point 0 6", 1);
+    fs::remove_file(Journal::path_of(&path)).unwrap();
+    let (_, other) = broken_off(folder.path());
+    let other: Vec<&str> = other.lines().collect();
     let five = lines.iter().position(|line| line.starts_with("point 0 5 ")).unwrap();
+    // the same readings under the same plan: only the journal is another one
+    let mixed = [&lines[..five], &other[five..]].concat().join("\n") + "\n";
     for (what, text, line, word) in [
         ("changed", changed, five + 1, "checksum"),
         ("gone", without(five), five + 1, "does not follow"),
-        ("twice", twice(five), five + 2, "twice"),
+        ("twice", twice(five), five + 2, "does not follow"),
+        ("swapped", swapped(five), five + 1, "does not follow"),
+        ("last twice", twice(lines.len() - 1), lines.len() + 1, "does not follow"),
+        ("of another journal", mixed, five + 1, "another journal"),
         ("no header", without(0), 1, "is no journal"),
-        ("no plan line", without(2), 1, "plan"),
+        ("no plan line", without(2), 3, "does not follow"),
     ] {
         fs::write(Journal::path_of(&path), text).unwrap();
         let Err(AcquireError::Journal(e)) = go(&job(&path, true), as_left()) else {
@@ -180,6 +192,62 @@ fn damage_in_a_journal_is_named_with_its_line() {
             "{what}: {said}"
         );
         assert!(said.contains(word), "{what}: {said}");
+        // the remedy is one
+        assert_eq!(said.contains("head -n"), line > 3, "{what}: {said}");
+        if line > 3 {
+            let text = fs::read_to_string(Journal::path_of(&path)).unwrap();
+            let good: Vec<&str> = text.lines().take(line - 1).collect();
+            fs::write(Journal::path_of(&path), good.join("\n") + "\n").unwrap();
+            go(&job(&path, true), as_left()).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), expected, "{what}");
+            fs::remove_file(&path).unwrap();
+        }
+    }
+}
+
+#[test]
+fn journals_of_the_former_version_go_on_to_the_same_scan() {
+    let folder = tempfile::tempdir().unwrap();
+    let expected = expected(folder.path());
+    let (path, journal) = broken_off(folder.path());
+    let mut old = String::new();
+    for (k, line) in journal.lines().enumerate() {
+        let text = line.rsplit_once(" ~").unwrap().0;
+        let text = if k == 0 {
+            // without the number that was drawn
+            let words: Vec<&str> = text.splitn(6, ' ').collect();
+            format!("{} 1 {} {} {}", words[0], words[2], words[3], words[5])
+        } else {
+            text.to_owned()
+        };
+        let sum = asperity_core::protocol::checksum(text.as_bytes());
+        old += &format!("{text} ~{sum:08x}\n");
+    }
+    assert!(old.starts_with("asperity-journal 1 42 "), "{old}");
+    fs::write(Journal::path_of(&path), &old).unwrap();
+    let stop = AtomicBool::new(false);
+    let part = run(&job(&path, true), || Ok(InProcess::new(as_left())), &stop, &mut |at| {
+        stop.store(at.done > 40, Ordering::SeqCst);
+    });
+    assert!(matches!(part, Err(AcquireError::Interrupted { .. })), "{part:?}");
+    let begun = fs::read_to_string(Journal::path_of(&path)).unwrap();
+    assert!(begun.starts_with(&old) && begun.len() > old.len());
+    let done = go(&job(&path, true), as_left()).unwrap();
+    assert!(done.resumed > 40);
+    assert_eq!(fs::read_to_string(&path).unwrap(), expected);
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_no_journal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scan.csv");
+    let journal = Journal::path_of(&path);
+    for target in ["/dev/zero", "/"] {
+        std::os::unix::fs::symlink(target, &journal).unwrap();
+        let error = go(&job(&path, true), Device::new()).unwrap_err();
+        assert!(error.to_string().contains("is no file"), "{error}");
+        fs::remove_file(&journal).unwrap();
     }
 }
 

@@ -7,11 +7,12 @@ use std::time::Duration;
 use asperity_core::protocol::{Ident, MAX_POINTS};
 
 use super::error::Failure;
+use super::last_words::LastWords;
 use super::planning::PlanFlags;
 use super::port::PortFlags;
 use super::{interrupt, print, progress};
 use crate::acquire::transport::list;
-use crate::acquire::{Job, Patience, Plan, Progress, Summary, estimate, run as acquire};
+use crate::acquire::{AboveBeam, Job, Patience, Plan, Progress, Summary, estimate, run as acquire};
 
 /// Measure a sample on a goniophotometer
 ///
@@ -19,7 +20,11 @@ use crate::acquire::{Job, Patience, Plan, Progress, Summary, estimate, run as ac
 /// the angles of observation at each angle of incidence, and writes the scan file. Every point is
 /// safe on the disk, in OUT.journal, before the next ones are measured: after Ctrl-C, a lost
 /// connection or the end of power --resume goes on where it was, and the file is the same as
-/// without the break.
+/// without the break. Ctrl-C, the end of the terminal and `kill` stop the stage at once.
+///
+/// A setting that the instrument does not report as it was set, a reference hardly above the dark
+/// current, and readings above twice the beam without the sample are errors; nothing measured so
+/// is kept.
 ///
 /// A plan file (TOML) says the same as the flags, which come first where both say something:
 ///   sigma_deg = [0, 15, 30, 45, 60]
@@ -90,13 +95,30 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (resume, recalibrate) = (args.resume, args.recalibrate);
     let job = Job { plan, output, credit, resume, recalibrate, patience };
     let bar = progress::timed("measuring");
+    let words = LastWords::keep();
     let done = acquire(&job, || args.port.open(), interrupt::flag(), &mut |at: Progress| {
         bar.set_length(at.total);
         bar.set_position(at.done);
         bar.set_message(format!("measuring, {} left", shown(at.seconds_left)));
     });
+    drop(words);
     bar.finish_and_clear();
-    print(&summary(args, &done?))
+    let done = done?;
+    if let Some(above) = &done.above_beam {
+        eprintln!("warning: {}", too_bright(above));
+    }
+    print(&summary(args, &done))
+}
+
+/// Readings that are more than the whole beam.
+fn too_bright(above: &AboveBeam) -> String {
+    let AboveBeam { count, largest } = above;
+    format!(
+        "{count} of the readings are above the beam without the sample, the largest {:.3} at sigma {} deg, \
+         theta {} deg; the lamp has drifted or the reference is too low: measure again, with --calibrate \
+         per-sigma",
+        largest.value, largest.sigma_deg, largest.theta_deg
+    )
 }
 
 fn summary(args: &Args, done: &Summary) -> String {
@@ -111,6 +133,7 @@ fn summary(args: &Args, done: &Summary) -> String {
             "points": done.points,
             "resumed_points": done.resumed,
             "calibrations": ids,
+            "above_beam": done.above_beam.map_or(0, |above| above.count),
             "reconnections": done.recoveries,
         });
         return format!("{answer:#}\n");

@@ -4,6 +4,7 @@ use asperity_core::protocol::{Diagnostics, Ident, MachineState, Range, Request, 
 use clap::Subcommand;
 
 use super::error::Failure;
+use super::last_words::LastWords;
 use super::port::PortFlags;
 use super::{interrupt, print};
 use crate::acquire::transport::Transport;
@@ -54,7 +55,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         What::Status(_) => return status(&mut client, flags.json),
         What::Home(_) => {
             client.heed(Some(interrupt::flag()));
-            home(&mut client)
+            let _words = LastWords::keep();
+            let done = home(&mut client);
+            client.let_go();
+            done
         }
         What::Stop(_) => stop(&mut client),
         What::Clear(_) => clear(&mut client),

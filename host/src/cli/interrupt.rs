@@ -12,6 +12,7 @@ pub(super) fn flag() -> &'static AtomicBool {
         // Without a handler Ctrl-C simply ends the program: no reason to refuse to work.
         drop(ctrlc::set_handler(|| {
             if STOP.swap(true, Ordering::SeqCst) {
+                super::last_words::wait();
                 std::process::exit(130);
             }
         }));

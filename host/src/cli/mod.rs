@@ -8,6 +8,7 @@
 #![allow(clippy::large_enum_variant, reason = "one verb lives at a time")]
 
 mod error;
+mod last_words;
 mod interrupt;
 mod progress;
 mod source;

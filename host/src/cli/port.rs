@@ -60,6 +60,7 @@ impl From<AcquireError> for Failure {
             AcquireError::Link(e) => e.into(),
             AcquireError::Interrupted { .. } | AcquireError::NotBegun => Self::No(e.to_string()),
             AcquireError::OtherCalibration { .. }
+            | AcquireError::FalseCalibration { .. }
             | AcquireError::OverRange { .. }
             | AcquireError::NoScan { .. }
             | AcquireError::Journal(JournalError::Io { .. }) => Self::Trouble(e.to_string()),

@@ -303,6 +303,10 @@ fn stopped() -> bool {
 
 /// Whether a file is a model: JSON begins with a brace.
 fn is_model(path: &Path) -> bool {
+    // what is read from a pipe is gone
+    if !path.is_file() {
+        return false;
+    }
     let mut head = [0; 64];
     let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut head));
     let head = &head[..read.unwrap_or(0)];

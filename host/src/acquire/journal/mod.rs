@@ -1,9 +1,10 @@
 //! What has been measured, safe on the disk before more is asked for.
 //!
-//! A text file beside the scan file, one record a line, each with its CRC-32C:
+//! A text file beside the scan file, one record a line, each with a CRC-32C of the checksum of the line
+//! before it (8 hexadecimal digits; none in the first line) and its text:
 //!
 //! ```text
-//! asperity-journal 1 <serial> <hash of the plan> <model> ~<crc>
+//! asperity-journal 2 <serial> <hash of the plan> <number drawn for this journal> <model> ~<crc>
 //! plan <one line of the plan file> ~<crc>
 //! calibration <number> <incidence> <id> <range> <reference> <six dark currents> ~<crc>
 //! point <incidence> <index> <theta> <signal> <dark> <range> <flags> <calibration> ~<crc>
@@ -11,13 +12,15 @@
 //! Currents are the bits of their `f32`, hexadecimal; `theta` is microdegrees by the encoder. It comes
 //! into being complete with its header. Points are appended in order and synchronised with the disk
 //! before the instrument may forget them. A last line that was not finished is cut off on opening; any
-//! other fault is an error with the line.
+//! other fault is an error with the line. Journals of version 1, where a checksum is of its own line alone
+//! and no number is drawn, are read, and go on as what they are.
 
 mod record;
 mod read;
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
+use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +28,7 @@ use thiserror::Error;
 
 use asperity_core::protocol::{Calibration, Ident};
 
-use self::record::Header;
+use self::record::{Chain, Header};
 pub use self::record::{Stored, StoredCalibration};
 use super::plan::Plan;
 use crate::output::folder_of;
@@ -58,7 +61,9 @@ pub enum JournalError {
         path: PathBuf,
     },
     /// A line that cannot be.
-    #[error("{}:{line}: {what}; the journal is damaged: delete it and measure again, or restore a copy", path.display())]
+    #[error(
+        "{}:{line}: {what}; the journal is damaged: {}, or restore a copy", path.display(), remedy(*.good)
+    )]
     Damaged {
         /// The journal.
         path: PathBuf,
@@ -66,6 +71,14 @@ pub enum JournalError {
         line: usize,
         /// What is wrong.
         what: String,
+        /// Lines at its beginning that are good and enough to go on with; 0 if none are.
+        good: usize,
+    },
+    /// A folder, a pipe or a device.
+    #[error("{}: is no file; choose another name for the scan", path.display())]
+    NoFile {
+        /// The journal.
+        path: PathBuf,
     },
     /// The operating system refuses.
     #[error("{}: {what}: {source}; check the free space and the permissions", path.display())]
@@ -79,11 +92,21 @@ pub enum JournalError {
     },
 }
 
+fn remedy(good: usize) -> String {
+    match good {
+        0 => "delete it and measure again".to_owned(),
+        good => format!(
+            "keep its first {good} lines (`head -n {good}`), and --resume measures the rest again"
+        ),
+    }
+}
+
 /// An open journal, locked against other programs, and all that it holds.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
     file: File,
+    chain: Chain,
     plan: Plan,
     model: String,
     serial: u32,
@@ -114,8 +137,11 @@ impl Journal {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let mut file = builder.tempfile_in(folder).map_err(failed)?;
         let model = ident.model.as_str().to_owned();
-        let header = Header { serial: ident.serial, hash: plan.hash(), model: model.clone() };
-        file.write_all(record::header(&header, &plan.text()).as_bytes()).map_err(failed)?;
+        let (serial, hash, nonce) = (ident.serial, plan.hash(), Some(draw()));
+        let header = Header { serial, hash, nonce, model: model.clone() };
+        let mut chain = Chain::NEW;
+        let lines = record::header(&mut chain, &header, &plan.text());
+        file.write_all(lines.as_bytes()).map_err(failed)?;
         file.as_file().sync_all().map_err(failed)?;
         lock(file.as_file(), &path)?;
         let file = file.persist_noclobber(&path).map_err(|e| match e.error.kind() {
@@ -127,16 +153,20 @@ impl Journal {
             let _ = folder.sync_all();
         }
         let points = vec![Vec::new(); plan.sigmas().len()];
-        let (plan, serial) = (plan.clone(), ident.serial);
-        Ok(Self { path, file, plan, model, serial, calibrations: Vec::new(), points })
+        let (plan, calibrations) = (plan.clone(), Vec::new());
+        Ok(Self { path, file, chain, plan, model, serial, calibrations, points })
     }
 
     /// Opens the journal of an acquisition that was not finished; a torn last line is cut off.
     ///
     /// # Errors
-    /// [`JournalError::Missing`], [`JournalError::Locked`], [`JournalError::Damaged`],
-    /// [`JournalError::Io`].
+    /// [`JournalError::Missing`], [`JournalError::NoFile`], [`JournalError::Locked`],
+    /// [`JournalError::Damaged`], [`JournalError::Io`].
     pub fn open(path: PathBuf) -> Result<Self, JournalError> {
+        // opening a pipe might wait for ever, reading it would
+        if fs::metadata(&path).is_ok_and(|found| !found.is_file()) {
+            return Err(JournalError::NoFile { path });
+        }
         let opened = File::options().read(true).append(true).open(&path);
         let file = opened.map_err(|e| match e.kind() {
             io::ErrorKind::NotFound => JournalError::Missing { path: path.clone() },
@@ -207,7 +237,9 @@ impl Journal {
         values: Calibration,
     ) -> Result<(), JournalError> {
         let stored = StoredCalibration { sigma, values };
-        self.append(&record::calibration(self.calibrations.len(), &stored))?;
+        let mut chain = self.chain;
+        let line = record::calibration(&mut chain, self.calibrations.len(), &stored);
+        self.append(&line, chain)?;
         self.calibrations.push(stored);
         Ok(())
     }
@@ -221,8 +253,11 @@ impl Journal {
             return Ok(());
         }
         let first = self.points(sigma).len();
-        let lines = new.iter().enumerate().map(|(k, point)| record::point(sigma, first + k, point));
-        self.append(&lines.collect::<String>())?;
+        let (mut chain, mut lines) = (self.chain, String::new());
+        for (k, point) in new.iter().enumerate() {
+            lines.push_str(&record::point(&mut chain, sigma, first + k, point));
+        }
+        self.append(&lines, chain)?;
         if let Some(points) = self.points.get_mut(sigma) {
             points.extend_from_slice(new);
         }
@@ -237,10 +272,18 @@ impl Journal {
         fs::remove_file(&self.path).map_err(|e| io_error(&self.path, "cannot be deleted", e))
     }
 
-    fn append(&mut self, lines: &str) -> Result<(), JournalError> {
+    /// Writes lines; `chain` is where they lead to.
+    fn append(&mut self, lines: &str, chain: Chain) -> Result<(), JournalError> {
         let done = self.file.write_all(lines.as_bytes()).and_then(|()| self.file.sync_data());
-        done.map_err(|e| io_error(&self.path, "cannot be written", e))
+        done.map_err(|e| io_error(&self.path, "cannot be written", e))?;
+        self.chain = chain;
+        Ok(())
     }
+}
+
+/// A number that no other journal has, from the keys that the operating system draws for hash tables.
+fn draw() -> u64 {
+    RandomState::new().hash_one(std::process::id())
 }
 
 fn io_error(path: &Path, what: &'static str, source: io::Error) -> JournalError {

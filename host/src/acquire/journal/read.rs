@@ -1,68 +1,92 @@
 //! Reading a journal, and cutting off a line that was not finished.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::Path;
 
-use super::record::{self, Header, Stored, StoredCalibration};
+use super::record::{self, Chain, Header, Stored, StoredCalibration};
 use super::{Journal, JournalError, MAX_BYTES, io_error};
 use crate::acquire::draft::Draft;
 use crate::acquire::plan::Plan;
+use crate::input::read_all;
 use crate::measurement::excerpt;
 
 /// Reads it all.
-pub(super) fn read(path: &Path, mut file: File) -> Result<Journal, JournalError> {
+pub(super) fn read(path: &Path, file: File) -> Result<Journal, JournalError> {
     let failed = |source| io_error(path, "cannot be read", source);
-    let damaged = |line, what: &str| JournalError::Damaged {
+    let damaged = |line: usize, good: usize, what: &str| JournalError::Damaged {
         path: path.to_owned(),
         line,
         what: what.to_owned(),
+        good,
     };
-    let length = file.metadata().map_err(failed)?.len();
-    if length > MAX_BYTES {
-        return Err(damaged(1, "is larger than 256 MiB, no journal is"));
-    }
-    let mut bytes = Vec::new();
-    file.read_to_end(&mut bytes).map_err(failed)?;
-    let (lines, whole) = lines(&bytes).map_err(|line| damaged(line, "the checksum is wrong"))?;
-    if whole < bytes.len() as u64 {
-        file.set_len(whole).and_then(|()| file.sync_all()).map_err(failed)?;
-    }
-    let mut rest = lines.iter().copied().zip(1..).peekable();
-    let header = rest.next().and_then(|(text, _)| record::read_header(text));
-    let header = header.ok_or_else(|| damaged(1, "is no journal of this version of asperity"))?;
+    let bytes = read_all(&file, MAX_BYTES).map_err(|e| match e.kind() {
+        ErrorKind::FileTooLarge => damaged(1, 0, "is larger than 256 MiB, no journal is"),
+        _ => failed(e),
+    })?;
+    let mut lines = Lines::new(&bytes);
+    let (header, chain) = lines
+        .next()
+        .ok()
+        .flatten()
+        .and_then(|text| record::read_header(text, lines.chain))
+        .ok_or_else(|| damaged(1, 0, "is no journal of this or a former version of asperity"))?;
+    lines.chain = chain;
     let mut plan = String::new();
-    while let Some((text, _)) = rest.next_if(|(text, _)| text.starts_with("plan ")) {
-        plan.push_str(text.strip_prefix("plan ").unwrap_or(""));
+    let mut record = None;
+    while let Some(text) = lines.next().map_err(|line| damaged(line, 0, BROKEN))? {
+        let Some(line) = text.strip_prefix("plan ") else {
+            record = Some(text);
+            break;
+        };
+        plan.push_str(line);
         plan.push('\n');
     }
-    let plan = read_plan(&plan, &header, path).ok_or_else(|| damaged(1, "its plan is none"))?;
+    let plan = read_plan(&plan, &header, path).ok_or_else(|| damaged(1, 0, "its plan is none"))?;
     let points = vec![Vec::new(); plan.sigmas().len()];
     let Header { model, serial, .. } = header;
-    let calibrations = Vec::new();
-    let mut journal =
-        Journal { path: path.to_owned(), file, plan, model, serial, calibrations, points };
-    for (text, line) in rest {
-        journal.take(text).map_err(|what| damaged(line, &what))?;
+    let (path, calibrations) = (path.to_owned(), Vec::new());
+    let mut journal = Journal { path, file, chain, plan, model, serial, calibrations, points };
+    while let Some(text) = record {
+        journal.take(text).map_err(|what| damaged(lines.count, lines.count - 1, &what))?;
+        record = lines.next().map_err(|line| damaged(line, line - 1, BROKEN))?;
+    }
+    let whole = lines.whole;
+    journal.chain = lines.chain;
+    if whole < bytes.len() as u64 {
+        journal.file.set_len(whole).and_then(|()| journal.file.sync_all()).map_err(failed)?;
     }
     Ok(journal)
 }
 
-/// The lines and the length of them; the number of a line that cannot be, other than the last.
-fn lines(bytes: &[u8]) -> Result<(Vec<&str>, u64), usize> {
-    let (mut lines, mut whole) = (Vec::new(), 0);
-    let mut rest = bytes.split_inclusive(|&byte| byte == b'\n').peekable();
-    while let Some(line) = rest.next() {
-        match line.strip_suffix(b"\n").and_then(record::text) {
-            Some(text) => {
-                lines.push(text);
-                whole += line.len() as u64;
-            }
-            None if rest.peek().is_none() => break,
-            None => return Err(lines.len() + 1),
-        }
+const BROKEN: &str = "the checksum is wrong: the line is changed, or does not follow on the one before it (a line \
+                      is lost, doubled, moved, or of another journal)";
+
+/// The lines of a journal, one after another.
+struct Lines<'a> {
+    rest: &'a [u8],
+    chain: Chain,
+    /// Lines so far, and their length.
+    count: usize,
+    whole: u64,
+}
+
+impl<'a> Lines<'a> {
+    fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes, chain: Chain::NEW, count: 0, whole: 0 }
     }
-    Ok((lines, whole))
+
+    /// The next line; `None` at the end, and where the last one was not finished. Its number if it cannot be.
+    fn next(&mut self) -> Result<Option<&'a str>, usize> {
+        let Some(end) = self.rest.iter().position(|&byte| byte == b'\n') else { return Ok(None) };
+        let (line, rest) = self.rest.split_at(end + 1);
+        let text = self.chain.text(line.strip_suffix(b"\n").unwrap_or(line));
+        let text = text.ok_or(self.count + 1)?;
+        self.rest = rest;
+        self.count += 1;
+        self.whole += line.len() as u64;
+        Ok(Some(text))
+    }
 }
 
 fn read_plan(text: &str, header: &Header, path: &Path) -> Option<Plan> {

@@ -4,8 +4,54 @@ use std::fmt::Write;
 
 use asperity_core::protocol::{Calibration, Microdegrees, RANGES, Reading, checksum};
 
-/// First words of a journal: its format and the version of it.
-const MAGIC: &str = "asperity-journal 1";
+/// First word of a journal; the version of its format follows.
+const MAGIC: &str = "asperity-journal";
+
+/// How the lines of a journal hang together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Chain {
+    /// Version 1: each line has a checksum of its own.
+    Loose,
+    /// Version 2: each line's checksum covers that of the line before too, so that a line that is lost,
+    /// doubled, moved or of another journal is found. `None` before the first line.
+    Linked(Option<u32>),
+}
+
+impl Chain {
+    /// That of a new journal, before its first line.
+    pub(super) const NEW: Self = Self::Linked(None);
+
+    fn sum(self, text: &str) -> u32 {
+        match self {
+            Self::Loose | Self::Linked(None) => checksum(text.as_bytes()),
+            Self::Linked(Some(before)) => checksum(format!("{before:08x}{text}").as_bytes()),
+        }
+    }
+
+    fn pass(&mut self, sum: u32) {
+        if let Self::Linked(before) = self {
+            *before = Some(sum);
+        }
+    }
+
+    /// A line with its checksum, and its break; the next one follows on it.
+    pub(super) fn line(&mut self, text: &str) -> String {
+        let sum = self.sum(text);
+        self.pass(sum);
+        format!("{text} ~{sum:08x}\n")
+    }
+
+    /// The text of a line without its line break, if its checksum is right; the next one follows on it.
+    pub(super) fn text<'a>(&mut self, line: &'a [u8]) -> Option<&'a str> {
+        let line = str::from_utf8(line).ok()?;
+        let (text, sum) = line.rsplit_once(" ~")?;
+        let right = self.sum(text);
+        (sum == format!("{right:08x}")).then(|| {
+            self.pass(right);
+            text
+        })
+    }
+}
 
 /// Whose journal it is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,6 +59,8 @@ pub(super) struct Header {
     pub(super) serial: u32,
     /// Of the plan's text.
     pub(super) hash: u32,
+    /// Drawn for this journal; `None` in version 1.
+    pub(super) nonce: Option<u64>,
     pub(super) model: String,
 }
 
@@ -36,33 +84,39 @@ pub struct Stored {
     pub calibration: usize,
 }
 
-/// A line with its checksum.
-fn line(text: &str) -> String {
-    format!("{text} ~{:08x}\n", checksum(text.as_bytes()))
+/// The lines that a new journal begins with.
+pub(super) fn header(chain: &mut Chain, header: &Header, plan: &str) -> String {
+    let Header { serial, hash, nonce, model } = header;
+    let first = match nonce {
+        Some(nonce) => format!("{MAGIC} 2 {serial} {hash:08x} {nonce:016x} {model}"),
+        None => format!("{MAGIC} 1 {serial} {hash:08x} {model}"),
+    };
+    let mut text = chain.line(&first);
+    for line in plan.lines() {
+        text.push_str(&chain.line(&format!("plan {line}")));
+    }
+    text
 }
 
-/// The text of a line without its line break, if its checksum is right.
-pub(super) fn text(line: &[u8]) -> Option<&str> {
-    let line = str::from_utf8(line).ok()?;
-    let (text, sum) = line.rsplit_once(" ~")?;
-    (sum == format!("{:08x}", checksum(text.as_bytes()))).then_some(text)
+/// The first line, and how the lines hang together; `chain` has taken it.
+pub(super) fn read_header(text: &str, chain: Chain) -> Option<(Header, Chain)> {
+    let (version, fields) = text.strip_prefix(MAGIC)?.strip_prefix(' ')?.split_once(' ')?;
+    let (serial, fields) = fields.split_once(' ')?;
+    let (hash, rest) = fields.split_once(' ')?;
+    let (serial, hash) = (serial.parse().ok()?, hex(hash)?);
+    match version {
+        "1" => Some((Header { serial, hash, nonce: None, model: rest.to_owned() }, Chain::Loose)),
+        "2" => {
+            let (nonce, model) = rest.split_once(' ')?;
+            let nonce =
+                (nonce.len() == 16).then(|| u64::from_str_radix(nonce, 16).ok()).flatten()?;
+            Some((Header { serial, hash, nonce: Some(nonce), model: model.to_owned() }, chain))
+        }
+        _ => None,
+    }
 }
 
-/// The lines that a journal begins with.
-pub(super) fn header(header: &Header, plan: &str) -> String {
-    let first = format!("{MAGIC} {} {:08x} {}", header.serial, header.hash, header.model);
-    let plan = plan.lines().map(|text| line(&format!("plan {text}")));
-    std::iter::once(line(&first)).chain(plan).collect()
-}
-
-/// The first line.
-pub(super) fn read_header(text: &str) -> Option<Header> {
-    let mut fields = text.strip_prefix(MAGIC)?.strip_prefix(' ')?.splitn(3, ' ');
-    let (serial, hash) = (fields.next()?.parse().ok()?, hex(fields.next()?)?);
-    Some(Header { serial, hash, model: fields.next()?.to_owned() })
-}
-
-pub(super) fn calibration(number: usize, stored: &StoredCalibration) -> String {
+pub(super) fn calibration(chain: &mut Chain, number: usize, stored: &StoredCalibration) -> String {
     let values = &stored.values;
     let mut text = format!(
         "calibration {number} {} {:08x} {} {:08x}",
@@ -75,7 +129,7 @@ pub(super) fn calibration(number: usize, stored: &StoredCalibration) -> String {
         // writing to a string cannot fail
         let _ = write!(text, " {:08x}", dark.to_bits());
     }
-    line(&text)
+    chain.line(&text)
 }
 
 /// The fields behind `calibration`: its number, and it.
@@ -93,9 +147,9 @@ pub(super) fn read_calibration(text: &str) -> Option<(usize, StoredCalibration)>
     next().is_none().then_some((number, StoredCalibration { sigma, values }))
 }
 
-pub(super) fn point(sigma: usize, index: usize, stored: &Stored) -> String {
+pub(super) fn point(chain: &mut Chain, sigma: usize, index: usize, stored: &Stored) -> String {
     let Stored { theta, reading, calibration } = stored;
-    line(&format!(
+    chain.line(&format!(
         "point {sigma} {index} {} {:08x} {:08x} {} {} {calibration}",
         theta.0,
         reading.signal.to_bits(),
@@ -136,37 +190,48 @@ fn range(field: &str) -> Option<u8> {
 mod tests {
     use super::*;
 
+    const READING: Reading =
+        Reading { signal: 0.1, dark: -1e-9, range: 5, over: false, under: true };
+    const POINT: Stored =
+        Stored { theta: Microdegrees(-89_900_000), reading: READING, calibration: 3 };
+
     #[test]
     fn records_survive_their_lines() {
-        let reading = Reading { signal: 0.1, dark: -1e-9, range: 5, over: false, under: true };
-        let stored = Stored { theta: Microdegrees(-89_900_000), reading, calibration: 3 };
-        let written = point(2, 17, &stored);
-        let text = text(written.trim_end().as_bytes()).unwrap();
-        assert_eq!(read_point(text.strip_prefix("point ").unwrap()), Some((2, 17, stored)));
-        let values = Calibration { id: 7, dark: [0.5; 6], reference: 900.0, range: 0 };
-        let stored = StoredCalibration { sigma: 1, values };
-        let written = calibration(4, &stored);
-        let text = super::text(written.trim_end().as_bytes()).unwrap();
-        assert_eq!(read_calibration(text.strip_prefix("calibration ").unwrap()), Some((4, stored)));
-        let model = "GP-200 \"A\" 7".to_owned();
-        let head = Header { serial: 9, hash: 1, model };
-        let lines = header(&head, "a = 1\nb = \" ~\"\n");
-        let lines: Vec<&str> =
-            lines.lines().map(|line| super::text(line.as_bytes()).unwrap()).collect();
-        assert_eq!(read_header(lines[0]), Some(head));
-        assert_eq!(lines[1..], ["plan a = 1", "plan b = \" ~\""]);
+        for nonce in [None, Some(u64::MAX)] {
+            let model = "GP-200 \"A\" 7".to_owned();
+            let head = Header { serial: 9, hash: 1, nonce, model };
+            let begun = if nonce.is_some() { Chain::NEW } else { Chain::Loose };
+            let mut chain = begun;
+            let mut written = header(&mut chain, &head, "a = 1\nb = \" ~\"\n");
+            written += &point(&mut chain, 2, 17, &POINT);
+            let values = Calibration { id: 7, dark: [0.5; 6], reference: 900.0, range: 0 };
+            let stored = StoredCalibration { sigma: 1, values };
+            written += &calibration(&mut chain, 4, &stored);
+            let mut lines = written.lines();
+            let mut chain = Chain::NEW;
+            let first = chain.text(lines.next().unwrap().as_bytes()).unwrap();
+            let (found, mut chain) = read_header(first, chain).unwrap();
+            assert_eq!((found, chain == Chain::Loose), (head, nonce.is_none()));
+            let lines: Vec<&str> = lines.map(|line| chain.text(line.as_bytes()).unwrap()).collect();
+            assert_eq!(lines[..2], ["plan a = 1", "plan b = \" ~\""]);
+            let fields = |line: &str, kind| line.strip_prefix(kind).unwrap().to_owned();
+            assert_eq!(read_point(&fields(lines[2], "point ")), Some((2, 17, POINT)));
+            let found = read_calibration(&fields(lines[3], "calibration "));
+            assert_eq!(found, Some((4, stored)));
+        }
     }
 
     #[test]
     fn a_changed_line_is_no_line() {
-        let reading = Reading { signal: 0.1, dark: 0.0, range: 5, over: false, under: false };
-        let stored = Stored { theta: Microdegrees(0), reading, calibration: 0 };
-        let line = point(0, 0, &stored).trim_end().to_owned().into_bytes();
+        let line = point(&mut Chain::Linked(Some(5)), 0, 0, &POINT).trim_end().to_owned();
+        let line = line.into_bytes();
+        let text = |line: &[u8]| Chain::Linked(Some(5)).text(line).is_some();
+        assert!(text(&line) && Chain::Linked(Some(4)).text(&line).is_none());
         for k in 0..line.len() {
-            assert_eq!(text(&line[..k]), None);
+            assert!(!text(&line[..k]));
             let mut changed = line.clone();
             changed[k] ^= 1;
-            assert_eq!(text(&changed), None, "byte {k}");
+            assert!(!text(&changed), "byte {k}");
         }
     }
 }

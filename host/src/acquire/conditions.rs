@@ -1,0 +1,72 @@
+//! What an instrument has to be while it measures, and whether its status says so.
+//!
+//! A setting that was accepted need not have been obeyed. What the scan file says of the aperture, the
+//! integration time and the range is what the instrument reported before and behind every point.
+
+use asperity_core::protocol::{Microdegrees, Range, Status};
+
+use super::error::Trouble;
+use super::plan::Plan;
+
+/// How far from where it was sent an axis may stand, by its encoder: microdegrees.
+pub(super) const OFF_TARGET: u32 = 20_000;
+
+/// Settings as the plan wants them, and where the sample stands.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Conditions<'a> {
+    plan: &'a Plan,
+    /// Where the sample was turned to; `None` as long as it stands anywhere.
+    sigma: Option<Microdegrees>,
+}
+
+impl<'a> Conditions<'a> {
+    /// Those of a plan, the sample standing anywhere.
+    pub(super) fn of(plan: &'a Plan) -> Self {
+        Self { plan, sigma: None }
+    }
+
+    /// The same at an incidence.
+    pub(super) fn at(self, sigma: Microdegrees) -> Self {
+        Self { sigma: Some(sigma), ..self }
+    }
+
+    /// Compares.
+    ///
+    /// # Errors
+    /// [`Trouble::Disobeyed`] with the first setting that is not as it was set.
+    pub(super) fn check(&self, status: &Status) -> Result<(), Trouble> {
+        let plan = self.plan;
+        let degrees = |angle: Microdegrees| format!("{} deg", angle.degrees());
+        let ms = |us: u32| format!("{} ms", f64::from(us) / 1e3);
+        let disobeyed = |what, wanted: String, reported: String| {
+            Err(Trouble::Disobeyed { what, wanted, reported })
+        };
+        if !status.lamp {
+            return disobeyed("the lamp", "on".to_owned(), "off".to_owned());
+        }
+        if status.aperture != plan.aperture() {
+            return disobeyed("the aperture", degrees(plan.aperture()), degrees(status.aperture));
+        }
+        if status.integration_us != plan.integration_us() {
+            let (wanted, reported) = (ms(plan.integration_us()), ms(status.integration_us));
+            return disobeyed("the integration time", wanted, reported);
+        }
+        if status.range != plan.range() {
+            return disobeyed("the range", range(plan.range()), range(status.range));
+        }
+        match self.sigma {
+            Some(sigma) if status.sigma.0.abs_diff(sigma.0) > OFF_TARGET => {
+                disobeyed("the angle of incidence", degrees(sigma), degrees(status.sigma))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A range in words.
+pub(super) fn range(range: Range) -> String {
+    match range {
+        Range::Auto => "auto".to_owned(),
+        Range::Fixed(number) => number.to_string(),
+    }
+}
