@@ -112,7 +112,7 @@ pub(super) fn cubic([a, b, c, d]: [f64; 4], t: f64) -> f64 {
 }
 
 /// Inverse hyperbolic sine to about 1e-15 absolute, cheaper than the library's.
-fn asinh(x: f64) -> f64 {
+pub(super) fn asinh(x: f64) -> f64 {
     let a = x.abs();
     (a + (a * a + 1.0).sqrt()).ln().copysign(x)
 }

@@ -8,6 +8,7 @@ use asperity_core::gonio::Geometry;
 use rayon::prelude::*;
 
 use super::aperture::{Integral, Node, Warp, cubic, lines};
+use super::inside::{Light, Shared};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
@@ -66,11 +67,10 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
     plan: &Plan,
     effort: Effort,
 ) -> Readings {
-    let parts: Vec<(Vec<f64>, Neglected)> = plan
-        .incidences
-        .par_iter()
-        .map(|incidence| OneIncidence::new(boundary, setup, incidence, effort).readings())
-        .collect();
+    let shared = if effort == Effort::Draft { None } else { Shared::new(boundary, setup) };
+    let one = |incidence| OneIncidence::new(boundary, setup, incidence, effort, shared.as_ref());
+    let parts: Vec<(Vec<f64>, Neglected)> =
+        plan.incidences.par_iter().map(|incidence| one(incidence).readings()).collect();
     Readings {
         neglected: parts.iter().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
         values: parts.into_iter().flat_map(|p| p.0).collect(),
@@ -89,10 +89,18 @@ struct OneIncidence<'a, B> {
     /// Width of the lobe, rad.
     scale: f64,
     warp: Warp,
+    /// Light of later hits, where nodes of the inside resolve it.
+    light: Option<Light<'a, B>>,
 }
 
-impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
-    fn new(boundary: &'a B, setup: &'a Setup, incidence: &'a Incidence, effort: Effort) -> Self {
+impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
+    fn new(
+        boundary: &'a B,
+        setup: &'a Setup,
+        incidence: &'a Incidence,
+        effort: Effort,
+        shared: Option<&'a Shared<'a, B>>,
+    ) -> Self {
         let sigma = incidence.sigma_deg.to_radians();
         let scale = lobe_width(boundary.slope(), setup);
         let cells_per_unit = match effort {
@@ -100,7 +108,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             Effort::Full | Effort::Fine | Effort::Passes => 16.0,
         };
         let warp = Warp::new(sigma, scale, cells_per_unit);
-        Self { boundary, setup, incidence, effort, sigma, entry: enter(setup, sigma), scale, warp }
+        let entry = enter(setup, sigma);
+        let light = shared.map(|shared| shared.light(&entry));
+        Self { boundary, setup, incidence, effort, sigma, entry, scale, warp, light }
     }
 
     fn readings(&self) -> (Vec<f64>, Neglected) {
@@ -204,6 +214,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
     ///
     /// `Neglected::reading` of the result is a density, 1/sr.
     fn internal_density(&self, nodes: &[Node], psi: f64) -> (Vec<f64>, Neglected) {
+        if let Some(light) = &self.light {
+            return (self.resolved_density(light, nodes, psi), Neglected::default());
+        }
         // half cells; off the front what was inside is half of the light
         let stride: usize = if self.setup.geometry == Geometry::Reflection { 8 } else { 16 };
         let fine = nodes.len();
@@ -241,6 +254,29 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             })
             .collect();
         (values, Neglected { flux: found.neglected, reading: found.neglected * found.peak })
+    }
+
+    /// The same where the inside is resolved: nothing is neglected.
+    fn resolved_density(&self, light: &Light<'_, B>, nodes: &[Node], psi: f64) -> Vec<f64> {
+        const STRIDE: usize = 8;
+        let last = (nodes.len() - 1) / STRIDE;
+        let twice: Vec<f64> = if light.passes_twice() {
+            nodes.iter().step_by(STRIDE).map(|node| light.through_twice(node, psi)).collect()
+        } else {
+            Vec::new()
+        };
+        let at = |k: usize| twice.get(k.min(last)).copied().unwrap_or(0.0);
+        let one = |(half, node): (usize, &Node)| {
+            let Some(view) = self.view(node, psi) else { return 0.0 };
+            let mut density = light.density(node).max(0.0);
+            if !twice.is_empty() {
+                let (k, t) = (half / STRIDE, (half % STRIDE) as f64 / STRIDE as f64);
+                let ends = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
+                density += cubic(ends, t).max(0.0);
+            }
+            density * view.factor
+        };
+        nodes.iter().enumerate().map(one).collect()
     }
 
     /// The BSDF at single directions: `ars / cos` without a detector.
