@@ -11,6 +11,8 @@ use super::aperture::asinh;
 
 /// Azimuths of a mode's integral, from 0 to pi.
 const AZIMUTHS: usize = 16;
+/// Azimuths of half of them.
+const HALF: usize = 10;
 /// The first mode left out, times the width of the peak.
 const LAST: f64 = 16.0;
 /// Nodes of the polar angle that an interpolation takes.
@@ -45,7 +47,7 @@ pub(super) fn graded(
 #[derive(Debug)]
 pub(super) struct Azimuths {
     whole: [(f64, f64); AZIMUTHS],
-    half: [(f64, f64); AZIMUTHS / 2],
+    half: [(f64, f64); HALF],
 }
 
 impl Azimuths {
@@ -54,7 +56,7 @@ impl Azimuths {
     }
 
     /// A rule on [0, 1] for half of the azimuths.
-    pub(super) fn half(&self) -> [(f64, f64); AZIMUTHS / 2] {
+    pub(super) fn half(&self) -> [(f64, f64); HALF] {
         self.half
     }
 
@@ -108,7 +110,8 @@ const LOWEST: isize = -(STENCIL as isize / 2);
 impl PolarGrid {
     /// On panels between 0 and the given ends, nodes about `step` apart; at least [`STENCIL`] a panel.
     pub(super) fn new(ends: &[f64], step: f64) -> Self {
-        let mut grid = Self { theta: Vec::new(), weights: Vec::new(), ends: Vec::new(), scales: Vec::new() };
+        let mut grid =
+            Self { theta: Vec::new(), weights: Vec::new(), ends: Vec::new(), scales: Vec::new() };
         let mut from = 0.0;
         for &to in ends {
             if to - from < 1e-9 {
@@ -144,7 +147,8 @@ impl PolarGrid {
     /// The interpolation at a signed angle: at a negative one the function is meant half a turn off.
     pub(super) fn at(&self, angle: f64) -> Stencil {
         let size = angle.abs();
-        let panel = self.ends.iter().position(|(end, _)| size <= *end).unwrap_or(self.ends.len() - 1);
+        let panel =
+            self.ends.iter().position(|(end, _)| size <= *end).unwrap_or(self.ends.len() - 1);
         let end = self.ends[panel].1 as isize;
         let below = self.theta.partition_point(|t| *t <= size) as isize;
         let first = below - STENCIL as isize / 2;

@@ -13,6 +13,7 @@ use asperity_core::direction::Direction;
 use asperity_core::fresnel;
 use rayon::prelude::*;
 
+use super::aperture::asinh;
 use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
 
 /// A polar angle inside, measured from the normal.
@@ -53,19 +54,20 @@ struct Sizes {
     views: f64,
     /// Polar angles of a panel of a graded rule.
     panel: usize,
+    /// The same where two lobes meet.
+    pair: usize,
 }
 
 impl Sizes {
     fn new(slope: f64) -> Self {
         let step = (1.1 * slope).clamp(0.02, 0.11);
-        let env = |n: &str, d: f64| std::env::var(n).ok().and_then(|x| x.parse().ok()).unwrap_or(d);
-        let step = step * env("STEP", 1.0);
         Self {
-            modes: (env("MODES", 3.2) / slope).clamp(16.0, 400.0) as usize,
+            modes: (4.0 / slope).clamp(16.0, 256.0) as usize,
             step,
-            fine: step.min(env("FINE", 0.04)),
-            views: step.min(env("VSTEP", 0.1)),
-            panel: env("PANEL", 6.0) as usize,
+            fine: step.min(0.04),
+            views: step.min(0.1),
+            panel: 6,
+            pair: if slope < 0.1 { 10 } else { 8 },
         }
     }
 }
@@ -82,6 +84,7 @@ pub(super) struct Inside<'a, B> {
     sizes: Sizes,
     azimuths: Azimuths,
     panel: Vec<(f64, f64)>,
+    pair: Vec<(f64, f64)>,
     grid: PolarGrid,
     polar: Vec<Polar>,
     /// `F sin theta d theta` of the nodes.
@@ -122,6 +125,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             sizes,
             azimuths: Azimuths::new(),
             panel: gauss(sizes.panel),
+            pair: gauss(sizes.pair),
             weights: weigh(&grid, &polar),
             fine_weights: weigh(&fine_grid, &fine),
             grid,
@@ -188,7 +192,8 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         let mut sent = vec![0.0; n * count];
         for (m, matrix) in self.kernel.chunks_exact(n * n).enumerate() {
             for (t, row) in matrix.chunks_exact(n).enumerate() {
-                let sum: f64 = row.iter().enumerate().map(|(f, k)| k * moments[f * count + m]).sum();
+                let sum: f64 =
+                    row.iter().enumerate().map(|(f, k)| k * moments[f * count + m]).sum();
                 sent[t * count + m] = sum;
             }
         }
@@ -239,7 +244,11 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         for (theta, weight) in self.about(&[peak.theta], self.upright(w.z()), self.snell_width) {
             let to = Polar::new(theta, self.eta);
             let width = Self::spread(self.snell_width, &peak, &to);
-            self.azimuths.modes(width, |c, s| self.boundary.ars(from, to.towards(c, s)), &mut modes);
+            self.azimuths.modes(
+                width,
+                |c, s| self.boundary.ars(from, to.towards(c, s)),
+                &mut modes,
+            );
             let factor = weight * to.kept * to.sin;
             self.grid.at(theta).spread(factor, &modes, &mut moments);
         }
@@ -255,25 +264,25 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
     /// A rule in the polar angle from 0 to `last`, dense at peaks of a width, of panels that end at the critical angle and at
     /// twice that angle.
     fn about(&self, peaks: &[f64], last: f64, width: f64) -> Vec<(f64, f64)> {
+        let panel = if peaks.len() > 1 { &self.pair } else { &self.panel };
         let mut ends = vec![0.0, last];
         let inner = [self.critical, 2.0 * self.critical];
         ends.extend(peaks.iter().chain(&inner).filter(|end| **end < last));
         ends.sort_by(f64::total_cmp);
-        let nearest = |theta: f64| {
-            peaks.iter().map(|p| (p - theta).abs()).fold(f64::INFINITY, f64::min)
-        };
-        let mut nodes = Vec::with_capacity(ends.len() * self.panel.len());
+        let nearest =
+            |theta: f64| peaks.iter().map(|p| (p - theta).abs()).fold(f64::INFINITY, f64::min);
+        let mut nodes = Vec::with_capacity(ends.len() * panel.len());
         for pair in ends.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let off = [nearest(from), nearest(to)];
             if peaks.len() > 1 && off[0].max(off[1]) <= 0.0 {
                 let middle = 0.5 * (from + to);
-                graded(&self.panel, from, middle, width, &mut nodes);
-                graded(&self.panel, to, middle, width, &mut nodes);
+                graded(panel, from, middle, width, &mut nodes);
+                graded(panel, to, middle, width, &mut nodes);
             } else if off[0] <= off[1] {
-                graded(&self.panel, from, to, width + off[0], &mut nodes);
+                graded(panel, from, to, width + off[0], &mut nodes);
             } else {
-                graded(&self.panel, to, from, width + off[1], &mut nodes);
+                graded(panel, to, from, width + off[1], &mut nodes);
             }
         }
         nodes
@@ -312,9 +321,17 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
     }
 
     /// A rule over the inside for light with a peak at one signed angle of the plane of incidence, seen by a view with a peak at
-    /// another, both within the critical cone: calls `visit(from, weight)`, where both signs of the azimuth are meant.
-    pub(super) fn between(&self, a: f64, b: f64, width: f64, mut visit: impl FnMut(&Polar, f64, f64, f64)) {
-        let upright = [a, b].map(|x| self.upright((1.0 - (self.eta * x.sin()).powi(2)).max(0.0).sqrt()));
+    /// another, both within the critical cone: calls `visit(polar, cos, sin, weight)` with cosine and sine of the azimuth, both
+    /// signs of which are meant.
+    pub(super) fn between(
+        &self,
+        a: f64,
+        b: f64,
+        width: f64,
+        mut visit: impl FnMut(&Polar, f64, f64, f64),
+    ) {
+        let upright =
+            [a, b].map(|x| self.upright((1.0 - (self.eta * x.sin()).powi(2)).max(0.0).sqrt()));
         let last = upright[0].min(upright[1]);
         let nodes = self.about(&[a.abs(), b.abs()], last, width);
         for (theta, weight) in nodes {
@@ -333,7 +350,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             };
             for (side, spread) in [(1.0, ahead), (-1.0, behind)] {
                 let spread = spread.clamp(1e-6, 2.0);
-                let end = super::aperture::asinh(FRAC_PI_2 / spread);
+                let end = asinh(FRAC_PI_2 / spread);
                 for &(x, w) in &self.azimuths.half() {
                     let e = (end * x).exp();
                     let (sin, cos) = (0.5 * spread * (e - 1.0 / e)).sin_cos();
@@ -374,11 +391,9 @@ impl Windows {
     pub(super) fn profile(&self, sent: &Sent) -> Profile {
         let value = |response: &Response| {
             let mut product = vec![0.0; self.modes];
-            for (response, sent) in
-                [(&response.first, &sent.first), (&response.later, &sent.later)]
+            for (response, sent) in [(&response.first, &sent.first), (&response.later, &sent.later)]
             {
-                let nodes =
-                    response.chunks_exact(self.modes).zip(sent.chunks_exact(self.modes));
+                let nodes = response.chunks_exact(self.modes).zip(sent.chunks_exact(self.modes));
                 for (r, s) in nodes {
                     for ((p, r), s) in product.iter_mut().zip(r).zip(s) {
                         *p += r * s;
@@ -400,6 +415,15 @@ pub(super) struct Profile {
 }
 
 impl Profile {
+    /// Both sides the same: what a beam along the normal gives but for the rounding of the rules.
+    pub(super) fn balanced(mut self) -> Self {
+        for [ahead, behind] in &mut self.values {
+            let mean = 0.5 * (*ahead + *behind);
+            (*ahead, *behind) = (mean, mean);
+        }
+        self
+    }
+
     /// At a signed angle.
     pub(super) fn at(&self, angle: f64) -> f64 {
         let stencil = self.grid.at(angle);

@@ -52,6 +52,7 @@ impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
             Some(windows) => windows.profile(&sent),
             None => self.inside.profile(&sent),
         };
+        let profile = if x.abs() > 0.0 { profile } else { profile.balanced() };
         Light { shared: self, beam, side, profile }
     }
 }
