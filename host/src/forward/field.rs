@@ -66,7 +66,7 @@ impl Sizes {
             step,
             fine: step.min(0.04),
             views: step.min(0.1),
-            panel: 6,
+            panel: 8,
             pair: if slope < 0.1 { 10 } else { 8 },
         }
     }
