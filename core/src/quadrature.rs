@@ -6,25 +6,28 @@ use crate::math::Real;
 ///
 /// Nodes ascend. Found by Newton's method on the Legendre recurrence; error below 1e-15.
 pub fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
-    let n = N as f64;
-    core::array::from_fn(|k| {
-        let angle = core::f64::consts::PI * (n - 0.25 - k as f64) / (n + 0.5);
-        let mut x = Real::sin_cos(angle).1;
-        let mut derivative = 1.0;
-        for _ in 0..8 {
-            let (mut before, mut p) = (1.0, x);
-            for j in 2..=N {
-                let j = j as f64;
-                (before, p) = (p, ((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j);
-            }
-            if N == 1 {
-                before = 1.0;
-            }
-            derivative = n * (x * p - before) / (x * x - 1.0);
-            x -= p / derivative;
+    core::array::from_fn(|k| gauss_legendre_node(N, k))
+}
+
+/// Node `k` of `count` of that rule and its weight, for a number of nodes that is found at run time.
+pub fn gauss_legendre_node(count: usize, k: usize) -> (f64, f64) {
+    let n = count as f64;
+    let angle = core::f64::consts::PI * (n - 0.25 - k as f64) / (n + 0.5);
+    let mut x = Real::sin_cos(angle).1;
+    let mut derivative = 1.0;
+    for _ in 0..8 {
+        let (mut before, mut p) = (1.0, x);
+        for j in 2..=count {
+            let j = j as f64;
+            (before, p) = (p, ((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j);
         }
-        (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * derivative * derivative))
-    })
+        if count == 1 {
+            before = 1.0;
+        }
+        derivative = n * (x * p - before) / (x * x - 1.0);
+        x -= p / derivative;
+    }
+    (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * derivative * derivative))
 }
 
 /// Cubic Hermite interpolation on a cell of width `h` at `s` in [0, 1]: values `a`, `b`, slopes `da`, `db`.

@@ -108,7 +108,13 @@ fn the_light_left_out_is_reported_and_too_little_to_matter() {
                 let (flux, share) = (done.neglected.flux, done.neglected.reading / largest);
                 let name = format!("{} {values:?} {side:?} {geometry:?}", method.name());
                 println!("{name}: neglected flux {flux:.1e}, reading {share:.1e} of the largest");
-                assert!(flux > 0.0 && flux <= NEGLECTED_FLUX.allowed, "{name}: {flux}");
+                // where the field inside is solved for, nothing is left out
+                let solved = sample.slope() > 0.02;
+                assert!(flux > 0.0 || solved, "{name}: {flux}");
+                assert!(
+                    flux <= NEGLECTED_FLUX.allowed && !(solved && flux > 0.0),
+                    "{name}: {flux}"
+                );
                 let bound = done.neglected.reading;
                 if !(bound >= 0.0 && bound <= flux) {
                     wrong

@@ -19,5 +19,6 @@ mod kirchhoff_validity;
 mod metals;
 mod recovery;
 mod forward;
+mod forward_inside;
 mod forward_limits;
 mod fit_robustness;

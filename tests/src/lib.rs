@@ -5,6 +5,7 @@ pub mod code;
 pub mod data;
 pub mod oracle;
 pub mod kirchhoff;
+pub mod plate_scan;
 pub mod program;
 pub mod tolerance;
 

@@ -112,7 +112,7 @@ pub(super) fn cubic([a, b, c, d]: [f64; 4], t: f64) -> f64 {
 }
 
 /// Inverse hyperbolic sine to about 1e-15 absolute, cheaper than the library's.
-fn asinh(x: f64) -> f64 {
+pub(super) fn asinh(x: f64) -> f64 {
     let a = x.abs();
     (a + (a * a + 1.0).sqrt()).ln().copysign(x)
 }
@@ -128,19 +128,22 @@ pub(super) struct Line {
     weight: f64,
 }
 
-/// The lines for a cone of half angle `a` (rad) and a lobe of width `scale` (rad).
-///
-/// Wide lobes: the three-point Gauss-Chebyshev rule of the second kind, whose weight is the chord
-/// itself. Narrow ones: Gauss-Legendre in a warped coordinate dense at the plane.
-pub(super) fn lines(a: f64, scale: f64) -> Vec<Line> {
-    let line = |psi: f64, weight: f64| {
-        let reach = (a.cos() / psi.cos()).min(1.0).acos();
-        Line { psi, reach, weight: weight * psi.cos() }
-    };
-    if scale > 2.0 * a {
-        let x = std::f64::consts::FRAC_1_SQRT_2;
-        return vec![line(0.0, a * PI / 4.0), line(a * x, a * PI / 4.0 / x)];
-    }
+/// A line of a cone of half angle `a` (rad); `weight` counts `psi` alone.
+fn line(a: f64, psi: f64, weight: f64) -> Line {
+    let reach = (a.cos() / psi.cos()).min(1.0).acos();
+    Line { psi, reach, weight: weight * psi.cos() }
+}
+
+/// The lines for a cone of half angle `a` (rad) where the density is smooth over it: the three-point Gauss-Chebyshev rule
+/// of the second kind, whose weight is the chord itself.
+pub(super) fn smooth_lines(a: f64) -> Vec<Line> {
+    let x = std::f64::consts::FRAC_1_SQRT_2;
+    vec![line(a, 0.0, a * PI / 4.0), line(a, a * x, a * PI / 4.0 / x)]
+}
+
+/// The lines for a cone of half angle `a` and a lobe of width `scale` (rad), which may be far narrower: Gauss-Legendre in a
+/// warped coordinate dense at the plane.
+pub(super) fn narrow_lines(a: f64, scale: f64) -> Vec<Line> {
     let kappa = asinh(a / scale);
     gauss_legendre::<NARROW_LINES>()
         .iter()
@@ -148,7 +151,7 @@ pub(super) fn lines(a: f64, scale: f64) -> Vec<Line> {
             let tau = (kappa * t).sinh() / kappa.sinh();
             let slope = kappa * (kappa * t).cosh() / kappa.sinh();
             let (s, c) = (FRAC_PI_2 * tau).sin_cos();
-            line(a * s, 2.0 * w * a * FRAC_PI_2 * c * slope)
+            line(a, a * s, 2.0 * w * a * FRAC_PI_2 * c * slope)
         })
         .collect()
 }
@@ -198,12 +201,13 @@ impl Integral {
 
 #[cfg(test)]
 mod tests {
-    use super::{Integral, Warp, lines};
+    use super::{Integral, Warp, narrow_lines, smooth_lines};
     use crate::forward::solid_angle;
 
     fn reading(density: impl Fn(f64, f64) -> f64, peak: f64, scale: f64, theta: f64) -> f64 {
-        let warp = Warp::new(peak, scale, 16.0);
-        lines(0.3_f64.to_radians(), scale)
+        let (warp, a) = (Warp::new(peak, scale, 16.0), 0.3_f64.to_radians());
+        let lines = if scale > 2.0 * a { smooth_lines(a) } else { narrow_lines(a, scale) };
+        lines
             .iter()
             .map(|line| {
                 let values: Vec<f64> =

@@ -6,6 +6,9 @@
 
 mod optics;
 mod aperture;
+mod azimuth;
+mod field;
+mod inside;
 mod internal;
 mod quadrature;
 mod rays;

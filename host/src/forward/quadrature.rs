@@ -7,7 +7,8 @@ use asperity_core::direction::Direction;
 use asperity_core::gonio::Geometry;
 use rayon::prelude::*;
 
-use super::aperture::{Integral, Node, Warp, cubic, lines};
+use super::aperture::{Integral, Line, Node, Warp, cubic, narrow_lines, smooth_lines};
+use super::inside::{Light, Shared};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
@@ -66,11 +67,10 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
     plan: &Plan,
     effort: Effort,
 ) -> Readings {
-    let parts: Vec<(Vec<f64>, Neglected)> = plan
-        .incidences
-        .par_iter()
-        .map(|incidence| OneIncidence::new(boundary, setup, incidence, effort).readings())
-        .collect();
+    let shared = if effort == Effort::Draft { None } else { Shared::new(boundary, setup) };
+    let one = |incidence| OneIncidence::new(boundary, setup, incidence, effort, shared.as_ref());
+    let parts: Vec<(Vec<f64>, Neglected)> =
+        plan.incidences.par_iter().map(|incidence| one(incidence).readings()).collect();
     Readings {
         neglected: parts.iter().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
         values: parts.into_iter().flat_map(|p| p.0).collect(),
@@ -89,10 +89,39 @@ struct OneIncidence<'a, B> {
     /// Width of the lobe, rad.
     scale: f64,
     warp: Warp,
+    /// Light of later hits, where nodes of the inside resolve it.
+    light: Option<Light<'a, B>>,
 }
 
-impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
-    fn new(boundary: &'a B, setup: &'a Setup, incidence: &'a Incidence, effort: Effort) -> Self {
+/// Half cells from one direction to the next in which light of later hits is computed.
+const STRIDE: usize = 16;
+
+/// Reach of the rule for narrow lobes, in half apertures and widths of the lobe.
+const NEAR: f64 = 6.0;
+
+/// Lines of constant `psi` with the integral along each.
+struct Lines<'a> {
+    warp: &'a Warp,
+    lines: Vec<Line>,
+    integrals: Vec<Integral>,
+}
+
+impl Lines<'_> {
+    /// Reading of a detector at `theta`, rad.
+    fn reading(&self, theta: f64) -> f64 {
+        let parts = self.integrals.iter().zip(&self.lines);
+        parts.map(|(integral, line)| integral.reading(self.warp, line, theta)).sum()
+    }
+}
+
+impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
+    fn new(
+        boundary: &'a B,
+        setup: &'a Setup,
+        incidence: &'a Incidence,
+        effort: Effort,
+        shared: Option<&'a Shared<'a, B>>,
+    ) -> Self {
         let sigma = incidence.sigma_deg.to_radians();
         let scale = lobe_width(boundary.slope(), setup);
         let cells_per_unit = match effort {
@@ -100,7 +129,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             Effort::Full | Effort::Fine | Effort::Passes => 16.0,
         };
         let warp = Warp::new(sigma, scale, cells_per_unit);
-        Self { boundary, setup, incidence, effort, sigma, entry: enter(setup, sigma), scale, warp }
+        let entry = enter(setup, sigma);
+        let light = shared.map(|shared| shared.light(&entry));
+        Self { boundary, setup, incidence, effort, sigma, entry, scale, warp, light }
     }
 
     fn readings(&self) -> (Vec<f64>, Neglected) {
@@ -108,38 +139,24 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
         if self.setup.quantity == Quantity::Bsdf && half_angle <= 0.0 {
             return self.point_values();
         }
-        let lines = lines(half_angle, self.scale);
-        // A lobe wider than the cone looks the same on all lines for what was scattered twice.
-        let wide = lines.len() == 2 && self.setup.geometry == Geometry::Transmission;
+        let wide = self.scale > 2.0 * half_angle;
         let solid_angle = solid_angle(self.setup.aperture_deg);
-        let mut neglected = Neglected::default();
         let nodes = self.warp.nodes();
-        let mut inner = Vec::new();
-        let mut integrals = Vec::with_capacity(lines.len());
-        for (k, line) in lines.iter().enumerate() {
-            if k == 0 || !wide {
-                let missing;
-                (inner, missing) = self.internal_density(&nodes, line.psi);
-                neglected = neglected.or_more(self.in_readings(missing));
-            }
-            let density: Vec<f64> = nodes
-                .iter()
-                .zip(&inner)
-                .map(|(node, inner)| (self.first_hit(node, line.psi) + inner) * node.slope)
-                .collect();
-            integrals.push(Integral::new(&self.warp, &density));
-        }
-        let reading = |theta: f64| -> f64 {
-            let parts = integrals.iter().zip(&lines);
-            parts.map(|(integral, line)| integral.reading(&self.warp, line, theta)).sum()
-        };
+        let (far, mut neglected) = self.far(&nodes, half_angle);
         let thetas = self.incidence.theta_deg.iter().map(|t| t.to_radians());
-        let mut values: Vec<f64> = if wide && self.incidence.theta_deg.len() > nodes.len() {
+        let smooth = wide && self.setup.geometry == Geometry::Transmission;
+        let mut values: Vec<f64> = if smooth && self.incidence.theta_deg.len() > nodes.len() {
             // Readings of a wide lobe are as smooth as the lobe: as many as it has nodes tell the rest.
-            let table: Vec<f64> = nodes.iter().map(|node| reading(node.theta)).collect();
+            let table: Vec<f64> = nodes.iter().map(|node| far.reading(node.theta)).collect();
             thetas.map(|theta| self.warp.interpolate(&table, theta)).collect()
+        } else if wide {
+            thetas.map(|theta| far.reading(theta)).collect()
         } else {
-            thetas.map(reading).collect()
+            let reach = NEAR * (half_angle + self.scale);
+            let (near, missing) = self.near(&nodes, half_angle, reach);
+            neglected = neglected.or_more(missing);
+            let is_near = |theta: f64| (theta - self.sigma).abs() <= reach;
+            thetas.map(|t| if is_near(t) { near.reading(t) } else { far.reading(t) }).collect()
         };
         for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
             // differences of integrals and the cubic between readings may undershoot zero
@@ -156,6 +173,73 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             }
         }
         (values, neglected)
+    }
+
+    /// The rule for a density that is smooth over the cone.
+    fn far(&self, nodes: &[Node], half_angle: f64) -> (Lines<'_>, Neglected) {
+        let lines = smooth_lines(half_angle);
+        let mut neglected = Neglected::default();
+        let mut inner = Vec::new();
+        let mut integrals = Vec::with_capacity(lines.len());
+        for (k, line) in lines.iter().enumerate() {
+            // A lobe wider than the cone looks the same on all lines for what was scattered twice.
+            if k == 0 || self.setup.geometry == Geometry::Reflection {
+                let missing;
+                (inner, missing) = self.internal_density(nodes, line.psi);
+                neglected = neglected.or_more(self.in_readings(missing));
+            }
+            integrals.push(self.integral(nodes, line.psi, |_| true, &inner));
+        }
+        (Lines { warp: &self.warp, lines, integrals }, neglected)
+    }
+
+    /// The rule for readings within `reach` of the peak of a lobe that may be narrower than the cone.
+    ///
+    /// Light of later hits is computed on some of the lines, and linear in `psi` between them.
+    fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (Lines<'_>, Neglected) {
+        let lines = narrow_lines(half_angle, self.scale);
+        let seen = |node: &Node| (node.theta - self.sigma).abs() <= reach + 2.0 * half_angle;
+        let first = nodes.iter().position(seen).unwrap_or(0);
+        // the cubic between computed directions knows less at the ends
+        let first = (first - first % STRIDE).saturating_sub(2 * STRIDE);
+        let after = nodes.iter().rposition(seen).map_or(nodes.len(), |k| k + 1);
+        let after = (after.next_multiple_of(STRIDE) + 2 * STRIDE + 1).min(nodes.len());
+        let every = if self.setup.geometry == Geometry::Reflection { 3 } else { 6 };
+        let last = lines.len() - 1;
+        let mut neglected = Neglected::default();
+        let mut computed: Vec<(f64, Vec<f64>)> = Vec::new();
+        for k in (0..last).step_by(every).chain([last]) {
+            let (part, missing) = self.internal_density(&nodes[first..after], lines[k].psi);
+            let mut inner = vec![0.0; nodes.len()];
+            inner[first..after].copy_from_slice(&part);
+            neglected = neglected.or_more(self.in_readings(missing));
+            computed.push((lines[k].psi, inner));
+        }
+        let integral = |line: &Line| {
+            let next = computed.partition_point(|(psi, _)| *psi < line.psi);
+            let next = next.clamp(1, computed.len() - 1);
+            let ((a, low), (b, high)) = (&computed[next - 1], &computed[next]);
+            let t = (line.psi - a) / (b - a);
+            let inner: Vec<f64> = low.iter().zip(high).map(|(l, h)| l + t * (h - l)).collect();
+            self.integral(nodes, line.psi, seen, &inner)
+        };
+        let integrals = lines.iter().map(integral).collect();
+        (Lines { warp: &self.warp, lines, integrals }, neglected)
+    }
+
+    /// The integral of all light along a line, over the nodes that count.
+    fn integral(
+        &self,
+        nodes: &[Node],
+        psi: f64,
+        counts: impl Fn(&Node) -> bool,
+        inner: &[f64],
+    ) -> Integral {
+        let value = |(node, inner): (&Node, &f64)| {
+            if counts(node) { (self.first_hit(node, psi) + inner) * node.slope } else { 0.0 }
+        };
+        let density: Vec<f64> = nodes.iter().zip(inner).map(value).collect();
+        Integral::new(&self.warp, &density)
     }
 
     /// From a missing density, 1/sr, to what is missing from a reading.
@@ -204,8 +288,12 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
     ///
     /// `Neglected::reading` of the result is a density, 1/sr.
     fn internal_density(&self, nodes: &[Node], psi: f64) -> (Vec<f64>, Neglected) {
+        if let Some(light) = &self.light {
+            return (self.resolved_density(light, nodes, psi), Neglected::default());
+        }
         // half cells; off the front what was inside is half of the light
-        let stride: usize = if self.setup.geometry == Geometry::Reflection { 8 } else { 16 };
+        let stride: usize =
+            if self.setup.geometry == Geometry::Reflection { STRIDE / 2 } else { STRIDE };
         let fine = nodes.len();
         let eta = match self.setup.sample {
             Sample::Plate { eta, .. } if self.effort != Effort::Draft => eta.get(),
@@ -220,6 +308,9 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             Geometry::Transmission => 256,
             Geometry::Reflection => 2048,
         };
+        // A cone wider than the lobe averages over it.
+        let narrow = self.scale <= self.setup.aperture_deg.to_radians();
+        let count = if narrow && count > 256 { count / 4 } else { count };
         let count = if self.effort == Effort::Fine { 8 * count } else { count };
         let found = passes(self.boundary, eta, &self.entry, &views, count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
@@ -241,6 +332,29 @@ impl<'a, B: Bsdf<f64>> OneIncidence<'a, B> {
             })
             .collect();
         (values, Neglected { flux: found.neglected, reading: found.neglected * found.peak })
+    }
+
+    /// The same where the inside is resolved: nothing is neglected.
+    fn resolved_density(&self, light: &Light<'_, B>, nodes: &[Node], psi: f64) -> Vec<f64> {
+        const STRIDE: usize = 8;
+        let last = (nodes.len() - 1) / STRIDE;
+        let twice: Vec<f64> = if light.passes_twice() {
+            nodes.iter().step_by(STRIDE).map(|node| light.through_twice(node, psi)).collect()
+        } else {
+            Vec::new()
+        };
+        let at = |k: usize| twice.get(k.min(last)).copied().unwrap_or(0.0);
+        let one = |(half, node): (usize, &Node)| {
+            let Some(view) = self.view(node, psi) else { return 0.0 };
+            let mut density = light.density(node).max(0.0);
+            if !twice.is_empty() {
+                let (k, t) = (half / STRIDE, (half % STRIDE) as f64 / STRIDE as f64);
+                let ends = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
+                density += cubic(ends, t).max(0.0);
+            }
+            density * view.factor
+        };
+        nodes.iter().enumerate().map(one).collect()
     }
 
     /// The BSDF at single directions: `ars / cos` without a detector.

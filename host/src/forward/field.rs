@@ -1,0 +1,479 @@
+//! Light inside a plate between hits of the rough face: all passes at once.
+//!
+//! `U(w)` is the flux per solid angle that the rough face sends inwards, on its way to arrive again from `w` by way of the
+//! smooth face, which keeps a share `F(theta)` of it. With the rough face's law from inside to inside as kernel `K`,
+//! `U = U_first + K F U`. The law has no direction of its own, so each mode `cos(m phi)` is an equation of its own in the
+//! polar angle, solved directly: no series is cut off, however long total reflection keeps the light. Nodes of the polar
+//! angle are Gauss's on both sides of the critical angle of the smooth face, where `F` has a kink.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use asperity_core::bsdf::Bsdf;
+use asperity_core::direction::Direction;
+use asperity_core::fresnel;
+use rayon::prelude::*;
+
+use super::aperture::asinh;
+use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
+
+/// A polar angle inside, measured from the normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polar {
+    pub(super) theta: f64,
+    pub(super) sin: f64,
+    pub(super) cos: f64,
+    /// Share that the smooth face keeps inside.
+    pub(super) kept: f64,
+}
+
+impl Polar {
+    fn new(theta: f64, eta: f64) -> Self {
+        let (sin, cos) = theta.sin_cos();
+        Self { theta, sin, cos, kept: fresnel::dielectric(cos, 1.0 / eta).reflected }
+    }
+
+    /// The direction from which light arrives at the rough face, at an azimuth of this cosine and sine.
+    pub(super) fn from(&self, cos: f64, sin: f64) -> Direction<f64> {
+        Direction::from_unit(-self.sin * cos, self.sin * sin, -self.cos)
+    }
+
+    /// The direction in which it left the rough face before.
+    pub(super) fn towards(&self, cos: f64, sin: f64) -> Direction<f64> {
+        Direction::from_unit(self.sin * cos, -self.sin * sin, -self.cos)
+    }
+}
+
+/// Sizes of the rules for a lobe of given width.
+#[derive(Clone, Copy, Debug)]
+struct Sizes {
+    /// Azimuthal modes.
+    modes: usize,
+    /// Distances of polar angles: of the kernel, of what a first hit sends, and of observation in the air.
+    step: f64,
+    fine: f64,
+    views: f64,
+    /// Polar angles of a panel of a graded rule.
+    panel: usize,
+    /// The same where two lobes meet.
+    pair: usize,
+}
+
+impl Sizes {
+    fn new(slope: f64) -> Self {
+        let step = (1.1 * slope).clamp(0.02, 0.11);
+        Self {
+            modes: (4.0 / slope).clamp(16.0, 256.0) as usize,
+            step,
+            fine: step.min(0.04),
+            views: step.min(0.1),
+            panel: 8,
+            pair: if slope < 0.1 { 10 } else { 8 },
+        }
+    }
+}
+
+/// What the inside of a plate does to light, whatever its incidence.
+#[derive(Debug)]
+pub(super) struct Inside<'a, B> {
+    boundary: &'a B,
+    pub(super) eta: f64,
+    pub(super) critical: f64,
+    /// Widths of the rough face's lobes inside, rad: reflected, and transmitted.
+    mirror_width: f64,
+    pub(super) snell_width: f64,
+    sizes: Sizes,
+    azimuths: Azimuths,
+    panel: Vec<(f64, f64)>,
+    pair: Vec<(f64, f64)>,
+    grid: PolarGrid,
+    polar: Vec<Polar>,
+    /// `F sin theta d theta` of the nodes.
+    weights: Vec<f64>,
+    /// The same for what a first hit from inside sends, which has a kink where facets begin to mirror totally.
+    fine_grid: PolarGrid,
+    fine: Vec<Polar>,
+    fine_weights: Vec<f64>,
+    /// Modes of the kernel, a matrix (to, from) each.
+    kernel: Vec<f64>,
+    /// The factors of `1 - K F` of each mode, below the diagonal and from it on.
+    factors: Vec<f64>,
+}
+
+impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
+    /// Of a plate of relative index `eta` above 1.
+    pub(super) fn new(boundary: &'a B, eta: f64) -> Self {
+        let critical = (1.0 / eta).asin();
+        let slope = boundary.slope();
+        let sizes = Sizes::new(slope);
+        let nodes = |grid: &PolarGrid| -> Vec<Polar> {
+            grid.theta.iter().map(|theta| Polar::new(*theta, eta)).collect()
+        };
+        let grid = PolarGrid::new(&[critical, FRAC_PI_2], sizes.step);
+        // twice the critical angle: beyond it facets mirror a beam along the normal totally
+        let twice = (2.0 * critical).min(FRAC_PI_2);
+        let fine_grid = PolarGrid::new(&[critical, twice, FRAC_PI_2], sizes.fine);
+        let (polar, fine) = (nodes(&grid), nodes(&fine_grid));
+        let weigh = |grid: &PolarGrid, polar: &[Polar]| -> Vec<f64> {
+            polar.iter().zip(&grid.weights).map(|(p, w)| p.kept * p.sin * w).collect()
+        };
+        let mut new = Self {
+            boundary,
+            eta,
+            critical,
+            mirror_width: 2.0 * slope,
+            snell_width: (slope * (eta - 1.0) / eta).min(0.5),
+            sizes,
+            azimuths: Azimuths::new(),
+            panel: gauss(sizes.panel),
+            pair: gauss(sizes.pair),
+            weights: weigh(&grid, &polar),
+            fine_weights: weigh(&fine_grid, &fine),
+            grid,
+            polar,
+            fine_grid,
+            fine,
+            kernel: Vec::new(),
+            factors: Vec::new(),
+        };
+        new.fill();
+        new
+    }
+
+    /// Number of nodes of the polar angle.
+    fn count(&self) -> usize {
+        self.polar.len()
+    }
+
+    /// Width in azimuth of a lobe of a width `lobe` between two polar angles.
+    fn spread(lobe: f64, a: &Polar, b: &Polar) -> f64 {
+        let off = a.theta - b.theta;
+        ((lobe * lobe * a.cos * b.cos + off * off) / (a.sin * b.sin)).sqrt()
+    }
+
+    /// Modes of what the rough face sends from `from` so that it arrives again from `to`.
+    fn bounce(&self, from: Direction<f64>, at: &Polar, to: &Polar, modes: &mut [f64]) {
+        let width = Self::spread(self.mirror_width, at, to);
+        self.azimuths.modes(width, |c, s| self.boundary.ars(from, to.towards(c, s)), modes);
+    }
+
+    fn fill(&mut self) {
+        let (n, count) = (self.count(), self.sizes.modes);
+        let row = |to: &Polar| {
+            let mut row = vec![0.0; n * count];
+            for (from, modes) in self.polar.iter().zip(row.chunks_exact_mut(count)) {
+                self.bounce(from.from(1.0, 0.0), from, to, modes);
+            }
+            row
+        };
+        let rows: Vec<Vec<f64>> = self.polar.par_iter().map(row).collect();
+        let mut kernel = vec![0.0; count * n * n];
+        for (t, row) in rows.iter().enumerate() {
+            for (f, modes) in row.chunks_exact(count).enumerate() {
+                for (m, value) in modes.iter().enumerate() {
+                    kernel[(m * n + t) * n + f] = *value;
+                }
+            }
+        }
+        let mut factors = kernel.clone();
+        factors.par_chunks_exact_mut(n * n).for_each(|matrix| {
+            for (t, row) in matrix.chunks_exact_mut(n).enumerate() {
+                for (f, (value, weight)) in row.iter_mut().zip(&self.weights).enumerate() {
+                    *value = if t == f { 1.0 } else { 0.0 } - *value * weight;
+                }
+            }
+            factorise(matrix, n);
+        });
+        (self.kernel, self.factors) = (kernel, factors);
+    }
+
+    /// Multiplies moments of arriving light, `count` modes a node, by the kernel: modes of what is sent inwards.
+    fn bounced(&self, moments: &[f64]) -> Vec<f64> {
+        let (n, count) = (self.count(), self.sizes.modes);
+        let mut sent = vec![0.0; n * count];
+        for (m, matrix) in self.kernel.chunks_exact(n * n).enumerate() {
+            for (t, row) in matrix.chunks_exact(n).enumerate() {
+                let sum: f64 =
+                    row.iter().enumerate().map(|(f, k)| k * moments[f * count + m]).sum();
+                sent[t * count + m] = sum;
+            }
+        }
+        sent
+    }
+
+    /// Light sent inwards over all hits, from what a first hit sends: `U = U_first + K F U`.
+    fn all_passes(&self, first: &[f64]) -> Vec<f64> {
+        let (n, count) = (self.count(), self.sizes.modes);
+        let mut sent = vec![0.0; n * count];
+        let mut x = vec![0.0; n];
+        for (m, matrix) in self.factors.chunks_exact(n * n).enumerate() {
+            for (t, x) in x.iter_mut().enumerate() {
+                *x = first[t * count + m];
+            }
+            solve(matrix, n, &mut x);
+            for (t, x) in x.iter().enumerate() {
+                sent[t * count + m] = *x;
+            }
+        }
+        sent
+    }
+
+    /// Light sent inwards, for a beam of a flux that arrives inside the plate.
+    pub(super) fn of_beam_inside(&self, w: Direction<f64>, flux: f64) -> Sent {
+        let at = Polar::new(w.x().abs().min(1.0).asin(), self.eta);
+        let count = self.sizes.modes;
+        let mut first = vec![0.0; self.fine.len() * count];
+        let mut moments = vec![0.0; self.count() * count];
+        let nodes = self.fine.iter().zip(&self.fine_weights);
+        for ((to, weight), modes) in nodes.zip(first.chunks_exact_mut(count)) {
+            self.bounce(at.from(1.0, 0.0), &at, to, modes);
+            for mode in &mut *modes {
+                *mode *= flux;
+            }
+            self.grid.at(to.theta).spread(*weight, modes, &mut moments);
+        }
+        Sent { first, later: self.all_passes(&self.bounced(&moments)) }
+    }
+
+    /// Light sent inwards from the second hit on, for a beam of unit flux that arrives from the air.
+    pub(super) fn of_beam_outside(&self, w: Direction<f64>) -> Sent {
+        let peak = Polar::new((w.x().abs() / self.eta).asin(), self.eta);
+        let count = self.sizes.modes;
+        let mut moments = vec![0.0; self.count() * count];
+        let mut modes = vec![0.0; count];
+        let from = Direction::from_unit(-w.x().abs(), 0.0, w.z());
+        for (theta, weight) in self.about(&[peak.theta], self.upright(w.z()), self.snell_width) {
+            let to = Polar::new(theta, self.eta);
+            let width = Self::spread(self.snell_width, &peak, &to);
+            self.azimuths.modes(
+                width,
+                |c, s| self.boundary.ars(from, to.towards(c, s)),
+                &mut modes,
+            );
+            let factor = weight * to.kept * to.sin;
+            self.grid.at(theta).spread(factor, &modes, &mut moments);
+        }
+        Sent { first: Vec::new(), later: self.all_passes(&self.bounced(&moments)) }
+    }
+
+    /// The polar angle inside up to which facets that face up connect it with an angle of this cosine in the air: there the
+    /// facet stands upright, and a law of facets ends abruptly.
+    fn upright(&self, cos: f64) -> f64 {
+        (cos / self.eta).min(1.0).acos()
+    }
+
+    /// A rule in the polar angle from 0 to `last`, dense at peaks of a width, of panels that end at the critical angle and at
+    /// twice that angle.
+    fn about(&self, peaks: &[f64], last: f64, width: f64) -> Vec<(f64, f64)> {
+        let panel = if peaks.len() > 1 { &self.pair } else { &self.panel };
+        let mut ends = vec![0.0, last];
+        let inner = [self.critical, 2.0 * self.critical];
+        ends.extend(peaks.iter().chain(&inner).filter(|end| **end < last));
+        ends.sort_by(f64::total_cmp);
+        let nearest =
+            |theta: f64| peaks.iter().map(|p| (p - theta).abs()).fold(f64::INFINITY, f64::min);
+        let mut nodes = Vec::with_capacity(ends.len() * panel.len());
+        for pair in ends.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let off = [nearest(from), nearest(to)];
+            if peaks.len() > 1 && off[0].max(off[1]) <= 0.0 {
+                let middle = 0.5 * (from + to);
+                graded(panel, from, middle, width, &mut nodes);
+                graded(panel, to, middle, width, &mut nodes);
+            } else if off[0] <= off[1] {
+                graded(panel, from, to, width + off[0], &mut nodes);
+            } else {
+                graded(panel, to, from, width + off[1], &mut nodes);
+            }
+        }
+        nodes
+    }
+
+    /// Views in the air beyond the rough face, for any light inside.
+    pub(super) fn windows(&self) -> Windows {
+        let count = self.sizes.modes;
+        let grid = PolarGrid::new(&[FRAC_PI_2], self.sizes.views);
+        let response = |theta: &f64| {
+            let (sin, cos) = theta.sin_cos();
+            let view = Direction::from_unit(sin, 0.0, cos);
+            let peak = Polar::new((sin / self.eta).asin(), self.eta);
+            let mut modes = vec![0.0; count];
+            let mut first = vec![0.0; self.fine.len() * count];
+            let mut later = vec![0.0; self.count() * count];
+            for (theta, weight) in self.about(&[peak.theta], self.upright(cos), self.snell_width) {
+                let from = Polar::new(theta, self.eta);
+                let width = Self::spread(self.snell_width, &peak, &from);
+                let value = |c, s| self.boundary.ars(from.from(c, s), view);
+                self.azimuths.modes(width, value, &mut modes);
+                let factor = weight * from.kept * from.sin;
+                self.fine_grid.at(theta).spread(factor, &modes, &mut first);
+                self.grid.at(theta).spread(factor, &modes, &mut later);
+            }
+            Response { first, later }
+        };
+        let responses = grid.theta.par_iter().map(response).collect();
+        Windows { grid, responses, modes: count }
+    }
+
+    /// Flux per solid angle that light sent inwards from the second hit on has in the plane of incidence.
+    pub(super) fn profile(&self, sent: &Sent) -> Profile {
+        let values = sent.later.chunks_exact(self.sizes.modes).map(in_the_plane).collect();
+        Profile { grid: self.grid.clone(), values }
+    }
+
+    /// A rule over the inside for light with a peak at one signed angle of the plane of incidence, seen by a view with a peak at
+    /// another, both within the critical cone: calls `visit(polar, cos, sin, weight)` with cosine and sine of the azimuth, both
+    /// signs of which are meant.
+    pub(super) fn between(
+        &self,
+        a: f64,
+        b: f64,
+        width: f64,
+        mut visit: impl FnMut(&Polar, f64, f64, f64),
+    ) {
+        let upright =
+            [a, b].map(|x| self.upright((1.0 - (self.eta * x.sin()).powi(2)).max(0.0).sqrt()));
+        let last = upright[0].min(upright[1]);
+        let nodes = self.about(&[a.abs(), b.abs()], last, width);
+        for (theta, weight) in nodes {
+            let at = Polar::new(theta, self.eta);
+            let spread = |peak: f64| {
+                let off = theta - peak.abs();
+                let sin = peak.sin().abs().max(1e-9) * at.sin;
+                ((width * width + off * off) / sin).sqrt()
+            };
+            // each half of the azimuths about the peak that lies in it
+            let (ahead, behind) = match (a >= 0.0, b >= 0.0) {
+                (true, true) => (spread(a).min(spread(b)), 2.0),
+                (false, false) => (2.0, spread(a).min(spread(b))),
+                (true, false) => (spread(a), spread(b)),
+                (false, true) => (spread(b), spread(a)),
+            };
+            for (side, spread) in [(1.0, ahead), (-1.0, behind)] {
+                let spread = spread.clamp(1e-6, 2.0);
+                let end = asinh(FRAC_PI_2 / spread);
+                for &(x, w) in &self.azimuths.half() {
+                    let e = (end * x).exp();
+                    let (sin, cos) = (0.5 * spread * (e - 1.0 / e)).sin_cos();
+                    let d = 0.5 * w * end * spread * (e + 1.0 / e);
+                    visit(&at, side * cos, sin, weight * at.sin * 2.0 * d);
+                }
+            }
+        }
+    }
+}
+
+/// Modes of the light that the rough face sends inwards, those of each node together.
+#[derive(Debug)]
+pub(super) struct Sent {
+    /// By the first hit, on the fine nodes; none if that light came from the air.
+    first: Vec<f64>,
+    /// By later hits.
+    later: Vec<f64>,
+}
+
+/// How a view in the air answers to modes of light on the nodes.
+#[derive(Debug)]
+struct Response {
+    first: Vec<f64>,
+    later: Vec<f64>,
+}
+
+/// How views in the air answer to the light inside.
+#[derive(Debug)]
+pub(super) struct Windows {
+    grid: PolarGrid,
+    responses: Vec<Response>,
+    modes: usize,
+}
+
+impl Windows {
+    /// Flux per solid angle outside, in the plane of incidence.
+    pub(super) fn profile(&self, sent: &Sent) -> Profile {
+        let value = |response: &Response| {
+            let mut product = vec![0.0; self.modes];
+            for (response, sent) in [(&response.first, &sent.first), (&response.later, &sent.later)]
+            {
+                let nodes = response.chunks_exact(self.modes).zip(sent.chunks_exact(self.modes));
+                for (r, s) in nodes {
+                    for ((p, r), s) in product.iter_mut().zip(r).zip(s) {
+                        *p += r * s;
+                    }
+                }
+            }
+            in_the_plane(&product)
+        };
+        Profile { grid: self.grid.clone(), values: self.responses.iter().map(value).collect() }
+    }
+}
+
+/// A function in the plane of incidence.
+#[derive(Debug)]
+pub(super) struct Profile {
+    grid: PolarGrid,
+    /// At azimuth 0 and at pi.
+    values: Vec<[f64; 2]>,
+}
+
+impl Profile {
+    /// Both sides the same: what a beam along the normal gives but for the rounding of the rules.
+    pub(super) fn balanced(mut self) -> Self {
+        for [ahead, behind] in &mut self.values {
+            let mean = 0.5 * (*ahead + *behind);
+            (*ahead, *behind) = (mean, mean);
+        }
+        self
+    }
+
+    /// At a signed angle.
+    pub(super) fn at(&self, angle: f64) -> f64 {
+        let stencil = self.grid.at(angle);
+        stencil.iter().map(|(k, turned, w)| w * self.values[k][usize::from(turned)]).sum()
+    }
+}
+
+/// A function's values at azimuths 0 and pi from its modes.
+///
+/// The last modes fade out: a series that ends abruptly rings at all azimuths, and the dark side of a lobe is far darker
+/// than its peak.
+fn in_the_plane(modes: &[f64]) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for (m, mode) in modes.iter().enumerate() {
+        let fourth = (m as f64 / modes.len() as f64).powi(4);
+        sums[m & 1] += mode * (-FADE * fourth * fourth).exp();
+    }
+    let first = modes.first().copied().unwrap_or(0.0);
+    [sums[0] + sums[1], sums[0] - sums[1]].map(|sum| (2.0 * sum - first) / (2.0 * PI))
+}
+
+/// How far the last mode fades, natural logarithm.
+const FADE: f64 = 14.0;
+
+/// Splits a matrix into triangles, in place; it is `1 - M` with `M` of norm below 1, so that no row need be exchanged.
+fn factorise(matrix: &mut [f64], n: usize) {
+    for k in 0..n {
+        let (above, below) = matrix.split_at_mut((k + 1) * n);
+        let pivot_row = &above[k * n..];
+        let inverse = 1.0 / pivot_row[k];
+        for row in below.chunks_exact_mut(n) {
+            let factor = row[k] * inverse;
+            row[k] = factor;
+            for (value, pivot) in row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
+                *value -= factor * pivot;
+            }
+        }
+    }
+}
+
+/// Solves with a matrix split by [`factorise`], in place.
+fn solve(factors: &[f64], n: usize, x: &mut [f64]) {
+    for k in 0..n {
+        let row = &factors[k * n..][..k];
+        let sum: f64 = row.iter().zip(&x[..k]).map(|(f, x)| f * x).sum();
+        x[k] -= sum;
+    }
+    for k in (0..n).rev() {
+        let row = &factors[k * n..][..n];
+        let sum: f64 = row[k + 1..].iter().zip(&x[k + 1..]).map(|(f, x)| f * x).sum();
+        x[k] = (x[k] - sum) / row[k];
+    }
+}

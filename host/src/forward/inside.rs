@@ -1,0 +1,109 @@
+//! Readings' part of light that met the rough face more than once, where a rule over directions inside resolves it.
+
+use asperity_core::bsdf::Bsdf;
+use asperity_core::direction::Direction;
+use asperity_core::gonio::Geometry;
+use asperity_core::plate::RoughSide;
+
+use super::aperture::Node;
+use super::field::{Inside, Profile, Windows};
+use super::optics::Entry;
+use super::{Sample, Setup};
+
+/// Slope of the facets from which on the rule resolves all lobes.
+const RESOLVED: f64 = 0.015;
+/// Index over that of air from which on a plate keeps light inside.
+const DENSE: f64 = 1.02;
+
+/// What all incidences have in common.
+#[derive(Debug)]
+pub(super) struct Shared<'a, B> {
+    boundary: &'a B,
+    inside: Inside<'a, B>,
+    /// How the detector looks in, if that is through the rough face.
+    windows: Option<Windows>,
+    rough_side: RoughSide,
+}
+
+impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
+    /// `None` where lobes are too narrow, and for what has no inside.
+    pub(super) fn new(boundary: &'a B, setup: &Setup) -> Option<Self> {
+        let Sample::Plate { eta, rough_side } = setup.sample else { return None };
+        if eta.get() < DENSE || boundary.slope() < RESOLVED {
+            return None;
+        }
+        let inside = Inside::new(boundary, eta.get());
+        let through_the_rough =
+            (setup.geometry == Geometry::Reflection) == (rough_side == RoughSide::Source);
+        let windows = through_the_rough.then(|| inside.windows());
+        Some(Self { boundary, inside, windows, rough_side })
+    }
+
+    /// The light of an incidence.
+    pub(super) fn light(&'a self, entry: &Entry) -> Light<'a, B> {
+        let side = if entry.w.x() > 0.0 { -1.0 } else { 1.0 };
+        let [x, _, z] = entry.w.xyz();
+        let beam = Direction::from_unit(-x.abs(), 0.0, z);
+        let sent = match self.rough_side {
+            RoughSide::Source => self.inside.of_beam_outside(beam),
+            RoughSide::Detector => self.inside.of_beam_inside(beam, entry.flux),
+        };
+        let profile = match &self.windows {
+            Some(windows) => windows.profile(&sent),
+            None => self.inside.profile(&sent),
+        };
+        let profile = if x.abs() > 0.0 { profile } else { profile.balanced() };
+        Light { shared: self, beam, side, profile }
+    }
+}
+
+/// Light of one incidence from its second hit of the rough face on.
+#[derive(Debug)]
+pub(super) struct Light<'a, B> {
+    shared: &'a Shared<'a, B>,
+    /// Where the beam comes from at the first hit; x <= 0.
+    beam: Direction<f64>,
+    /// 1, or -1 if it really comes from x > 0.
+    side: f64,
+    profile: Profile,
+}
+
+impl<B: Bsdf<f64> + Sync> Light<'_, B> {
+    /// Flux per solid angle where it leaves the rough face for a view, without [`Self::through_twice`].
+    pub(super) fn density(&self, node: &Node) -> f64 {
+        let theta = match self.shared.windows {
+            Some(_) => node.theta,
+            None => (node.sin_cos.0 / self.shared.inside.eta).asin(),
+        };
+        self.profile.at(self.side * theta)
+    }
+
+    /// Whether light goes in and comes out by the rough face, mirrored once between: two narrow lobes.
+    pub(super) fn passes_twice(&self) -> bool {
+        self.shared.windows.is_some() && self.shared.rough_side == RoughSide::Source
+    }
+
+    /// The flux per solid angle of that light.
+    pub(super) fn through_twice(&self, node: &Node, psi: f64) -> f64 {
+        let Shared { inside, boundary, .. } = self.shared;
+        let (out, along) = psi.sin_cos();
+        let (sin, cos) = node.sin_cos;
+        if cos < 1e-9 {
+            return 0.0;
+        }
+        let view = |out: f64| Direction::from_unit(self.side * sin * along, out, cos * along);
+        let peaks = [-self.beam.x(), self.side * sin * along].map(|x| (x / inside.eta).asin());
+        let width = inside.snell_width.hypot(psi / inside.eta);
+        let mut sum = 0.0;
+        inside.between(peaks[0], peaks[1], width, |at, c, s, weight| {
+            let from = at.from(c, s);
+            let arrives = at.kept * boundary.ars(self.beam, at.towards(c, s));
+            let mut leaves = boundary.ars(from, view(out));
+            if out > 0.0 {
+                leaves = 0.5 * (leaves + boundary.ars(from, view(-out)));
+            }
+            sum += weight * arrives * leaves;
+        });
+        sum
+    }
+}
