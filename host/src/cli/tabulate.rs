@@ -240,7 +240,9 @@ fn human(answer: &Answer) -> String {
             ),
         );
     }
-    for LobeAnswer { side, lobe, rms_percent, worst_percent, worst_incidence_deg, .. } in &answer.lobes {
+    for LobeAnswer { side, lobe, rms_percent, worst_percent, worst_incidence_deg, .. } in
+        &answer.lobes
+    {
         push(
             &mut text,
             format_args!(
@@ -323,7 +325,9 @@ fn smallest(
         }
     }
     let why = if grain > 0.5 * most {
-        format!(": the model differs by {grain:.3} % from one azimuth to another, and a table holds none")
+        format!(
+            ": the model differs by {grain:.3} % from one azimuth to another, and a table holds none"
+        )
     } else {
         String::new()
     };

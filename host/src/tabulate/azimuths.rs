@@ -42,7 +42,11 @@ pub(super) struct Directional {
 }
 
 /// Whether lobes depend on the azimuth of the light because the surface of a boundary has a direction.
-pub(super) fn directional(boundary: &Boundary, lobes: [bool; 4], rays: Rays) -> Option<Directional> {
+pub(super) fn directional(
+    boundary: &Boundary,
+    lobes: [bool; 4],
+    rays: Rays,
+) -> Option<Directional> {
     let anisotropy = pattern(boundary)?;
     let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
     let beams = match boundary {

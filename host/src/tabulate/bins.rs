@@ -145,9 +145,8 @@ fn compared(
     }
     let edges = edges(&sets[0])?;
     let (_, n_o) = place.indices(lobe);
-    let [a, b] = sets.map(|set| {
-        set.iter().map(|hits| densities(hits, &edges, n_o)).collect::<Vec<Vec<f64>>>()
-    });
+    let [a, b] = sets
+        .map(|set| set.iter().map(|hits| densities(hits, &edges, n_o)).collect::<Vec<Vec<f64>>>());
     let [mean_a, mean_b] = [&a, &b].map(|set| mean(set));
     let peak = mean_a.iter().zip(&mean_b).map(|(a, b)| 0.5 * (a + b)).fold(0.0, f64::max);
     let root = |sum: f64| (sum.max(0.0)).sqrt() / peak;
@@ -156,9 +155,8 @@ fn compared(
         products.sum::<f64>() / azimuths
     };
     let spread = root(over([&mean_a, &mean_b]));
-    let [x, y] = [0_u32, 1].map(|set| {
-        table.map(|table| densities(&drawn(table, place, lobe, set), &edges, n_o))
-    });
+    let [x, y] = [0_u32, 1]
+        .map(|set| table.map(|table| densities(&drawn(table, place, lobe, set), &edges, n_o)));
     let table = match (x, y) {
         (Some(x), Some(y)) => root(over([&x, &y])),
         _ => 0.0,

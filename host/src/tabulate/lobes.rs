@@ -50,11 +50,7 @@ struct Off {
 /// Distances of the lobes that a table has, each incidence by its own peak; beams of less than a thousandth of the light are
 /// left out. Of a law its values are compared, where the law itself draws directions and in the plane of incidence, whichever is
 /// worse; of a boundary that must be sampled first hits in bins, at several azimuths of the light.
-pub fn lobe_distances(
-    boundary: &Boundary,
-    table: &EmbeddedTable,
-    rays: Rays,
-) -> Vec<LobeDistance> {
+pub fn lobe_distances(boundary: &Boundary, table: &EmbeddedTable, rays: Rays) -> Vec<LobeDistance> {
     let held = table.header().lobes.map(|lobe| lobe.is_some());
     let held = LOBES.into_iter().zip(held).filter(|(_, held)| *held).map(|(lobe, _)| lobe);
     with_boundary!(boundary,
@@ -93,7 +89,12 @@ fn summed((side, lobe): (Side, Lobe), offs: &[Off]) -> Option<LobeDistance> {
 }
 
 /// Root mean square difference of the values of an incidence over its peak; `None` where the law sends next to no light.
-fn of_law(law: &dyn Law, table: &EmbeddedTable, (side, lobe): (Side, Lobe), deg: f64) -> Option<f64> {
+fn of_law(
+    law: &dyn Law,
+    table: &EmbeddedTable,
+    (side, lobe): (Side, Lobe),
+    deg: f64,
+) -> Option<f64> {
     let wi = incident(side, deg.to_radians().cos());
     let (mut drawn, mut flux) = (Vec::new(), 0.0);
     for k in 0..DIRECTIONS {

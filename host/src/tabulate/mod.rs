@@ -78,7 +78,7 @@ pub enum NoTable {
     /// The surface has a direction, and lobes depend on the azimuth of the light.
     #[error(
         "the surface has a direction (strength {strength:.2}, lay {lay_deg:.0} deg): its lobes differ by {percent:.1} % of their peak \
-         from one azimuth of the light to another, and a table holds none; evaluate the model itself"
+         from one azimuth of the light to another, and a table holds none; give `eval`, `check` and `scan` the model itself"
     )]
     Directional {
         /// Strength of the harmonic of its slopes, 0 to 1.
@@ -91,7 +91,7 @@ pub enum NoTable {
     /// The same of waves, whose mean over azimuths no such surface scatters.
     #[error(
         "the surface has a direction (strength {strength:.2}, lay {lay_deg:.0} deg), and a table holds the mean of its waves over \
-         all azimuths, which it does not scatter; evaluate the model itself"
+         all azimuths, which it does not scatter; give `eval`, `check` and `scan` the model itself"
     )]
     DirectionalWaves {
         /// As above.
@@ -290,7 +290,7 @@ fn finish<S: Storage>(
         fluxes: rows,
         grazing: [GRAZING; 2],
     };
-    EmbeddedTable::new(header, kept(values), rest).ok()
+    EmbeddedTable::new(header, boundary.eta().is_none(), kept(values), rest).ok()
 }
 
 /// Whether a lobe belongs to a choice of sides and lobes.

@@ -259,9 +259,9 @@ impl Bench<'_> {
                 return self.notes.push(format!("no table of {kib} KiB: {why}"));
             }
             // whatever its size
-            Err(
-                why @ (NoTable::Directional { .. } | NoTable::DirectionalWaves { .. }),
-            ) => return self.note(&format!("no table: {why}")),
+            Err(why @ (NoTable::Directional { .. } | NoTable::DirectionalWaves { .. })) => {
+                return self.note(&format!("no table: {why}"));
+            }
             Err(why) => return self.note(&format!("no table of {kib} KiB: {why}")),
         };
         let seconds = begun.elapsed().as_secs_f64();
