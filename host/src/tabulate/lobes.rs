@@ -3,14 +3,13 @@
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 
-use super::balance::incident;
+use super::balance::{incident, model_fluxes};
 use super::bins;
 use super::grid::GOLDEN;
 use super::law::Law;
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES};
 use crate::forward::Rays;
-use rayon::prelude::*;
 
 /// Angles of incidence of a law, degrees.
 const ANGLES: [f64; 15] =
@@ -20,7 +19,7 @@ const DIRECTIONS: u32 = 256;
 /// Share of the light below which a beam is left out.
 const LEAST_FLUX: f64 = 1e-3;
 /// Most rays an incidence of a boundary that must be sampled.
-const MOST_RAYS: u64 = 1_000_000;
+const MOST_RAYS: u64 = 400_000;
 
 /// How far a lobe is from its model: root mean squares, in percent of the peak of each incidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,17 +47,27 @@ struct Off {
 }
 
 /// Distances of the lobes that a table has, each incidence by its own peak; beams of less than a thousandth of the light are
-/// left out. Of a law its values are compared, where the law itself draws directions and in the plane of incidence, whichever is
+/// left out, and incidences at which the model gives more than it receives, as waves do at grazing: no table follows it there. Of a law its values are compared, where the law itself draws directions and in the plane of incidence, whichever is
 /// worse; of a boundary that must be sampled first hits in bins, at several azimuths of the light.
 pub fn lobe_distances(boundary: &Boundary, table: &EmbeddedTable, rays: Rays) -> Vec<LobeDistance> {
     let held = table.header().lobes.map(|lobe| lobe.is_some());
     let held = LOBES.into_iter().zip(held).filter(|(_, held)| *held).map(|(lobe, _)| lobe);
     with_boundary!(boundary,
-    b => held.filter_map(|which| {
-        let at = |deg: &f64| Some(Off { deg: *deg, table: of_law(b, table, which, *deg)?, spread: 0.0 });
-        let offs: Vec<Off> = ANGLES.par_iter().filter_map(at).collect();
-        summed(which, &offs)
-    }).collect(),
+    b => {
+        let possible = |side: Side| -> Vec<f64> {
+            let fine = |deg: &&f64| model_fluxes(boundary, side, deg.to_radians().cos(), rays).is_some();
+            ANGLES.iter().filter(fine).copied().collect()
+        };
+        let sides = [(Side::Air, possible(Side::Air)), (Side::Dielectric, possible(Side::Dielectric))];
+        held.filter_map(|which| {
+            let at = |deg: &f64| {
+                Some(Off { deg: *deg, table: of_law(b, table, which, *deg)?, spread: 0.0 })
+            };
+            let own = sides.iter().filter(|side| side.0 == which.0).flat_map(|side| &side.1);
+            let offs: Vec<Off> = own.filter_map(at).collect();
+            summed(which, &offs)
+        }).collect()
+    },
     traced t => {
         let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
         let beams = bins::beams(t, t.eta().get(), Some(table), rays);
