@@ -11,10 +11,11 @@
 //! | `ggx` | no [`bsdf::Ggx`](crate::bsdf), no `OpaqueGgx` |
 //! | `normals` (needs `f64`) | no `bsdf::Normals`, no `ndf::law` and `ndf::normals`, no `quadrature` |
 //! | `table` (needs `f32`) | no `table` |
+//! | `checksum` (needs `table`) | no checksum of a table |
 //! | `f32`, `f64` | that type is no [`Real`](crate::math::Real) |
 //! | `fast` | no `math::Fast` |
 //! | `gonio` | no `plate`, `gonio` and `metric` |
-//! | `protocol` | no `protocol`, and no dependency on postcard, serde and crc |
+//! | `protocol` | no `protocol`, and no dependency on postcard and serde; crc without `checksum` neither |
 //!
 //! The smooth boundary, Fresnel's and Snell's laws know no lobes or sides to leave out.
 

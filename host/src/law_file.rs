@@ -63,6 +63,12 @@ impl Kind {
         }
     }
 
+    /// What has to be said of a table before it is used; `None` for a model.
+    pub fn notice(&self) -> Option<&'static str> {
+        let Self::Table(record) = self else { return None };
+        record.notice()
+    }
+
     /// What a table says of itself; `None` for a model.
     pub fn table(&self) -> Option<String> {
         let Self::Table(record) = self else { return None };

@@ -80,6 +80,8 @@ static int table(void) {
   asperity_table law;
   uint16_t lobes[4][6];
   uint16_t *copy;
+  float gains[sizeof bsdf_example_gains / sizeof bsdf_example_gains[0]];
+  uint32_t sum;
   size_t k;
   memset(&law, 0, sizeof law);
   REFUSED(asperity_table_init(&law, NULL, 0), NULL_POINTER);
@@ -120,6 +122,25 @@ static int table(void) {
   REFUSED(asperity_table_init_payload(&law, &good, (char *)copy + 2, 4, 0), MISALIGNED);
   REFUSED(asperity_table_init_payload(&law, &good, NULL, 4, 0), NULL_POINTER);
   free(copy);
+  /* a bit of an array, of a number, of the sum; and gains out of any domain without a sum */
+  memcpy(gains, bsdf_example_gains, sizeof gains);
+  for (k = 0; k < 32; ++k) {
+    ((unsigned char *)gains)[k % 4 + 40] ^= (unsigned char)(1u << k / 4);
+    bad = good, bad.gains = gains;
+    if (asperity_table_init(&law, &bad, 0) == ASPERITY_STATUS_OK) return __LINE__;
+    REFUSED(asperity_table_eval(&law, wi, wi, &out), NOT_INITIALISED);
+    ((unsigned char *)gains)[k % 4 + 40] ^= (unsigned char)(1u << k / 4);
+    sum = bsdf_example_checksum ^ (UINT32_C(1) << k);
+    bad = good, bad.checksum = &sum;
+    REFUSED(asperity_table_init(&law, &bad, 0), TABLE_CHECKSUM);
+  }
+  bad = good, bad.checksum = NULL;
+  REFUSED(asperity_table_init(&law, &bad, 0), OK);
+  gains[3] *= 1e6f;
+  bad.gains = gains;
+  REFUSED(asperity_table_init(&law, &bad, 0), TABLE_ENERGY);
+  gains[3] = 1e20f;
+  REFUSED(asperity_table_init(&law, &bad, 0), TABLE_NUMBER);
   REFUSED(asperity_table_init(&law, &good, 0), OK);
   REFUSED(asperity_table_reflectance(&law, 2.0f, 0, &out), OUT_OF_DOMAIN);
   REFUSED(asperity_table_reflectance(&law, NAN, 0, &out), NOT_FINITE);

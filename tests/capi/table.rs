@@ -60,6 +60,13 @@ fn the_header_of_the_example_holds_its_table() {
     let (table, record) =
         asperity::embedded::read(&capi().join("examples/bsdf_example.bsdft")).unwrap();
     let fresh = asperity::embedded::c_header(&table, &record.method, "example");
-    let kept = fs::read_to_string(capi().join("examples/bsdf_example.h")).unwrap();
-    assert!(fresh == kept, "examples/bsdf_example.h is not that of bsdf_example.bsdft");
+    let path = capi().join("examples/bsdf_example.h");
+    if std::env::var_os("ASPERITY_BLESS").is_some() {
+        fs::write(&path, &fresh).unwrap();
+    }
+    assert!(
+        fresh == fs::read_to_string(path).unwrap_or_default(),
+        "examples/bsdf_example.h is not that of bsdf_example.bsdft; make it anew: \
+         ASPERITY_BLESS=1 cargo test -p asperity-tests --test capi example"
+    );
 }

@@ -186,7 +186,7 @@ fn a_table_is_known_by_its_name_or_its_first_line() {
     assert_eq!(folder.run("check t.json --json").json()["method"], "ggx");
     let end = whole().iter().position(|b| *b == b'\n').unwrap();
     let line = String::from_utf8(whole()[..end].to_vec()).unwrap();
-    let later = format!("{}\n", line.replacen(":1,", ":900,", 1));
+    let later = format!("{}\n", line.replacen(":2,", ":900,", 1));
     let strange = format!("{}\n", line.replacen("\"u16\"", "\"\\u001b[2J\"", 1));
     let many = format!("{}\n", line.replacen("\"radii\":", "\"radii\":6", 1));
     let wild = [b"{\"asperity_table\":", &[0xff, 0x00, b'\n'][..]].concat();
@@ -225,4 +225,95 @@ fn a_table_of_an_opaque_body_is_opaque() {
         case("scan o.bsdft --geometry transmission", &["opaque"])
             .file("o.bsdft", std::fs::read(folder.path("o.bsdft")).unwrap()),
     ]);
+}
+
+/// A table as programs wrote it before there were checksums.
+fn without_sum(table: &[u8]) -> Vec<u8> {
+    let end = table.iter().position(|b| *b == b'\n').unwrap();
+    let mut line: serde_json::Value = serde_json::from_slice(&table[..end]).unwrap();
+    let keys = line.as_object_mut().unwrap();
+    assert!(keys.remove("crc32c").is_some() && keys.remove("opaque").is_some());
+    keys.insert("asperity_table".into(), 1.into());
+    [line.to_string().as_bytes(), &table[end..]].concat()
+}
+
+#[test]
+fn a_table_without_a_checksum_is_read_with_a_warning() {
+    let folder = folder();
+    folder.write("one.bsdft", without_sum(whole()));
+    let warned =
+        "warning: one.bsdft: format 1 has no checksum, so damage goes unseen; make the table anew";
+    let pairs = "wix,wiy,wiz,wox,woy,woz\n0,0,1,0,0,-1\n";
+    let [old, new] = ["one.bsdft", "t.bsdft"].map(|file| {
+        let done = folder.pipe(&format!("eval {file}"), pairs.as_bytes()).with_code(0);
+        assert_eq!(done.err.contains(warned), file == "one.bsdft", "{}", done.err);
+        done.out
+    });
+    assert_eq!(old, new);
+    let done = folder.run("check one.bsdft --incidence 0").with_code(0);
+    assert!(done.err.contains(warned), "{}", done.err);
+    // a sum that is another, and one in a file of the format without
+    let end = whole().iter().position(|b| *b == b'\n').unwrap();
+    let mut turned = whole().to_vec();
+    turned[end + 200] ^= 0x10;
+    let line = String::from_utf8_lossy(&whole()[..end]).replacen(":2,", ":1,", 1);
+    let mixed = [line.as_bytes(), &whole()[end..]].concat();
+    refused(vec![
+        case("check t.bsdft", &["t.bsdft: its checksum is another", "damaged"])
+            .file("t.bsdft", turned),
+        case("check t.bsdft", &["t.bsdft: its first line is not", "damaged"])
+            .file("t.bsdft", mixed),
+    ]);
+}
+
+/// An index of 10 once stood for an opaque body.
+#[test]
+fn a_table_of_a_dielectric_of_any_index_is_one() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.3 --ior 10 -o m.json").ok();
+    folder.run("tabulate m.json --side air --lobe reflection --bytes 4096 -o t.bsdft").ok();
+    let check = folder.run("check t.bsdft --side air --incidence 0 --json");
+    assert!(check.with_code(2).err.contains("no transmission of light from the air"));
+}
+
+/// A map of grooves: waves along x alone, and a few weak ones across.
+fn grooves() -> String {
+    let tau = std::f64::consts::TAU;
+    let height = |x: i32, y: i32| {
+        let wave = |k: i32| (tau * f64::from(k * x) / 64.0 + 1.3 * f64::from(k)).sin();
+        let across = 0.1 * (tau * f64::from(3 * y) / 64.0).sin();
+        0.2 * ((2..9).map(wave).sum::<f64>() + across)
+    };
+    let row = |y| (0..64).map(|x| format!("{:.6}", height(x, y))).collect::<Vec<_>>();
+    (0..64).map(|y| row(y).join(" ")).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_surface_with_a_direction_is_refused_with_the_figure() {
+    let folder = Folder::new();
+    folder.write("map.txt", grooves());
+    let map = "--map map.txt --pixel-um 1 --ior 1.49";
+    folder.run(&format!("model measured-ray --set scale=1 {map} -o ray.json")).ok();
+    for (method, file) in [("measured-wave", "wave.json"), ("measured-hybrid", "hybrid.json")] {
+        let line = format!("model {method} --set scale=1 {map} --wavelength-nm 550 -o {file}");
+        folder.run(&line).ok();
+    }
+    for (file, says) in [
+        ("ray.json", "% of their peak from one azimuth of the light to another"),
+        ("hybrid.json", "% of their peak from one azimuth of the light to another"),
+        ("wave.json", "a table holds the mean of its waves over all azimuths"),
+    ] {
+        for flags in ["--bytes 8192", "--max-error 50", "--side air --lobe transmission"] {
+            let done = folder.run(&format!("tabulate {file} {flags} --rays 1e5 -o t.bsdft"));
+            assert!(done.err.contains("the surface has a direction"), "{file}: {}", done.err);
+            assert!(done.with_code(2).err.contains(says), "{file}");
+            assert!(!folder.path("t.bsdft").exists());
+        }
+    }
+    let trade = folder.run("trade ray.json --table-kib 4,8 --table-rays 1e5 --json");
+    let answer: serde_json::Value = serde_json::from_str(&trade.out).unwrap();
+    let rows = answer["rows"].as_array().unwrap();
+    assert!(rows.iter().all(|row| row["evaluator"]["kind"] == "model"), "{answer:#}");
+    let notes = answer["notes"].to_string();
+    assert_eq!(notes.matches("the surface has a direction").count(), 1, "{notes}");
 }

@@ -3,7 +3,7 @@
 use crate::emulator::build;
 use crate::skip;
 
-const CHOICES: [&str; 14] = [
+const CHOICES: [&str; 15] = [
     "",
     "f32",
     "f64",
@@ -16,6 +16,7 @@ const CHOICES: [&str; 14] = [
     "table,air,transmission",
     "table,fast,dielectric,reflection",
     "table,ggx,normals",
+    "checksum,air,transmission",
     "f32,gonio",
     "protocol",
 ];

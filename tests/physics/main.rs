@@ -22,4 +22,6 @@ mod extremes;
 mod plate;
 mod table;
 mod embedded_table;
+mod table_distance;
+mod table_damage;
 mod table_boundary;

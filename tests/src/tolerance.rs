@@ -44,6 +44,9 @@ table! {
         "what the table promises";
     TABLE_32_KIB = 0.3, "eq. (18) of a table of 32 KiB against its model, %",
         "what the table promises";
+    TABLE_PEAK_16_KIB = 0.06, "rms of f cos of a lobe of a table of 16 KiB against its model, over the peak of any incidence",
+        "what the table promises";
+    TABLE_PEAK_32_KIB = 0.02, "the same of 32 KiB", "what the table promises";
     TABLE_VALUES = 0.01, "f and f cos of a table of 32 KiB against its model, over the peak of the lobe",
         "what the table promises";
     COHERENT_LATER = 0.1, "readings of a table by rays against the quadrature, at a coherent beam in reflection, relative",

@@ -125,6 +125,7 @@ impl Header {
         }
         let view = self.view(arrays).ok_or(TableError::Length)?;
         view.check()?;
+        view.check_energy()?;
         Ok(view)
     }
 

@@ -175,6 +175,10 @@ pub(super) struct Drawn<T> {
     pub(super) room: T,
 }
 
+/// `v^2 s0^2` at most, or `v^2` if that is less. A lobe no narrower than `w` scales that holds all light has a peak of `Q` of
+/// `1 / (pi w^2 s0^2)`, and where a tail is as bright as a broad lobe `v^2` is about `1 / s0^2`; this leaves a margin of 1e5.
+const STEEPEST: f32 = 1e6;
+
 impl<S: Storage> LobeTable<'_, S> {
     /// Checks numbers against lengths and domains.
     pub(super) fn check(&self) -> Result<(), TableError> {
@@ -192,10 +196,11 @@ impl<S: Storage> LobeTable<'_, S> {
             return Err(TableError::Length);
         }
         let fine = |x: f32, least: f32, most: f32| (least..=most).contains(&x);
+        let most = STEEPEST * (1.0 / (self.scale * self.scale)).max(1.0);
         let numbers = fine(self.scale, 1e-7, 1e4)
             && fine(self.grazing, -0.95, 100.0)
             && fine(self.masking, 0.0, 1e4)
-            && self.gains.iter().all(|&g| fine(g * S::FULL * S::FULL, 0.0, 1e30))
+            && self.gains.iter().all(|&g| fine(g * S::FULL * S::FULL, 0.0, most))
             && self.values.iter().all(|v| fine(v.get::<f32>(), 0.0, S::FULL));
         if !numbers {
             return Err(TableError::Number);

@@ -22,7 +22,10 @@ mod side;
 mod view;
 mod value;
 mod sample;
+mod energy;
 mod header;
+#[cfg(feature = "checksum")]
+mod checksum;
 mod owned;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]

@@ -39,6 +39,9 @@ pub(super) struct Shares<T> {
     pub(super) coherent: [T; 2],
 }
 
+/// Largest weight of a sample. Those of tables are of the order of 1; a ray beyond this comes of numbers that are damaged, and is lost.
+const MOST_WEIGHT: f64 = 1e4;
+
 /// What [`Shares`] are in units of.
 const FLUX: f64 = 1.0 / 65535.0 / 256.0;
 
@@ -143,7 +146,7 @@ impl<S: Storage> BsdfTableRef<'_, S> {
         };
         let weight = ars * factor;
         // a weight of 0 is a draw as any other: the density counts it
-        (weight <= T::MAX).then_some(Scattered { wo, weight })
+        (weight <= T::from_f64(MOST_WEIGHT)).then_some(Scattered { wo, weight })
     }
 
     /// Where `h_xy` of [`Form::Direct`] leads, given as a slope; the solid angle there is its part of the weight.

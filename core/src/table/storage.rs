@@ -26,6 +26,8 @@ pub trait Storage:
     fn nearest(x: f32) -> Self;
     /// The number.
     fn get<T: Real>(self) -> T;
+    /// Its bytes, little-endian; those beyond [`Self::BYTES`] are 0.
+    fn little_endian(self) -> [u8; 4];
 }
 
 impl Storage for u8 {
@@ -39,6 +41,9 @@ impl Storage for u8 {
     #[inline(always)]
     fn get<T: Real>(self) -> T {
         T::from_f64(f64::from(self))
+    }
+    fn little_endian(self) -> [u8; 4] {
+        u32::from(self).to_le_bytes()
     }
 }
 
@@ -54,6 +59,9 @@ impl Storage for u16 {
     fn get<T: Real>(self) -> T {
         T::from_f64(f64::from(self))
     }
+    fn little_endian(self) -> [u8; 4] {
+        u32::from(self).to_le_bytes()
+    }
 }
 
 impl Storage for f32 {
@@ -67,5 +75,8 @@ impl Storage for f32 {
     #[inline(always)]
     fn get<T: Real>(self) -> T {
         T::from_f64(f64::from(self))
+    }
+    fn little_endian(self) -> [u8; 4] {
+        self.to_le_bytes()
     }
 }

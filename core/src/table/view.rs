@@ -27,6 +27,8 @@ pub enum TableError {
     Quantiles,
     /// More reflected and transmitted than there is.
     Energy,
+    /// A bit is not what it was.
+    Checksum,
 }
 
 impl fmt::Display for TableError {
@@ -37,6 +39,7 @@ impl fmt::Display for TableError {
             Self::Number => "a number is outside its domain",
             Self::Quantiles => "quantiles do not ascend from 0, or a lean is beyond 125/128",
             Self::Energy => "more light is reflected and transmitted than there is",
+            Self::Checksum => "the checksum is another",
         })
     }
 }

@@ -35,10 +35,12 @@ pub enum AsperityStatus {
     TableQuantiles = 11,
     /// A table reflects and transmits more light than there is.
     TableEnergy = 12,
+    /// The checksum of a table is another: a bit of its numbers or arrays is not what it was.
+    TableChecksum = 13,
 }
 
 /// All of them with their texts, in the order of their numbers.
-const TEXTS: [(AsperityStatus, &CStr); 13] = [
+const TEXTS: [(AsperityStatus, &CStr); 14] = [
     (AsperityStatus::Ok, c"all is well"),
     (AsperityStatus::NullPointer, c"a pointer is null"),
     (AsperityStatus::Misaligned, c"a pointer is not aligned"),
@@ -58,6 +60,7 @@ const TEXTS: [(AsperityStatus, &CStr); 13] = [
         c"quantiles of the table do not ascend, or a lean is too large",
     ),
     (AsperityStatus::TableEnergy, c"the table gives more light than it receives"),
+    (AsperityStatus::TableChecksum, c"the table is damaged: its checksum is another"),
 ];
 
 /// One line of English for a status, also for a number that is none.
@@ -78,6 +81,7 @@ impl From<TableError> for AsperityStatus {
             TableError::Length => Self::TableLength,
             TableError::Quantiles => Self::TableQuantiles,
             TableError::Energy => Self::TableEnergy,
+            TableError::Checksum => Self::TableChecksum,
             _ => Self::TableNumber,
         }
     }

@@ -73,6 +73,9 @@ struct Row {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (boundary, kind) = law_file::read(&args.model)?;
+    if let Some(notice) = kind.notice() {
+        eprintln!("warning: {}: {notice}", args.model.display());
+    }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let (name, text) = pairs_text(args.input.as_ref())?;
     let pairs = parse(&name, &text)?;

@@ -71,6 +71,9 @@ impl SubjectFlags {
         if let Some(path) = &self.model {
             let (boundary, kind) = law_file::read(path)?;
             let (method, ior, table) = (kind.method(), kind.ior(&boundary), kind.table());
+            if let Some(notice) = kind.notice() {
+                eprintln!("warning: {}: {notice}", path.display());
+            }
             let map = match kind {
                 Kind::Model(model) => model.map.map(|map| map.preparation),
                 Kind::Table(_) => None,

@@ -15,7 +15,10 @@ use crate::embedded::{EmbeddedTable, c_header, rust_source, write};
 use crate::forward::Rays;
 use crate::model::Model;
 use crate::output::AtomicFile;
-use crate::tabulate::{Kept, NoTable, Plan, distance_percent, energy_error, lobes_of, tabulate};
+use crate::tabulate::{
+    Distance, Kept, LobeDistance, NoTable, Plan, distance, energy_error, lobe_distances, lobes_of,
+    tabulate,
+};
 
 /// Sides of the boundary, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -55,7 +58,10 @@ enum StorageFlag {
 /// The table is evaluated by `asperity_core::table`, without allocation and in single precision, in the same few hundred
 /// instructions for every method. --bytes holds for all arrays of all lobes together; with --max-error the smallest of 2 to
 /// 256 KiB is taken whose scan differs from the model's by no more (eq. (18), GP-200 angles, transmission if there is any).
-/// All azimuths of the surface are taken as alike. Models of traced maps are tabulated from --rays rays an incidence.
+/// A table has no azimuth of the light: a surface with a direction, such as grooves, is refused, unless its lobes do not show it.
+/// Models of traced maps are tabulated from --rays rays an incidence, and their distances are from the model itself at several
+/// azimuths; where the few facets of a map differ from one azimuth to another, no table of it is nearer than that.
+/// Printed as well is how far each lobe is, root mean square in percent of the peak of each incidence up to grazing.
 ///
 /// The .bsdft file is one line of JSON and then the arrays, little-endian. --rust writes the same as a Rust module of
 /// statics, --c as a C header.
@@ -110,8 +116,36 @@ struct Answer {
     nodes: Vec<Option<[u16; 3]>>,
     /// Eq. (18) of a scan of the table against one of the model; null if it cannot be told.
     distance_percent: Option<f64>,
+    /// The same against the mean of the model over its azimuths, and of the model at an azimuth against that mean.
+    mean_distance_percent: Option<f64>,
+    azimuths_percent: Option<f64>,
+    /// Every lobe on its own: root mean squares, % of the peak of each incidence.
+    lobes: Vec<LobeAnswer>,
     /// Largest absolute error of the flux of a lobe; null if it cannot be told.
     energy_error: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct LobeAnswer {
+    side: &'static str,
+    lobe: &'static str,
+    rms_percent: f64,
+    worst_percent: f64,
+    worst_incidence_deg: f64,
+    azimuths_percent: f64,
+}
+
+impl From<LobeDistance> for LobeAnswer {
+    fn from(found: LobeDistance) -> Self {
+        Self {
+            side: if found.side == Side::Air { "air" } else { "dielectric" },
+            lobe: if found.lobe == Lobe::Reflection { "reflection" } else { "transmission" },
+            rms_percent: found.rms_percent,
+            worst_percent: found.worst_percent,
+            worst_incidence_deg: found.worst_deg,
+            azimuths_percent: found.azimuths_percent,
+        }
+    }
 }
 
 /// Sizes that are tried to reach an error.
@@ -140,7 +174,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Some(most) => smallest(args, &boundary, most)?,
     };
     let method = model.method;
-    write(output, &table, &method, distance)?;
+    write(output, &table, &method, distance.map(|d| d.percent))?;
     if let Some(file) = rust {
         file.finish(rust_source(&table, &method).as_bytes())?;
     }
@@ -159,7 +193,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             .iter()
             .map(|l| l.map(|l| [l.shape.incidences, l.shape.azimuths, l.shape.radii]))
             .collect(),
-        distance_percent: distance,
+        distance_percent: distance.map(|d| d.percent),
+        mean_distance_percent: distance.map(|d| d.to_mean_percent),
+        azimuths_percent: distance.map(|d| d.azimuths_percent),
+        lobes: lobe_distances(&boundary, &table, Rays { count: args.rays, seed: args.seed + 5 })
+            .into_iter()
+            .map(LobeAnswer::from)
+            .collect(),
         energy_error: energy_error(
             &boundary,
             &table,
@@ -190,6 +230,27 @@ fn human(answer: &Answer) -> String {
         Some(d) => push(&mut text, format_args!("distance from the model, eq. (18): {d:.3} %\n")),
         None => text += "distance from the model: not known without all lobes of a traced model\n",
     }
+    if let (Some(mean), Some(azimuths)) = (answer.mean_distance_percent, answer.azimuths_percent)
+        && azimuths > 0.0
+    {
+        push(
+            &mut text,
+            format_args!(
+                "  from its mean over azimuths: {mean:.3} %; the model at one azimuth from that mean: {azimuths:.3} %\n"
+            ),
+        );
+    }
+    for LobeAnswer { side, lobe, rms_percent, worst_percent, worst_incidence_deg, .. } in
+        &answer.lobes
+    {
+        push(
+            &mut text,
+            format_args!(
+                "  {side}, {lobe}: {rms_percent:.2} % rms of the peak of each incidence; at most {worst_percent:.2} %, at \
+                 {worst_incidence_deg} deg\n"
+            ),
+        );
+    }
     if let Some(e) = answer.energy_error {
         push(&mut text, format_args!("largest error of the flux of a lobe: {:.3} %\n", 100.0 * e));
     }
@@ -205,7 +266,7 @@ fn made(
     args: &Args,
     boundary: &Boundary,
     bytes: usize,
-) -> Result<(EmbeddedTable, Option<f64>), Failure> {
+) -> Result<(EmbeddedTable, Option<Distance>), Failure> {
     let sides: &[Side] = match args.side {
         SidesFlag::Air => &[Side::Air],
         SidesFlag::Dielectric => &[Side::Dielectric],
@@ -234,7 +295,7 @@ fn made(
         NoTable::Small(..) => Failure::bad(format!("--bytes: {e}")),
         e => Failure::bad(e),
     })?;
-    let distance = distance_percent(boundary, &table, STEP, rays, interrupt::flag());
+    let distance = distance(boundary, &table, STEP, rays, interrupt::flag());
     Ok((table, distance))
 }
 
@@ -243,8 +304,8 @@ fn smallest(
     args: &Args,
     boundary: &Boundary,
     most: f64,
-) -> Result<(EmbeddedTable, Option<f64>), Failure> {
-    let mut nearest = f64::INFINITY;
+) -> Result<(EmbeddedTable, Option<Distance>), Failure> {
+    let (mut nearest, mut grain) = (f64::INFINITY, 0.0);
     for kib in SIZES {
         let (table, distance) = match made(args, boundary, kib << 10) {
             // more bytes may be enough
@@ -256,13 +317,22 @@ fn smallest(
                 "--max-error needs all lobes of a model that is traced; give --bytes",
             ));
         };
-        if distance <= most {
+        if distance.percent <= most {
             return Ok((table, Some(distance)));
         }
-        nearest = nearest.min(distance);
+        if distance.percent < nearest {
+            (nearest, grain) = (distance.percent, distance.azimuths_percent);
+        }
     }
+    let why = if grain > 0.5 * most {
+        format!(
+            ": the model differs by {grain:.3} % from one azimuth to another, and a table holds none"
+        )
+    } else {
+        String::new()
+    };
     Err(Failure::No(format!(
-        "no table of up to {} KiB is within {most} %; the nearest is {nearest:.3} % away",
+        "no table of up to {} KiB is within {most} %; the nearest is {nearest:.3} % away{why}",
         SIZES[SIZES.len() - 1]
     )))
 }

@@ -1,5 +1,8 @@
 //! The file of a table, `.bsdft`: one line of JSON, then the arrays, little-endian.
 //!
+//! The line ends with `"crc32c":"xxxxxxxx"}`, CRC-32C of the whole file as if its eight digits were zeros. Format 1 had no checksum, and
+//! said by the index alone that a body is opaque; it is still read.
+//!
 //! Payload: gains (f32), values (u8, u16 or f32), quantiles (u16), leans (i8), fluxes (u16), in the order of the lobes: from
 //! the air reflection and transmission, from the dielectric reflection and transmission.
 
@@ -7,16 +10,25 @@ use std::path::{Path, PathBuf};
 
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{Fall, Form, Header, LobeHeader, Shape};
+use crc::{CRC_32_ISCSI, Crc};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::holds::OPAQUE;
 use super::{EmbeddedTable, Rest, Values};
 use crate::input::read_file;
 use crate::measurement::excerpt;
 use crate::output::{AtomicFile, OutputError};
 
-/// Version of the format.
-const FORMAT: u32 = 1;
+/// Version of the format, and the one without a checksum.
+const FORMAT: u32 = 2;
+const UNCHECKED: u32 = 1;
+/// What stands before and after the digits of the checksum, at the end of the line.
+const BEFORE_SUM: &[u8] = b"\"crc32c\":\"";
+const AFTER_SUM: &[u8] = b"\"}";
+const DIGITS: usize = 8;
+/// CRC-32C.
+const CRC_32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 /// Largest file that is read, bytes.
 const MOST_BYTES: u64 = 64 << 20;
 /// Largest first line.
@@ -61,6 +73,12 @@ pub struct Record {
     /// Eq. (18) against the model it was made of, percent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_percent: Option<f64>,
+    /// Whether the body is opaque, and the index only stands for it; absent in format 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub opaque: Option<bool>,
+    /// Checksum, eight hexadecimal digits; absent in format 1. The last of the line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crc32c: Option<String>,
 }
 
 /// A lobe in the first line.
@@ -132,6 +150,25 @@ impl Record {
             flux_incidences: header.fluxes,
             flux_grazing: header.grazing,
             distance_percent,
+            opaque: Some(table.opaque),
+            crc32c: Some("0".repeat(DIGITS)),
+        }
+    }
+
+    /// What has to be said of a file without a checksum.
+    pub fn notice(&self) -> Option<&'static str> {
+        (self.asperity_table == UNCHECKED).then_some(
+            "format 1 has no checksum, so damage goes unseen; make the table anew by `asperity tabulate`",
+        )
+    }
+
+    /// Whether the body is opaque.
+    fn is_opaque(&self) -> Result<bool, String> {
+        match (self.asperity_table, self.opaque, &self.crc32c) {
+            (UNCHECKED, None, None) => Ok(self.eta.to_bits() == OPAQUE.to_bits()
+                && self.lobes[1..].iter().all(Option::is_none)),
+            (FORMAT, Some(opaque), Some(_)) => Ok(opaque),
+            _ => Err(format!("its first line is not that of its format; {DAMAGED}")),
         }
     }
 
@@ -149,9 +186,26 @@ impl Record {
     }
 }
 
+/// Where the digits of the checksum stand in a first line without its end.
+fn sum_place(line: &[u8]) -> Option<std::ops::Range<usize>> {
+    let end = line.strip_suffix(AFTER_SUM)?.len();
+    let start = end.checked_sub(DIGITS)?;
+    line[..start].ends_with(BEFORE_SUM).then_some(start..end)
+}
+
+/// The digits of the checksum of a file, which stand at a place of it.
+fn digits(bytes: &[u8], place: &std::ops::Range<usize>) -> String {
+    let mut sum = CRC_32C.digest();
+    sum.update(&bytes[..place.start]);
+    sum.update(&[b'0'; DIGITS]);
+    sum.update(&bytes[place.end..]);
+    format!("{:08x}", sum.finalize())
+}
+
 /// The bytes of a file.
 fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
     let mut bytes = serde_json::to_vec(record).unwrap_or_default();
+    let place = sum_place(&bytes);
     bytes.push(b'\n');
     for gain in &table.gains {
         bytes.extend(gain.to_le_bytes());
@@ -167,6 +221,10 @@ fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
     bytes.extend(table.leans.iter().map(|l| l.cast_unsigned()));
     for flux in table.fluxes.iter().flatten() {
         bytes.extend(flux.to_le_bytes());
+    }
+    if let Some(place) = place {
+        let sum = digits(&bytes, &place);
+        bytes[place].copy_from_slice(sum.as_bytes());
     }
     bytes
 }
@@ -219,9 +277,9 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
         let why: String = e.to_string().chars().take(200).map(printable).collect();
         format!("{no_table} ({why})")
     })?;
-    if record.asperity_table != FORMAT {
+    if ![UNCHECKED, FORMAT].contains(&record.asperity_table) {
         return Err(format!(
-            "format {} is not known to this program, which reads format {FORMAT}; update it",
+            "format {} is not known to this program, which reads formats {UNCHECKED} and {FORMAT}; update it",
             record.asperity_table
         ));
     }
@@ -245,6 +303,13 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
             rest.len()
         ));
     }
+    if record.asperity_table == FORMAT {
+        let place = sum_place(&bytes[..end]);
+        if place.is_none_or(|place| digits(bytes, &place).as_bytes() != &bytes[place]) {
+            return Err(format!("its checksum is another; {DAMAGED}"));
+        }
+    }
+    let opaque = record.is_opaque()?;
     let [gains, values, quantiles, leans, fluxes] = header.lengths();
     let gains: Vec<f32> = take::<4>(&mut rest, gains).map(f32::from_le_bytes).collect();
     let values = match &*record.storage {
@@ -257,8 +322,9 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
     let fluxes = take::<8>(&mut rest, fluxes)
         .map(|[a, b, c, d, e, f, g, h]| [[a, b], [c, d], [e, f], [g, h]].map(u16::from_le_bytes))
         .collect();
-    let table = EmbeddedTable::new(header, values, Rest { gains, quantiles, leans, fluxes })
-        .map_err(|e| format!("{e}; {DAMAGED}"))?;
+    let table =
+        EmbeddedTable::new(header, opaque, values, Rest { gains, quantiles, leans, fluxes })
+            .map_err(|e| format!("{e}; {DAMAGED}"))?;
     Ok((table, record))
 }
 

@@ -52,6 +52,8 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
          lobes: [\n{}\n    ],\n    fluxes: {:?},\n    grazing: {:?},\n}};\n\n\
          /// The arrays of the table.\npub const ARRAYS: Arrays<'static, {name}> = Arrays {{\n    gains: &GAINS,\n    values: &VALUES,\n    \
          quantiles: &QUANTILES,\n    leans: &LEANS,\n    fluxes: &FLUXES,\n}};\n\n\
+         /// CRC-32C of the header and the arrays, for `HEADER.verified(ARRAYS, CHECKSUM)`, with the feature `checksum` of core.\n\
+         pub const CHECKSUM: u32 = 0x{:04x}_{:04x};\n\n\
          /// The table: a constant, so that the device has nothing to do before it evaluates.\n\
          pub static TABLE: BsdfTableRef<'static, {name}> = match HEADER.view(ARRAYS) {{\n    \
          Some(table) => table,\n    None => unreachable!(),\n}};\n\n\
@@ -62,6 +64,8 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
         lobes.iter().map(|l| format!("        {l},")).collect::<Vec<_>>().join("\n"),
         header.fluxes,
         header.grazing,
+        table.checksum() >> 16,
+        table.checksum() & 0xffff,
     );
     text
 }
@@ -143,6 +147,11 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
     let _ = writeln!(
         text,
         "static const uint16_t {prefix}_flux_incidences[2] = {{ {a}, {b} }};\nstatic const float {prefix}_flux_grazing[2] = {{ {k}f, {l}f }};\n"
+    );
+    let _ = writeln!(
+        text,
+        "/* CRC-32C of all numbers and arrays */\nstatic const uint32_t {prefix}_checksum = {:#010x}u;\n",
+        table.checksum()
     );
     let floats = |v: &[f32]| v.iter().map(|x| format!("{}f", c_float(*x))).collect::<Vec<_>>();
     c_array(&mut text, &prefix, "gains", "float", &floats(&table.gains));

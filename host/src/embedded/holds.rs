@@ -44,10 +44,7 @@ impl fmt::Display for MissingLobes {
 impl EmbeddedTable {
     /// Index of the dielectric over that of air; `None` for an opaque body.
     pub fn eta(&self) -> Option<f64> {
-        let eta = self.header().eta.get();
-        let opaque = eta.to_bits() == OPAQUE.to_bits()
-            && self.header().lobes[1..].iter().all(Option::is_none);
-        (!opaque).then_some(f64::from(eta))
+        (!self.opaque).then_some(f64::from(self.header().eta.get()))
     }
 
     /// Which of these lobes were left out: reflection and transmission from the air, then from the dielectric. `None`

@@ -3,9 +3,9 @@
 //! The evaluator is [`asperity_core::table`]; here are the arrays it looks at, of whatever storage. How they are made is
 //! in [`crate::tabulate`].
 
+mod holds;
 mod file;
 mod generate;
-mod holds;
 
 pub use file::{Record, TableFileError, is_table, of_bytes, read, write};
 pub use generate::{c_header, rust_source};
@@ -31,6 +31,8 @@ pub enum Values {
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmbeddedTable {
     header: Header,
+    /// Of an opaque body, whose index is only what stands for one.
+    opaque: bool,
     gains: Vec<f32>,
     values: Values,
     quantiles: Vec<u16>,
@@ -64,13 +66,21 @@ macro_rules! with_view {
 pub(crate) use with_view;
 
 impl EmbeddedTable {
-    /// Checks arrays against a header.
+    /// Checks arrays against a header; an `opaque` body has no lobe but reflection from the air.
     ///
     /// # Errors
     /// [`TableError`] if they do not belong together.
-    pub fn new(header: Header, values: Values, rest: Rest) -> Result<Self, TableError> {
+    pub fn new(
+        header: Header,
+        opaque: bool,
+        values: Values,
+        rest: Rest,
+    ) -> Result<Self, TableError> {
+        if opaque && header.lobes[1..].iter().any(Option::is_some) {
+            return Err(TableError::Shape);
+        }
         let Rest { gains, quantiles, leans, fluxes } = rest;
-        let table = Self { header, gains, values, quantiles, leans, fluxes };
+        let table = Self { header, opaque, gains, values, quantiles, leans, fluxes };
         match &table.values {
             Values::U8(v) => header.table(table.arrays(v)).map(drop)?,
             Values::U16(v) => header.table(table.arrays(v)).map(drop)?,
@@ -97,6 +107,15 @@ impl EmbeddedTable {
     /// The values.
     pub fn values(&self) -> &Values {
         &self.values
+    }
+
+    /// CRC-32C of the numbers and arrays, as firmware checks it.
+    pub fn checksum(&self) -> u32 {
+        match &self.values {
+            Values::U8(v) => self.header.checksum(&self.arrays(v)),
+            Values::U16(v) => self.header.checksum(&self.arrays(v)),
+            Values::F32(v) => self.header.checksum(&self.arrays(v)),
+        }
     }
 
     /// Name of the storage.

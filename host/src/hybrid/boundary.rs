@@ -123,6 +123,11 @@ impl HybridBoundary {
         Spectrum::of(&self.map, self.edges).ok()?.anisotropy()
     }
 
+    /// The whole map, and how it goes on.
+    pub fn surface(&self) -> (&HeightMap, Edges) {
+        (&self.map, self.edges)
+    }
+
     /// Where the map is split, and where the law of its short waves does not hold.
     pub fn warnings(&self, incidences_deg: &[f64]) -> Vec<String> {
         let short = match &self.parts {

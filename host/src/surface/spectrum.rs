@@ -136,6 +136,22 @@ impl Spectrum {
     ///
     /// `None` if the map has no such frequencies or is flat at them.
     pub fn anisotropy(&self) -> Option<Anisotropy> {
+        self.harmonic(1)
+    }
+
+    /// The strongest of the second, fourth and sixth harmonic that is directional, else the second: crossed grooves have no
+    /// second harmonic, and yet what they scatter is a cross.
+    ///
+    /// `None` as of [`Self::anisotropy`].
+    pub fn pattern(&self) -> Option<Anisotropy> {
+        let second = self.harmonic(1)?;
+        let higher = [2, 3].into_iter().filter_map(|pairs| self.harmonic(pairs));
+        let found = std::iter::once(second).chain(higher).filter(Anisotropy::is_directional);
+        Some(found.max_by(|a, b| a.strength.total_cmp(&b.strength)).unwrap_or(second))
+    }
+
+    /// `|sum f^2 S exp(2 i n phi)| / sum f^2 S` for `n` pairs of directions.
+    fn harmonic(&self, pairs: u16) -> Option<Anisotropy> {
         let (mut all, mut even, mut odd) = (0.0, 0.0, 0.0);
         // slope power and number of waves of each ring
         let mut rings = vec![(0.0, 0.0); self.ring(self.nyquist) + 1];
@@ -144,9 +160,14 @@ impl Spectrum {
             let f = f2.sqrt();
             if f > 2.0 * self.step * (1.0 - 1e-9) && f < self.nyquist * (1.0 - 1e-9) {
                 all += w.count * w.density * f2;
-                // f^2 cos 2 phi and f^2 sin 2 phi
-                even += w.count * w.density * (w.fx * w.fx - w.fy * w.fy);
-                odd += w.count * w.density * 2.0 * w.fx * w.fy;
+                // f^2 cos 2 n phi and f^2 sin 2 n phi
+                let (c, s) = (w.fx * w.fx - w.fy * w.fy, 2.0 * w.fx * w.fy);
+                let (mut re, mut im) = (c, s);
+                for _ in 1..pairs {
+                    (re, im) = ((re * c - im * s) / f2, (re * s + im * c) / f2);
+                }
+                even += w.count * w.density * re;
+                odd += w.count * w.density * im;
                 if let Some((power, waves)) = rings.get_mut(self.ring(f)) {
                     *power += w.count * w.density * f2;
                     *waves += 0.5 * w.count;
@@ -157,7 +178,7 @@ impl Spectrum {
         let filled = rings.iter().filter(|r| r.1 > 0.0);
         let scatter: f64 = filled.map(|(power, waves)| power * power / waves).sum();
         (all > 0.0).then(|| {
-            let across = 0.5 * odd.atan2(even).to_degrees();
+            let across = odd.atan2(even).to_degrees() / (2.0 * f64::from(pairs));
             Anisotropy {
                 strength: even.hypot(odd) / all,
                 chance: (self.alike * scatter).sqrt() / all,
@@ -276,6 +297,25 @@ mod tests {
         for [strength, chance] in squares.into_iter().flatten() {
             let ratio: f64 = strength / chance;
             assert!((0.4..1.9).contains(&ratio), "{ratio} {squares:?}");
+        }
+    }
+
+    #[test]
+    fn crossed_grooves_have_a_pattern_without_a_second_harmonic() {
+        let n = 128;
+        let wave = |k: usize| (std::f64::consts::TAU * 9.0 * k as f64 / n as f64).sin();
+        let heights = (0..n * n).map(|k| wave(k % n) + wave(k / n)).collect();
+        let map = HeightMap::new((n, n), (0.5, 0.5), heights).unwrap();
+        let spectrum = Spectrum::of(&map, Edges::Periodic).unwrap();
+        assert!(spectrum.anisotropy().unwrap().strength < 1e-6);
+        let found = spectrum.pattern().unwrap();
+        assert!(found.strength > 0.99 && found.is_directional(), "{found:?}");
+        for seed in 0..16 {
+            for correlation in [0.8, 4.0, 12.0] {
+                let map = gaussian((192, 192), (0.5, 0.5), correlation, seed);
+                let found = Spectrum::of(&map, Edges::Periodic).unwrap().pattern().unwrap();
+                assert!(!found.is_directional(), "{correlation} {seed}: {found:?}");
+            }
         }
     }
 

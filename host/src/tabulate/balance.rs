@@ -5,7 +5,7 @@ use asperity_core::table::{Place, Storage, cells, incidence_cosine, incidence_pl
 use rayon::prelude::*;
 
 use super::grid::{LobeGrid, node};
-use super::rays::Turning;
+use super::turned::Turning;
 use crate::boundary::{Boundary, with_boundary};
 use crate::energy::balance;
 use crate::forward::{Rays, count_flux};

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::metric::rmsd_percent;
@@ -11,29 +11,43 @@ use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{BsdfTableRef, Storage};
 
 use super::balance;
-use super::rays::Turning;
+use super::turned::{AZIMUTHS, At};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
-use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, monte_carlo, quadrature};
+use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, mix, monte_carlo, quadrature};
 use crate::measurement::Quantity;
 
 /// Incidences of the instrument, degrees.
 const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 const APERTURE_DEG: f64 = 0.6;
 
-/// Eq. (18) between the readings of a scan of the table and of its model, percent, in transmission, or in reflection if
+/// How far a table is from its model: eq. (18) of a scan, percent of the largest reading.
+///
+/// Scans are in the plane of incidence at several azimuths of the surface, of which the first is that of a scan of the model. A law
+/// has no azimuth: the last two say something of sampled models only.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distance {
+    /// From the model itself, over all azimuths.
+    pub percent: f64,
+    /// From the mean of the model over its azimuths, which is what a table holds.
+    pub to_mean_percent: f64,
+    /// Of the model at an azimuth from that mean: the grain of a map, or a direction of it.
+    pub azimuths_percent: f64,
+}
+
+/// Eq. (18) between the readings of a scan of the table and of its model, in transmission, or in reflection if
 /// nothing of transmission was tabulated: diffuse light, observation every `step_deg`.
 ///
 /// With all lobes the scan has its internal passes, else first hits are compared. Of a model that must be sampled two
-/// independent simulations are taken, whose noise so drops out on average, of the model's mean over all azimuths; `None` for such a model without all lobes, and if
-/// `stop` was set.
-pub fn distance_percent(
+/// independent simulations are taken at every azimuth, whose noise so drops out on average. `None` for such a model without
+/// all lobes, and if `stop` was set. Speckle of waves is no part of a table: their model is its mean law.
+pub fn distance(
     boundary: &Boundary,
     table: &EmbeddedTable,
     step_deg: f64,
     rays: Rays,
     stop: &AtomicBool,
-) -> Option<f64> {
+) -> Option<Distance> {
     let lobes = table.header().lobes;
     let full = lobes.iter().all(Option::is_some);
     let geometry = if lobes[1].is_some() { Geometry::Transmission } else { Geometry::Reflection };
@@ -61,27 +75,69 @@ pub fn distance_percent(
     let of_table =
         with_view!(table, view => quadrature(&view, &setup, &plan, effort).values, else Vec::new());
     with_boundary!(boundary,
-    b => rmsd_percent(&quadrature(b, &setup, &plan, effort).values, &of_table),
+    b => {
+        let percent = rmsd_percent(&quadrature(b, &setup, &plan, effort).values, &of_table)?;
+        Some(Distance { percent, to_mean_percent: percent, azimuths_percent: 0.0 })
+    },
     traced t => {
         if !full {
             return None;
         }
-        let t = &Turning(t);
-        let scan = |seed| -> Option<Vec<f64>> {
+        let sampled = Sampled { setup: &setup, thetas: &thetas, rays, stop };
+        let (a, b) = (sampled.scans(t, rays.seed + 101)?, sampled.scans(t, rays.seed + 102)?);
+        Some(sampled_distance([&a, &b], &of_table))
+    })
+}
+
+/// A scan by rays.
+struct Sampled<'a> {
+    setup: &'a Setup,
+    thetas: &'a [f64],
+    rays: Rays,
+    stop: &'a AtomicBool,
+}
+
+impl Sampled<'_> {
+    /// Readings at every azimuth; all azimuths share the rays.
+    fn scans<S: Scatter<f64> + Sync>(&self, boundary: &S, seed: u64) -> Option<Vec<Vec<f64>>> {
+        let each = Rays { count: (self.rays.count / u64::from(AZIMUTHS)).max(1), seed };
+        let one = |azimuth: u32| -> Option<Vec<f64>> {
+            let rays = Rays { seed: mix(each.seed, u64::from(azimuth)), ..each };
             let mut values = Vec::new();
             for sigma_deg in SIGMAS {
-                let angles = Incidence { sigma_deg, theta_deg: thetas.clone() };
-                let rays = Rays { seed, ..rays };
-                values.extend(monte_carlo(t, &setup, &angles, rays, stop, &|_| ())?.values);
+                let angles = Incidence { sigma_deg, theta_deg: self.thetas.to_vec() };
+                let turned = At::new(boundary, azimuth);
+                let read = monte_carlo(&turned, self.setup, &angles, rays, self.stop, &|_| ());
+                values.extend(read?.values);
             }
             Some(values)
         };
-        let (a, b) = (scan(rays.seed + 101)?, scan(rays.seed + 102)?);
-        let most = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).fold(0.0, f64::max);
-        let sum: f64 =
-            of_table.iter().zip(a.iter().zip(&b)).map(|(t, (a, b))| (a - t) * (b - t)).sum();
-        Some(100.0 * (sum / of_table.len() as f64).max(0.0).sqrt() / most)
-    })
+        (0..AZIMUTHS).map(one).collect()
+    }
+}
+
+/// From two independent sets of scans.
+fn sampled_distance([a, b]: [&[Vec<f64>]; 2], of_table: &[f64]) -> Distance {
+    let mean = |set: &[Vec<f64>]| -> Vec<f64> {
+        let at = |k: usize| set.iter().map(|scan| scan[k]).sum::<f64>() / set.len() as f64;
+        (0..of_table.len()).map(at).collect()
+    };
+    let product = |[a, b]: [&[f64]; 2], [x, y]: [&[f64]; 2]| {
+        let terms = a.iter().zip(x).zip(b.iter().zip(y)).map(|((a, x), (b, y))| (a - x) * (b - y));
+        terms.sum::<f64>() / of_table.len() as f64
+    };
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let most = mean_a.iter().zip(&mean_b).map(|(a, b)| 0.5 * (a + b)).fold(0.0, f64::max);
+    let percent = |square: f64| 100.0 * square.max(0.0).sqrt() / most;
+    let over = |[x, y]: [&[f64]; 2]| {
+        let sum: f64 = a.iter().zip(b).map(|(a, b)| product([a, b], [x, y])).sum();
+        sum / a.len() as f64
+    };
+    Distance {
+        percent: percent(over([of_table, of_table])),
+        to_mean_percent: percent(product([&mean_a, &mean_b], [of_table, of_table])),
+        azimuths_percent: percent(over([&mean_a, &mean_b])),
+    }
 }
 
 /// Largest difference of the flux of a table's lobes and the model's, absolute, over incidences 0 to 80 degrees. A model that must be

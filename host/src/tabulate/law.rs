@@ -33,25 +33,36 @@ impl LobeGrid {
     /// Takes the values of a law.
     pub(super) fn fill(&mut self, law: &dyn Law) {
         let shape = self.header.shape;
-        let radii = usize::from(shape.radii);
-        let planes: Vec<Vec<f64>> = (0..usize::from(shape.incidences))
+        let planes: Vec<Option<Vec<f64>>> = (0..usize::from(shape.incidences))
             .into_par_iter()
             .map(|j| {
                 let beam = self.beam(self.cosine(j));
                 let row = |k: usize| self.row(law, &beam, 2.0 * node(k, shape.azimuths) - 1.0);
                 let mut rows: Vec<Option<Vec<f64>>> =
                     (0..usize::from(shape.azimuths)).map(row).collect();
-                // an azimuth whose facets all face away goes on as its neighbour on the mirror's side
+                // an azimuth whose facets send nothing goes on as its neighbour on the mirror's side, or, as beyond the critical
+                // angle, where only facets that lean the other way send any, as that on the other side
                 for k in (0..rows.len()).rev() {
                     if rows[k].is_none() {
                         rows[k] = rows.get(k + 1).cloned().flatten();
                     }
                 }
-                rows.into_iter().flat_map(|row| row.unwrap_or_else(|| vec![0.0; radii])).collect()
+                for k in 1..rows.len() {
+                    if rows[k].is_none() {
+                        rows[k].clone_from(&rows[k - 1]);
+                    }
+                }
+                let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
+                rows.map(|rows| rows.concat())
             })
             .collect();
-        for (j, plane) in planes.into_iter().enumerate() {
-            self.plane(j).copy_from_slice(&plane);
+        // an incidence that no facet sends light from has no say in what is between it and the next: it goes on as that
+        let lit: Vec<usize> = (0..planes.len()).filter(|j| planes[*j].is_some()).collect();
+        for j in 0..planes.len() {
+            let near = lit.iter().min_by_key(|k| k.abs_diff(j));
+            if let Some(plane) = near.and_then(|k| planes[*k].as_ref()) {
+                self.plane(j).copy_from_slice(plane);
+            }
         }
     }
 

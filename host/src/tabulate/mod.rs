@@ -2,20 +2,25 @@
 //!
 //! A law that can be evaluated is looked up at the nodes, and what is divided out, the scale of slopes and the numbers of nodes
 //! are those that err least (`search`). A boundary that can only be sampled sends rays: some choose these (`pilot`), many fill
-//! the nodes (`rays`). Then the lobes are given the flux of the model at each node of incidence, and where the table would give
+//! the nodes (`rays`). A table has no azimuth of the light: a surface with a direction is refused (`azimuths`). Then the lobes are given the flux of the model at each node of incidence, and where the table would give
 //! more than it receives, as waves do at grazing incidence, both are lowered (`balance`).
 
 mod facet;
 mod grid;
 mod law;
 mod samples;
+mod turned;
 mod rays;
 mod pilot;
 mod balance;
 mod search;
+mod bins;
+mod azimuths;
 mod distance;
+mod lobes;
 
-pub use distance::{distance_percent, energy_error};
+pub use distance::{Distance, distance, energy_error};
+pub use lobes::{LobeDistance, lobe_distances};
 
 use std::sync::atomic::AtomicBool;
 
@@ -28,6 +33,7 @@ use rayon::prelude::*;
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES, OPAQUE, Rest, Values};
 use crate::forward::Rays;
+use crate::surface::spectrum::Anisotropy;
 use grid::LobeGrid;
 
 /// How numbers are kept.
@@ -58,7 +64,7 @@ pub struct Plan {
 const WIDE: usize = 12 << 10;
 
 /// Why there is no table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum NoTable {
     /// Too few bytes for the smallest table.
     #[error("{0} bytes are too few; give at least {1}")]
@@ -69,6 +75,30 @@ pub enum NoTable {
     /// It is a table itself.
     #[error("it is a table already; give the model it was made of")]
     Table,
+    /// The surface has a direction, and lobes depend on the azimuth of the light.
+    #[error(
+        "the surface has a direction (strength {strength:.2}, lay {lay_deg:.0} deg): its lobes differ by {percent:.1} % of their peak \
+         from one azimuth of the light to another, and a table holds none; give `eval`, `check` and `scan` the model itself"
+    )]
+    Directional {
+        /// Strength of the harmonic of its slopes, 0 to 1.
+        strength: f64,
+        /// Direction of its grooves, degrees from x to y.
+        lay_deg: f64,
+        /// Largest root mean square difference of a lobe from its mean over azimuths, % of its peak.
+        percent: f64,
+    },
+    /// The same of waves, whose mean over azimuths no such surface scatters.
+    #[error(
+        "the surface has a direction (strength {strength:.2}, lay {lay_deg:.0} deg), and a table holds the mean of its waves over \
+         all azimuths, which it does not scatter; give `eval`, `check` and `scan` the model itself"
+    )]
+    DirectionalWaves {
+        /// As above.
+        strength: f64,
+        /// As above.
+        lay_deg: f64,
+    },
     /// The media are alike: there is no boundary.
     #[error("the media are alike; there is nothing to tabulate")]
     Matched,
@@ -110,6 +140,13 @@ pub fn tabulate(
     let least = 1400 * count * if kept == Kept::U8 { 1 } else { 2 };
     if plan.bytes < least {
         return Err(NoTable::Small(plan.bytes, least));
+    }
+    if let Some(found) = azimuths::directional(boundary, wanted, plan.rays) {
+        let Anisotropy { strength, lay_deg, .. } = found.anisotropy;
+        return Err(match found.percent {
+            Some(percent) => NoTable::Directional { strength, lay_deg, percent },
+            None => NoTable::DirectionalWaves { strength, lay_deg },
+        });
     }
     let made = match kept {
         Kept::U8 => of_storage::<u8>(boundary, plan, (eta, wanted), stop, progress),
@@ -253,7 +290,7 @@ fn finish<S: Storage>(
         fluxes: rows,
         grazing: [GRAZING; 2],
     };
-    EmbeddedTable::new(header, kept(values), rest).ok()
+    EmbeddedTable::new(header, boundary.eta().is_none(), kept(values), rest).ok()
 }
 
 /// Whether a lobe belongs to a choice of sides and lobes.

@@ -8,7 +8,7 @@
 use std::f64::consts::TAU;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use asperity_core::bsdf::{Lobe, Scatter, Scattered};
+use asperity_core::bsdf::{Lobe, Scatter};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
 use rayon::prelude::*;
@@ -314,32 +314,5 @@ fn spread(v: &mut [f64], radii: usize, count: impl Fn(usize) -> f64) {
             let count = count(at);
             v[at] = (count * v[at] + FEW * v[at - 1]) / (count + FEW);
         }
-    }
-}
-
-/// A boundary turned by an angle of chance for each ray: the mean over all azimuths, which is what a table holds.
-#[derive(Debug)]
-pub(super) struct Turning<'a, S>(pub(super) &'a S);
-
-impl<S: Scatter<f64>> Scatter<f64> for Turning<'_, S> {
-    fn sample(
-        &self,
-        wi: Direction<f64>,
-        uniform: &mut impl FnMut() -> f64,
-    ) -> Option<Scattered<f64>> {
-        // the first two numbers say where a ray starts and are spread evenly: they stay the first two
-        let first = [uniform(), uniform()];
-        let (s, c) = (TAU * uniform()).sin_cos();
-        let mut taken = 0;
-        let mut replayed = || {
-            taken += 1;
-            first.get(taken - 1).copied().unwrap_or_else(&mut *uniform)
-        };
-        let turn = |w: Direction<f64>, s: f64| {
-            let [x, y, z] = w.xyz();
-            Direction::from_unit(x * c - y * s, y * c + x * s, z)
-        };
-        let ray = self.0.sample(turn(wi, s), &mut replayed)?;
-        Some(Scattered { wo: turn(ray.wo, -s), ..ray })
     }
 }

@@ -19,7 +19,7 @@ use super::timing::{eval_ns, sample_ns};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::Rays;
-use crate::tabulate::{NoTable, Plan, distance_percent, energy_error, tabulate};
+use crate::tabulate::{NoTable, Plan, distance, energy_error, tabulate};
 
 /// Share of coherent light from which on the scan of a table, which is of diffuse light, says nothing.
 const COHERENT: f64 = 1e-3;
@@ -258,6 +258,10 @@ impl Bench<'_> {
             Err(why @ NoTable::Small(..)) => {
                 return self.notes.push(format!("no table of {kib} KiB: {why}"));
             }
+            // whatever its size
+            Err(why @ (NoTable::Directional { .. } | NoTable::DirectionalWaves { .. })) => {
+                return self.note(&format!("no table: {why}"));
+            }
             Err(why) => return self.note(&format!("no table of {kib} KiB: {why}")),
         };
         let seconds = begun.elapsed().as_secs_f64();
@@ -265,13 +269,13 @@ impl Bench<'_> {
         let row = with_view!(&table, view => {
             Some(self.measured::<Fast<f32>, _>(&view, counts.get("f32-fast")))
         }, else None);
-        let distance = distance_percent(boundary, &table, STEP, rays, self.work.stop);
+        let distance = distance(boundary, &table, STEP, rays, self.work.stop);
         let Some(row) = row.filter(|_| !self.stopped()) else { return };
         self.rows.push(Row {
             evaluator: evaluator(kib, &table),
             tier: Tier::Fast,
             precision: "f32",
-            distance_percent: distance,
+            distance_percent: distance.map(|d| d.percent),
             energy_percent: energy_error(boundary, &table, rays).map(|e| 100.0 * e),
             data_bytes: Some(table.bytes()),
             table_seconds: Some(seconds),

@@ -35,6 +35,8 @@ pub struct AsperityTableSource {
     pub leans: *const i8,
     /// Four an incidence of the fluxes.
     pub fluxes: *const u16,
+    /// CRC-32C of all the numbers and arrays; null for a table without one, whose damage goes unseen.
+    pub checksum: *const u32,
     /// Length of `gains`.
     pub gains_length: usize,
     /// Length of `values`.
@@ -112,7 +114,13 @@ impl AsperityTableSource {
                 leans: slice(self.leans, self.leans_length)?,
                 fluxes: slice(self.fluxes.cast(), self.fluxes_length / 4)?,
             };
-            let checked = if trusted { None } else { Some(header.table(arrays)?) };
+            let checked = if trusted {
+                None
+            } else if self.checksum.is_null() {
+                Some(header.table(arrays)?)
+            } else {
+                Some(header.verified(arrays, read(self.checksum)?)?)
+            };
             let law = begin(to, TableLaw { table: S::dark(header), tier });
             let Some(view) = S::view(&mut law.table) else { return Err(Status::UnknownOption) };
             if let Some(table) = checked {

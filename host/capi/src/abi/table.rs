@@ -53,7 +53,7 @@ unsafe fn init(
     }
 }
 
-/// Checks the arrays of `source` and views them: they must outlive the object and its copies. `tier` is an
+/// Checks the arrays of `source`, and their checksum, and views them: they must outlive the object and its copies. `tier` is an
 /// `asperity_tier`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn asperity_table_init(
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn asperity_table_sample_batch(
     unsafe { pointer::rays(table, count, wi, uniform, state, rays) }
 }
 
-/// The same without a look at the numbers in the arrays, for a table that `asperity_table_init` has taken elsewhere, such as
+/// The same without a look at the numbers in the arrays and at the checksum, for a table that `asperity_table_init` has taken elsewhere, such as
 /// in the tests of a firmware: it spares flash and start-up time. Lengths are checked; other numbers than those that
 /// were taken give wrong values, and nothing worse.
 #[unsafe(no_mangle)]

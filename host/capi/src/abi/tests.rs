@@ -7,6 +7,7 @@ use std::vec::Vec;
 use asperity_core::bsdf::{Bsdf as _, Ggx};
 use asperity_core::direction::Direction;
 use asperity_core::quantity::{Alpha, RelativeIor};
+use asperity_core::table::{Arrays, Fall, Form, Header, LobeHeader, Shape};
 
 use super::ggx::*;
 use super::normals::*;
@@ -153,7 +154,7 @@ fn rays_of_both_tiers_are_unit_vectors_or_lost() {
 /// A lobe of 2 incidences, 2 azimuths, 2 radii and one interval, as a payload of words so that it is aligned.
 fn payload() -> Vec<u32> {
     let mut bytes = Vec::new();
-    bytes.extend([1.0_f32; 9].iter().flat_map(|g| g.to_le_bytes()));
+    bytes.extend([2e-5_f32; 9].iter().flat_map(|g| g.to_le_bytes()));
     bytes.extend([100_u8, 90, 80, 70, 60, 50, 40, 30]);
     bytes.extend([0_u16, 40_000, 0, 40_000].iter().flat_map(|q| q.to_le_bytes()));
     bytes.extend([5_u8, 10]);
@@ -178,6 +179,7 @@ const SOURCE: AsperityTableSource = AsperityTableSource {
     quantiles: null(),
     leans: null(),
     fluxes: null(),
+    checksum: null(),
     gains_length: 0,
     values_length: 0,
     quantiles_length: 0,
@@ -256,7 +258,7 @@ fn parts(incidences: usize, radii: usize, bytes: usize) -> (Vec<u8>, [usize; 5])
     let mut all = Vec::new();
     let mut starts = [0; 5];
     for _ in 0..=8 * (incidences - 1) {
-        all.extend(1.0_f32.to_le_bytes());
+        all.extend(1e-4_f32.to_le_bytes());
     }
     starts[1] = all.len();
     for k in 0..incidences * 3 * radii {
@@ -317,4 +319,74 @@ fn a_payload_at_any_address_is_viewed_or_refused_as_misaligned() {
         }
     }
     assert_eq!(seen, [36, 4]);
+}
+
+/// Every bit of the payload and of the numbers beside it: 32 bits of a sum see one that is turned.
+#[test]
+fn a_flipped_bit_of_a_table_is_refused() {
+    let words = payload();
+    let lobes: [[u16; 6]; 4] = [[0; 6], [2, 2, 2, 1, 0, 4], [0; 6], [0; 6]];
+    let scales = [[0.0_f32; 3], [0.3, 1.0, 0.3], [0.0; 3], [0.0; 3]];
+    let shape = Shape { incidences: 2, azimuths: 2, radii: 2, intervals: 1 };
+    let lobe = LobeHeader {
+        shape,
+        form: Form::Masked,
+        fall: Fall::Fourth,
+        scale: 0.3,
+        grazing: 1.0,
+        masking: 0.3,
+    };
+    let header = Header {
+        eta: RelativeIor::new(ETA).unwrap(),
+        slope: SLOPE,
+        lobes: [None, Some(lobe), None, None],
+        fluxes: [2, 0],
+        grazing: [1.0, 0.0],
+    };
+    let sum = header.checksum(&Arrays::<u8> {
+        gains: &[2e-5; 9],
+        values: &[100, 90, 80, 70, 60, 50, 40, 30],
+        quantiles: &[0, 40_000, 0, 40_000],
+        leans: &[5, 10],
+        fluxes: &[[0, 50_000, 0, 0], [0, 40_000, 0, 0]],
+    });
+    let source = AsperityTableSource {
+        lobes: lobes.as_ptr().cast(),
+        scales: scales.as_ptr().cast(),
+        flux_incidences: [2, 0].as_ptr(),
+        flux_grazing: [1.0, 0.0].as_ptr(),
+        checksum: &raw const sum,
+        ..SOURCE
+    };
+    let init = |source: &AsperityTableSource, words: &[u32]| {
+        let mut table = AsperityTable::EMPTY;
+        // SAFETY: the payload has as many bytes
+        unsafe {
+            asperity_table_init_payload(&raw mut table, source, words.as_ptr().cast(), BYTES, 0)
+        }
+    };
+    assert_eq!(init(&source, &words), Status::Ok);
+    let mut seen = 0;
+    for bit in (0..8 * BYTES).step_by(if cfg!(miri) { 41 } else { 1 }) {
+        let mut bad = words.clone();
+        bad[bit / 32] ^= 1 << (bit % 32);
+        let status = init(&source, &bad);
+        assert!(status != Status::Ok, "bit {bit}");
+        seen += usize::from(status == Status::TableChecksum);
+    }
+    assert!(cfg!(miri) || seen > 4 * BYTES, "{seen}");
+    for bit in 0..8 * 48 {
+        let mut bad = lobes;
+        bad[bit / 96][bit % 96 / 16] ^= 1 << (bit % 16);
+        let bad = AsperityTableSource { lobes: bad.as_ptr().cast(), ..source };
+        assert!(init(&bad, &words) != Status::Ok, "lobes, bit {bit}");
+    }
+    for bit in 0..32 {
+        let eta = f32::from_bits(ETA.to_bits() ^ (1 << bit));
+        let bad = AsperityTableSource { eta: &raw const eta, ..source };
+        assert!(init(&bad, &words) != Status::Ok, "eta, bit {bit}");
+        let other = sum ^ (1 << bit);
+        let bad = AsperityTableSource { checksum: &raw const other, ..source };
+        assert_eq!(init(&bad, &words), Status::TableChecksum);
+    }
 }

@@ -1,0 +1,62 @@
+//! Azimuths of the light: a table has none, so a surface has to look alike from all of them.
+//!
+//! A map is one piece of its surface, and its few facets differ by azimuth even where the surface does not. What tells the two
+//! apart is the spectrum of the map: its harmonics over the directions are held against what chance alone would give them
+//! ([`Spectrum::pattern`]). Only where these say that there is a direction, the lobes are looked at from several azimuths; if they
+//! differ, no table is made.
+
+use super::bins;
+use crate::boundary::Boundary;
+use crate::embedded::LOBES;
+use crate::forward::Rays;
+use crate::surface::spectrum::Anisotropy;
+use crate::surface::{Edges, HeightMap, Spectrum};
+
+/// Root mean square difference of a lobe at one azimuth from its mean, of the peak, below which it has none.
+const ALIKE: f64 = 0.02;
+/// Most rays that tell it, an incidence.
+const MOST_RAYS: u64 = 250_000;
+
+/// What direction the surface of a boundary has, if it has one.
+fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
+    let of = |map: &HeightMap, edges: Edges| Spectrum::of(map, edges).ok()?.pattern();
+    let found = match boundary {
+        Boundary::Traced(traced) => of(&traced.field.map().ok()?, traced.field.edges()),
+        Boundary::Wave(wave) => of(wave.map(), wave.edges()),
+        Boundary::Hybrid(hybrid) => {
+            let (map, edges) = hybrid.surface();
+            of(map, edges)
+        }
+        Boundary::Ggx(_) | Boundary::Normals(_) | Boundary::Opaque(_) | Boundary::Table(_) => None,
+    };
+    found.filter(Anisotropy::is_directional)
+}
+
+/// A surface whose lobes depend on the azimuth of the light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Directional {
+    pub(super) anisotropy: Anisotropy,
+    /// Largest root mean square difference of a wanted lobe from its mean over azimuths, % of its peak; `None` of waves,
+    /// whose mean law such a surface does not scatter, whatever it looks like.
+    pub(super) percent: Option<f64>,
+}
+
+/// Whether lobes depend on the azimuth of the light because the surface of a boundary has a direction.
+pub(super) fn directional(
+    boundary: &Boundary,
+    lobes: [bool; 4],
+    rays: Rays,
+) -> Option<Directional> {
+    let anisotropy = pattern(boundary)?;
+    let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
+    let beams = match boundary {
+        Boundary::Traced(traced) => bins::beams(traced, traced.eta().get(), None, rays),
+        Boundary::Hybrid(hybrid) => bins::beams(&**hybrid, hybrid.eta().get(), None, rays),
+        _ => return Some(Directional { anisotropy, percent: None }),
+    };
+    let wanted = |beam: &&bins::Beam| {
+        LOBES.iter().zip(lobes).any(|(lobe, wanted)| wanted && *lobe == (beam.side, beam.lobe))
+    };
+    let worst = beams.iter().filter(wanted).map(|beam| beam.spread).fold(0.0, f64::max);
+    (worst > ALIKE).then_some(Directional { anisotropy, percent: Some(100.0 * worst) })
+}
