@@ -21,3 +21,4 @@ mod recovery;
 mod forward;
 mod forward_limits;
 mod fit_robustness;
+mod optional_parameters;

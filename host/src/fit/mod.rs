@@ -12,8 +12,8 @@ mod simplest;
 mod fitted;
 mod verdict;
 
-pub use objective::Objective;
 pub use fitted::Fitted;
+pub use objective::Objective;
 pub use profile::{Profile, Side};
 pub use verdict::{IncidenceError, MISFIT_PERCENT};
 

@@ -93,7 +93,8 @@ pub(super) fn profiles(
     curvature: &Curvature,
 ) -> Vec<Option<Profile>> {
     let traced = problem.is_traced();
-    let at_optimum = if traced { sum_of(problem, values) } else { Some(squares(&curvature.residuals)) };
+    let at_optimum =
+        if traced { sum_of(problem, values) } else { Some(squares(&curvature.residuals)) };
     let Some(least) = at_optimum else { return vec![None; values.len()] };
     let one = |(k, std_error): (usize, &Option<f64>)| {
         let std_error = (*std_error)?;
@@ -144,7 +145,11 @@ impl Valley<'_> {
                 return Some((first, Side::Flat));
             }
             if near || k + 1 == moves {
-                let side = if next > FARTHEST { Side::Flat } else { Side::Error(0.5 * next * std_error.abs()) };
+                let side = if next > FARTHEST {
+                    Side::Flat
+                } else {
+                    Side::Error(0.5 * next * std_error.abs())
+                };
                 return Some((first, side));
             }
             errors = next.min(2.0 * errors).min(FARTHEST);

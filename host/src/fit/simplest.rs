@@ -7,10 +7,10 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::Termination;
 use super::problem::Problem;
 use super::simplex::{Search, Stopped};
 use super::uncertainty::correlated_sum;
-use super::Termination;
 use crate::forward::{Effort, Rays};
 use crate::method::BuildError;
 
@@ -123,9 +123,8 @@ impl Sum {
         values: &[f64],
         options: &super::FitOptions,
     ) -> Result<Option<Self>, BuildError> {
-        let unit = |residuals: &[f64]| {
-            correlated_sum(problem, residuals) / residuals.len().max(1) as f64
-        };
+        let unit =
+            |residuals: &[f64]| correlated_sum(problem, residuals) / residuals.len().max(1) as f64;
         if !problem.is_traced() {
             let found = problem.simulate(values, Effort::Full)?;
             return Ok(found.map(|readings| {

@@ -177,9 +177,7 @@ impl Scatter<f64> for HybridBoundary {
     ) -> Option<Scattered<f64>> {
         match &self.parts {
             Parts::Rays(rays) => rays.sample(wi, uniform),
-            Parts::Waves(waves) => {
-                waves.sample(wi, uniform)
-            }
+            Parts::Waves(waves) => waves.sample(wi, uniform),
             Parts::Both(field, short) => field.scatter(wi, &Rough(short), uniform),
         }
     }

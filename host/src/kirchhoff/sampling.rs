@@ -45,12 +45,7 @@ impl Aim {
     }
 
     /// Density of the directions that [`Self::radius`] and an azimuth give, 1/sr.
-    pub(super) fn near(
-        &self,
-        boundary: &WaveBoundary,
-        optics: &Optics,
-        wo: Direction<f64>,
-    ) -> f64 {
+    pub(super) fn near(&self, boundary: &WaveBoundary, optics: &Optics, wo: Direction<f64>) -> f64 {
         let [x, y, z] = wo.xyz();
         let [qx, qy] = optics.momentum([x, y]);
         let n = optics.k * optics.n_o;
