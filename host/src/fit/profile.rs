@@ -93,9 +93,13 @@ pub(super) fn profiles(
     curvature: &Curvature,
 ) -> Vec<Option<Profile>> {
     let traced = problem.is_traced();
-    let at_optimum =
-        if traced { sum_of(problem, values) } else { Some(squares(&curvature.residuals)) };
-    let Some(least) = at_optimum else { return vec![None; values.len()] };
+    let optimum = if traced {
+        sum_of(problem, values).map(|least| (values.to_vec(), least))
+    } else {
+        bottom(problem, values, curvature)
+    };
+    let Some((bottom, least)) = optimum else { return vec![None; values.len()] };
+    let values = &bottom[..];
     let one = |(k, std_error): (usize, &Option<f64>)| {
         let std_error = (*std_error)?;
         let parameter = &problem.parameters()[k];
@@ -200,6 +204,25 @@ impl Valley<'_> {
         let steps = inverse.iter().map(|row| -dot(row, &gradient));
         Some(others.iter().copied().zip(steps).collect())
     }
+}
+
+/// The bottom of the valley and its sum of squares: a fit ends near it, a part of a standard error away, which would look
+/// like a lopsided valley.
+fn bottom(problem: &Problem<'_>, values: &[f64], curvature: &Curvature) -> Option<(Vec<f64>, f64)> {
+    let here = squares(&curvature.residuals);
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let gradient: Vec<f64> =
+        curvature.columns.iter().map(|column| dot(column, &curvature.residuals)).collect();
+    let moved: Vec<f64> = problem
+        .parameters()
+        .iter()
+        .zip(values)
+        .zip(&curvature.inverse)
+        .map(|((p, value), row)| (value - dot(row, &gradient)).clamp(p.bounds.0, p.bounds.1))
+        .collect();
+    let readings = problem.simulate(&moved, Effort::Full).ok()??;
+    let there = squares(&problem.residuals(&readings.values));
+    Some(if there < here { (moved, there) } else { (values.to_vec(), here) })
 }
 
 fn squares(residuals: &[f64]) -> f64 {

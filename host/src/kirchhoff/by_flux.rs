@@ -2,8 +2,8 @@
 //!
 //! A ray weighs the law over the density it was drawn with. Samples about the specular direction do not do for this: beyond
 //! the critical angle transmitted light has none, and at grazing incidence it goes elsewhere. So the light of each lobe is
-//! tabulated, by incidence, over rings of `m = |t - t_s|` about the specular tangent `t_s` (which may lie outside of the unit
-//! circle) and arcs of them. Coherent and diffuse light, reflected and transmitted, are chosen by their fluxes; a
+//! tabulated, by incidence: over arcs of rings of `m = |t - t_s|` about the specular tangent `t_s` (which may lie outside of the
+//! unit circle), and beyond these over equal parts of the hemisphere. Coherent and diffuse light, reflected and transmitted, are chosen by their fluxes; a
 //! direction then comes from the table, or for a part of the rays from the two simpler densities of `sampling.rs`, which reach
 //! what the table leaves out. Weights stay near the flux of all lobes.
 
@@ -21,13 +21,17 @@ use super::sampling::Aim;
 /// Angles of incidence a side.
 const INCIDENCES: usize = 48;
 /// Rings about the specular direction.
-const RINGS: usize = 40;
+const RINGS: usize = 24;
 /// Arcs of half a ring.
 const ARCS: usize = 12;
 /// Points of an arc along and across it.
 const POINTS: usize = 2;
-/// The largest distance of two tangents: 1 and the refracted one from the densest medium.
-const FARTHEST: f64 = 5.5;
+/// Radius of the last ring; what lies without is tabulated over the hemisphere.
+const NARROW: f64 = 0.25;
+/// Steps of the cosine of the outgoing light, and of half its azimuths.
+const SKY: usize = 24;
+/// Of a cell of the hemisphere and its mirror image.
+const SOLID_ANGLE: f64 = TAU / (SKY * SKY) as f64;
 /// Shares of the diffuse rays that come from the density about the specular direction, and from all directions alike.
 const NEAR: f64 = 0.15;
 const WIDE: f64 = 0.15;
@@ -58,7 +62,7 @@ struct Colour {
 struct Cells {
     /// Flux times the cosine of incidence, which varies less.
     flux: f64,
-    /// Summed over the arcs, ring by ring; the last is 1, or nothing where there is no light.
+    /// Summed over the arcs, ring by ring, then over the hemisphere, row by row; the last is 1; empty where there is no light.
     cumulated: Vec<f32>,
     /// Rings of the lobe.
     rings: Rings,
@@ -75,7 +79,7 @@ impl Rings {
     /// From a first radius.
     fn new(first: f64) -> Self {
         let first = first.clamp(1e-6, 0.1);
-        Self { first, ln_growth: (FARTHEST / first).ln() / (RINGS - 1) as f64 }
+        Self { first, ln_growth: (NARROW / first).ln() / (RINGS - 1) as f64 }
     }
 
     /// Inner and outer radius.
@@ -86,6 +90,13 @@ impl Rings {
 
     fn at(self, m: f64) -> usize {
         if m < self.first { 0 } else { 1 + ((m / self.first).ln() / self.ln_growth) as usize }
+    }
+
+    /// A place in an arc: radius and angle.
+    fn point(self, cell: usize, u: [f64; 2]) -> (f64, f64) {
+        let [a, b] = self.edges(cell / ARCS);
+        let m = (a * a + u[0] * (b * b - a * a)).sqrt();
+        (m, ((cell % ARCS) as f64 + u[1]) * PI / ARCS as f64)
     }
 
     /// Area of an arc and its mirror image.
@@ -223,30 +234,43 @@ impl Cells {
         let Some(optics) = Optics::new(law.eta, beam) else { return none };
         let rings = Rings::new(law.density.base() / (optics.k * optics.n_o));
         let frame = Frame::of(&optics);
-        let mut sum = 0.0;
-        let mut sums = Vec::with_capacity(RINGS * ARCS);
-        for ring in 0..RINGS {
-            let [a, b] = rings.edges(ring);
-            for arc in 0..ARCS {
-                let mut mean = 0.0;
-                for (u, wu) in gauss_legendre::<POINTS>() {
-                    let m = (a * a + u * (b * b - a * a)).sqrt();
-                    for (v, wv) in gauss_legendre::<POINTS>() {
-                        let angle = (arc as f64 + v) * PI / ARCS as f64;
-                        if let Some((wo, cos)) = frame.direction(&optics, m, angle) {
-                            mean += wu * wv * law.diffuse(&optics, beam.wi, wo) / cos;
-                        }
-                    }
+        let mean = |value: &dyn Fn(f64, f64) -> f64| {
+            let mut mean = 0.0;
+            for (u, wu) in gauss_legendre::<POINTS>() {
+                for (v, wv) in gauss_legendre::<POINTS>() {
+                    mean += wu * wv * value(u, v);
                 }
-                sum += mean * rings.area(ring);
-                sums.push(sum);
             }
+            mean
+        };
+        let mut masses = Vec::with_capacity(RINGS * ARCS + SKY * SKY);
+        for cell in 0..RINGS * ARCS {
+            let flux = |u: f64, v: f64| {
+                let (m, angle) = rings.point(cell, [u, v]);
+                let found = frame.direction(&optics, m, angle);
+                found.map_or(0.0, |(wo, cos)| law.diffuse(&optics, beam.wi, wo) / cos)
+            };
+            masses.push(mean(&flux) * rings.area(cell / ARCS));
         }
-        if !(sum > 0.0 && sum.is_finite()) {
+        for cell in 0..SKY * SKY {
+            let flux = |u: f64, v: f64| {
+                let wo = frame.sky(&optics, cell, [u, v], 1.0);
+                let far = frame.place(wo).0 >= NARROW;
+                if far { law.diffuse(&optics, beam.wi, wo) } else { 0.0 }
+            };
+            masses.push(mean(&flux) * SOLID_ANGLE);
+        }
+        let all: f64 = masses.iter().sum();
+        if !(all > 0.0 && all.is_finite()) {
             return Self { rings, ..none };
         }
-        let cumulated = sums.into_iter().map(|s| (s / sum) as f32).collect();
-        Self { flux: sum * beam.wi.z().abs(), cumulated, rings }
+        let mut sum = 0.0;
+        let added = |mass: f64| {
+            sum += mass;
+            (sum / all) as f32
+        };
+        let cumulated = masses.into_iter().map(added).collect();
+        Self { flux: all * beam.wi.z().abs(), cumulated, rings }
     }
 
     /// A ray of the diffuse light, weighing its flux.
@@ -263,9 +287,8 @@ impl Cells {
         let tabulated = if self.cumulated.is_empty() { 0.0 } else { 1.0 - NEAR - WIDE };
         let others = NEAR + WIDE;
         let wo = if rest < tabulated {
-            let (m, angle) = self.point(u);
-            let mirrored = rest < 0.5 * tabulated;
-            frame.direction(optics, m, if mirrored { -angle } else { angle })?.0
+            let sign = if rest < 0.5 * tabulated { -1.0 } else { 1.0 };
+            self.point(&frame, optics, u, sign)?
         } else {
             let along = spread(rest, tabulated, 1.0 - tabulated);
             let wide = WIDE / others;
@@ -288,27 +311,43 @@ impl Cells {
         Some(Scattered { wo, weight: law.diffuse(optics, beam.wi, wo) / density })
     }
 
-    /// A place drawn from the table: distance and angle of the tangent from the specular one.
-    fn point(&self, u: [f64; 2]) -> (f64, f64) {
+    /// A direction drawn from the table.
+    fn point(
+        &self,
+        frame: &Frame,
+        optics: &Optics,
+        u: [f64; 2],
+        sign: f64,
+    ) -> Option<Direction<f64>> {
         let cell = self.cumulated.partition_point(|c| f64::from(*c) <= u[0]);
         let cell = cell.min(self.cumulated.len() - 1);
         let before = if cell > 0 { f64::from(self.cumulated[cell - 1]) } else { 0.0 };
         let mass = f64::from(self.cumulated[cell]) - before;
-        let along = spread(u[0], before, mass.max(1e-12));
-        let [a, b] = self.rings.edges(cell / ARCS);
-        let m = (a * a + along * (b * b - a * a)).sqrt();
-        (m, ((cell % ARCS) as f64 + u[1]) * PI / ARCS as f64)
+        let u = [spread(u[0], before, mass.max(1e-12)), u[1]];
+        if let Some(cell) = cell.checked_sub(RINGS * ARCS) {
+            let wo = frame.sky(optics, cell, u, sign);
+            // what is nearer belongs to the rings
+            return (frame.place(wo).0 >= NARROW).then_some(wo);
+        }
+        let (m, angle) = self.rings.point(cell, u);
+        frame.direction(optics, m, sign * angle).map(|found| found.0)
     }
 
-    /// Density of such places, per solid angle of the direction.
+    /// Density of such directions, 1/sr.
     fn density(&self, frame: &Frame, wo: Direction<f64>) -> f64 {
+        let part = |angle: f64, parts: usize| ((angle / PI * parts as f64) as usize).min(parts - 1);
         let (m, angle) = frame.place(wo);
-        let ring = self.rings.at(m);
-        let arc = ((angle / PI * ARCS as f64) as usize).min(ARCS - 1);
-        let cell = ring * ARCS + arc;
+        let cos = wo.z().abs();
+        let (cell, over) = if m < NARROW {
+            let ring = self.rings.at(m).min(RINGS - 1);
+            (ring * ARCS + part(angle, ARCS), cos / self.rings.area(ring))
+        } else {
+            let row = ((cos * SKY as f64) as usize).min(SKY - 1);
+            (RINGS * ARCS + row * SKY + part(frame.azimuth(wo), SKY), 1.0 / SOLID_ANGLE)
+        };
         let Some(&to) = self.cumulated.get(cell) else { return 0.0 };
         let before = if cell > 0 { self.cumulated[cell - 1] } else { 0.0 };
-        f64::from(to - before) / self.rings.area(ring) * wo.z().abs()
+        f64::from(to - before) * over
     }
 }
 
@@ -337,7 +376,25 @@ impl Frame {
         Some((optics.direction([x, y], up), up))
     }
 
-    /// Its inverse; the angle without its sign.
+    /// The direction at a place in a cell of the hemisphere.
+    fn sky(&self, optics: &Optics, cell: usize, u: [f64; 2], sign: f64) -> Direction<f64> {
+        let up = (((cell / SKY) as f64 + u[0]) / SKY as f64).max(1e-12);
+        let sine = (1.0 - up * up).max(0.0).sqrt();
+        let angle = sign * ((cell % SKY) as f64 + u[1]) * PI / SKY as f64;
+        let (sin, cos) = angle.sin_cos();
+        let [ax, ay] = self.axis;
+        let tangent = [sine * (ax * cos - ay * sin), sine * (ay * cos + ax * sin)];
+        optics.direction(tangent, up)
+    }
+
+    /// The azimuth of a direction from the axis, without its sign.
+    fn azimuth(&self, wo: Direction<f64>) -> f64 {
+        let [x, y, _] = wo.xyz();
+        let across = y * self.axis[0] - x * self.axis[1];
+        across.abs().atan2(x * self.axis[0] + y * self.axis[1])
+    }
+
+    /// The inverse of [`Self::direction`]; the angle without its sign.
     fn place(&self, wo: Direction<f64>) -> (f64, f64) {
         let [x, y, _] = wo.xyz();
         let (dx, dy) = (x - self.specular[0], y - self.specular[1]);
