@@ -22,3 +22,4 @@ mod forward;
 mod forward_inside;
 mod forward_limits;
 mod fit_robustness;
+mod optional_parameters;

@@ -1,12 +1,12 @@
 //! Fitting a model to a scan.
 
 use asperity::fit::{
-    self as library, Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective,
+    self as library, Fit, FitError, FitOptions, FitRays, Fitted, MISFIT_PERCENT, Objective,
 };
 use asperity::forward::{Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity, noise};
 use asperity::method::{Choice, METHODS, Method, Surface};
-use asperity::model::{self, IncidenceRecord, Value};
+use asperity::model::{self, IncidenceRecord};
 use asperity::provenance::Provenance;
 use asperity_core::gonio::Geometry;
 use pyo3::prelude::*;
@@ -176,10 +176,7 @@ fn resolve(
 /// The fit as a model.
 fn record(method: &dyn Method, fit: &Fit, scan: &Scan, options: &FitOptions) -> model::Model {
     let surface = fit.ior.map_or(options.surface, |ior| Surface::Dielectric { ior });
-    let values = fit.parameters.iter().map(|p| {
-        let unit = p.unit.to_owned();
-        (p.name.to_owned(), Value { value: p.value, unit, std_error: p.std_error })
-    });
+    let values = fit.parameters.iter().map(|p| (p.name.to_owned(), p.record()));
     let mut made = model::Model::new(method, surface, values);
     let measurement = &scan.measurement;
     let estimate = || noise::estimate(measurement).map(|n| n.floor_percent());
@@ -198,14 +195,7 @@ fn record(method: &dyn Method, fit: &Fit, scan: &Scan, options: &FitOptions) -> 
     made.neglected_flux = Some(fit.neglected.flux);
     made.neglected_percent = Some(100.0 * fit.neglected.reading / measurement.largest_reading());
     made.validity = fit.refusal(MISFIT_PERCENT).into_iter().collect();
-    for p in &fit.parameters {
-        if p.at_bound {
-            let what = format!("{} = {:.3e} ended at the bound of its range", p.name, p.value);
-            made.validity.push(what);
-        } else if p.std_error.is_none() {
-            made.validity.push(format!("the data do not determine {}", p.name));
-        }
-    }
+    made.validity.extend(fit.parameters.iter().filter_map(Fitted::warning));
     let seed = method.is_traced().then_some(options.rays.seed);
     let mut provenance = Provenance::of_this_program(seed);
     provenance.inputs = scan.input.iter().cloned().collect();

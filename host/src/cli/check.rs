@@ -137,7 +137,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
         print(&(text + "\n"))?;
     } else {
-        let verdict = verdict(&method, table.is_some(), reciprocal);
+        let verdict = verdict(&boundary, &method, reciprocal);
         let mut text = table.map(|said| format!("table {said}\n")).unwrap_or_default();
         text += &human(verdict, sides, &energy, &reciprocity);
         for warning in &warnings {
@@ -157,10 +157,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 /// What is said of reciprocity.
-fn verdict(method: &str, table: bool, reciprocal: Option<bool>) -> &'static str {
+fn verdict(boundary: &Boundary, method: &str, reciprocal: Option<bool>) -> &'static str {
+    let table = matches!(boundary, Boundary::Table(_));
     match (reciprocal, method) {
         (None, _) if table => "reciprocity is not known without all lobes",
-        (None, _) => "traced ray by ray: every path is reversible, so the law is reciprocal",
+        (None, _) if matches!(boundary, Boundary::Hybrid(_)) => {
+            "not known to be reciprocal: facets that diffract lose light, and give no more than they receive"
+        }
+        (None, _) => {
+            "reciprocity is not measured; every path of a ray on plane facets is reversible, so the law of rays is reciprocal"
+        }
         (Some(true), _) => "reciprocal: f(i,o)/n_o^2 = f(o,i)/n_i^2",
         (Some(false), "normals") => {
             "not reciprocal, by construction: facets are met in proportion to their number"

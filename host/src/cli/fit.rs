@@ -25,6 +25,11 @@ use crate::report::{self, FigureFiles};
 /// printed is eq. (18): rms deviation over all angles, in % of the largest reading. heights and measured-ray
 /// trace rays: their figures are found with rays that the fit has not seen, and the noise of these is
 /// printed beside. measured-wave says where its approximation does not hold, and what is left of the speckle.
+/// measured-hybrid is seldom better than the better one of measured-ray and measured-wave (docs/bench/hybrid.md).
+///
+/// A filter (cutoff_um), a floor (lambert) or an offset (theta0, z0) is `none` unless the scan is described significantly
+/// better with it. Standard errors are checked by moving each value by two of them; where the error of the fit rises
+/// less than they say they are enlarged, and it is said.
 ///
 /// Exit 1 if the fit did not converge or the model does not describe the surface; what was found is
 /// written all the same.

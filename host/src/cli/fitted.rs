@@ -2,11 +2,11 @@
 
 use super::light::Light;
 use crate::boundary::Boundary;
-use crate::fit::{Fit, FitOptions, Objective, Termination};
+use crate::fit::{Fit, FitOptions, Fitted, Objective, Termination};
 use crate::forward::Setup;
 use crate::measurement::{Measurement, noise};
 use crate::method::{Choice, Method, Surface};
-use crate::model::{IncidenceRecord, MapRecord, Model, Value};
+use crate::model::{IncidenceRecord, MapRecord, Model};
 use crate::provenance::{InputFile, Provenance};
 use crate::report::{self, Entry};
 use crate::surface::Prepared;
@@ -42,10 +42,7 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model
         Some(ior) => Surface::Dielectric { ior },
         None => job.options.surface,
     };
-    let values = fit.parameters.iter().map(|p| {
-        let unit = p.unit.to_owned();
-        (p.name.to_owned(), Value { value: p.value, unit, std_error: p.std_error })
-    });
+    let values = fit.parameters.iter().map(|p| (p.name.to_owned(), p.record()));
     let mut model = Model::new(method, surface, values);
     model.rmsd_percent = Some(fit.rmsd_percent);
     model.map = map.map(MapRecord::from);
@@ -76,12 +73,7 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model
 }
 
 fn warnings(fit: &Fit) -> Vec<String> {
-    let at_bound = fit.parameters.iter().filter(|p| p.at_bound);
-    let unknown = fit.parameters.iter().filter(|p| p.std_error.is_none() && !p.at_bound);
-    at_bound
-        .map(|p| format!("{} = {:.3e} ended at the bound of its range", p.name, p.value))
-        .chain(unknown.map(|p| format!("the data do not determine {}", p.name)))
-        .collect()
+    fit.parameters.iter().filter_map(Fitted::warning).collect()
 }
 
 /// The fit as text.
@@ -92,8 +84,7 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(text, "method       {}", entry.label);
     for p in &fit.parameters {
-        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-        let _ = writeln!(text, "{:12} {}{unit}", p.name, report::with_error(p.value, p.std_error));
+        let _ = writeln!(text, "{:12} {}", p.name, report::value_text(p));
     }
     if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
         let _ = writeln!(text, "ior          {ior:.4} (given)");

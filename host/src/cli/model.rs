@@ -135,7 +135,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         let value = number(name, text, parameter.unit)?;
         let unit = parameter.unit.to_owned();
-        values.push((name.clone(), Value { value, unit, std_error: None }));
+        values.push((name.clone(), Value::given(value, unit)));
     }
     let mut model = Model::new(&*method, surface, values);
     model.map = map.as_ref().map(MapRecord::from);

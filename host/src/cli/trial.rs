@@ -225,8 +225,7 @@ impl Job<'_> {
             cost.is_some_and(|cost| cost < than.fit.objective.1)
         };
         let found: Vec<f64> = than.fit.parameters.iter().map(|p| p.value).collect();
-        let of_map =
-            method.parameters().iter().map(|p| if p.low_is_none { p.bounds.0 } else { 1.0 });
+        let of_map = method.parameters().iter().map(|p| p.none.unwrap_or(1.0));
         let mut as_it_is = found.clone();
         as_it_is.iter_mut().zip(of_map).for_each(|(value, of_map)| *value = of_map);
         better(&found) || better(&as_it_is)

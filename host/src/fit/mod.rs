@@ -7,9 +7,14 @@ mod objective;
 mod problem;
 mod simplex;
 mod uncertainty;
+mod profile;
+mod simplest;
+mod fitted;
 mod verdict;
 
+pub use fitted::Fitted;
 pub use objective::Objective;
+pub use profile::{Profile, Side};
 pub use verdict::{IncidenceError, MISFIT_PERCENT};
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,9 +25,10 @@ use asperity_core::metric::rmsd_percent;
 use crate::boundary::Boundary;
 use crate::forward::{Effort, Neglected, Plan, Rays, Readings, Setup};
 use crate::measurement::Measurement;
-use crate::method::{BuildError, Method, Surface};
+use crate::method::{BuildError, Method, Parameter, Surface};
 
 use problem::Problem;
+use simplest::Found;
 use simplex::{Search, Stopped};
 
 /// What to fit and how.
@@ -99,21 +105,6 @@ impl Termination {
             Self::Interrupted => "interrupted",
         }
     }
-}
-
-/// A fitted parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Fitted {
-    /// Its name.
-    pub name: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// Standard error from the curvature at the optimum; `None` if the data do not determine it.
-    pub std_error: Option<f64>,
-    /// Whether it stopped at a bound of its range.
-    pub at_bound: bool,
 }
 
 /// A fit.
@@ -197,6 +188,7 @@ pub fn fit(
         });
     }
     problem.check_fixed()?;
+    let all = problem.parameters().to_vec();
     let mut search = Search::new(stop, progress, options.max_evaluations);
 
     // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
@@ -227,30 +219,20 @@ pub fn fit(
     if problem.is_traced() {
         choose_rays(&mut problem, &start, measurement, options)?;
     }
-    let (values, termination) = match search.minimise(&problem, &start, Effort::Full, tolerance) {
+    let found = match search.minimise(&problem, &start, Effort::Full, tolerance) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
         Err(Stopped) => (search.best_or(start), Termination::Interrupted),
     };
+    let found = Found { problem, values: found.0, termination: found.1 };
+    let Found { problem, values, termination } =
+        found.simplest(&mut search, options, (draft_tolerance, tolerance))?;
 
     let Some(readings) = last_readings(&problem, &values, measurement, options)? else {
         return Err(FitError::Interrupted);
     };
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
-    let std_errors = uncertainty::std_errors(&problem, &values, &readings.values);
-    let parameters = problem
-        .parameters()
-        .iter()
-        .zip(&values)
-        .zip(std_errors)
-        .map(|((p, &value), std_error)| Fitted {
-            name: p.name,
-            unit: p.unit,
-            value,
-            std_error,
-            at_bound: p.is_at_bound(value),
-        })
-        .collect();
+    let parameters = fitted(&problem, &all, &values, &readings.values);
     let (boundary, surface) = problem.boundary(&values)?;
     Ok(Fit {
         parameters,
@@ -269,6 +251,34 @@ pub fn fit(
         seconds: begun.elapsed().as_secs_f64(),
         termination,
     })
+}
+
+/// The parameters with their errors, `all` of them in their order, those that are held too.
+fn fitted(
+    problem: &Problem<'_>,
+    all: &[Parameter],
+    values: &[f64],
+    simulated: &[f64],
+) -> Vec<Fitted> {
+    let curvature = uncertainty::curvature(problem, values, simulated);
+    let profiles = curvature.as_ref().map(|c| profile::profiles(problem, values, c));
+    let mut free = 0..values.len();
+    let one = |(p, held): (&Parameter, &Option<f64>)| {
+        let k = if held.is_none() { free.next() } else { None };
+        let value = held.or(k.map(|k| values[k])).unwrap_or(f64::NAN);
+        let profile = k.and_then(|k| profiles.as_ref()?[k]);
+        let of_curvature = k.and_then(|k| curvature.as_ref()?.std_errors[k]);
+        Fitted {
+            name: p.name,
+            unit: p.unit,
+            value,
+            std_error: profile.map(|p| p.stated()).or(of_curvature),
+            profile,
+            at_bound: held.is_none() && p.is_at_bound(value),
+            is_none: held.is_some(),
+        }
+    };
+    all.iter().zip(problem.held()).map(one).collect()
 }
 
 /// The objective of a method with given values, without a fit; `None` if they make no boundary, or if stopped.

@@ -18,7 +18,10 @@ pub(super) struct Problem<'a> {
     plan: Plan,
     measured: Cow<'a, [f64]>,
     largest: f64,
+    /// What is free.
     parameters: Vec<Parameter>,
+    /// Of all parameters, in their order: what each is held at, if it is not free.
+    held: Vec<Option<f64>>,
     /// Rays an incidence in full effort, for traced methods.
     full_rays: u64,
 }
@@ -52,6 +55,7 @@ impl<'a> Problem<'a> {
             plan: Plan::of(measurement),
             measured: measurement.readings().iter().map(|r| r.value).collect(),
             largest: measurement.largest_reading(),
+            held: vec![None; parameters.len()],
             parameters,
             full_rays: options.rays.fit.unwrap_or(options.rays.draft),
         }
@@ -73,7 +77,7 @@ impl<'a> Problem<'a> {
         if self.is_traced() {
             let measured = self.measured.to_vec().into();
             let (plan, parameters) = (self.plan.clone(), self.parameters.clone());
-            return Self { plan, measured, parameters, ..*self };
+            return Self { plan, measured, parameters, held: self.held.clone(), ..*self };
         }
         let mut plan = Plan::default();
         let mut measured = Vec::new();
@@ -90,7 +94,31 @@ impl<'a> Problem<'a> {
             measured.extend((0..n).filter(kept).map(|k| values[k]));
             plan.incidences.push(part);
         }
-        Self { plan, measured: measured.into(), parameters: self.parameters.clone(), ..*self }
+        let (parameters, held) = (self.parameters.clone(), self.held.clone());
+        Self { plan, measured: measured.into(), parameters, held, ..*self }
+    }
+
+    /// The same with a free parameter held at a value.
+    pub(super) fn holding(&self, free: usize, value: f64) -> Self {
+        let (mut parameters, mut held) = (self.parameters.clone(), self.held.clone());
+        let place = held.iter_mut().filter(|h| h.is_none()).nth(free);
+        if let Some(place) = place {
+            *place = Some(value);
+            parameters.remove(free);
+        }
+        let measured = self.measured.to_vec().into();
+        Self { plan: self.plan.clone(), measured, parameters, held, ..*self }
+    }
+
+    /// The values of all parameters from those of the free ones.
+    fn with_held(&self, values: &[f64]) -> Vec<f64> {
+        let mut free = values.iter().copied();
+        self.held.iter().filter_map(|held| held.or_else(|| free.next())).collect()
+    }
+
+    /// What each of all parameters is held at, if it is not free.
+    pub(super) fn held(&self) -> &[Option<f64>] {
+        &self.held
     }
 
     pub(super) fn parameters(&self) -> &[Parameter] {
@@ -103,10 +131,6 @@ impl<'a> Problem<'a> {
 
     pub(super) fn measured(&self) -> &[f64] {
         &self.measured
-    }
-
-    pub(super) fn largest(&self) -> f64 {
-        self.largest
     }
 
     pub(super) fn plan(&self) -> &Plan {
@@ -132,10 +156,11 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// The value of a free parameter that is not the method's own.
     fn named(&self, values: &[f64], name: &str) -> Option<f64> {
-        let own = self.method.parameters().len();
-        let common = self.parameters.iter().zip(values).skip(own);
-        common.into_iter().find(|(p, _)| p.name == name).map(|(_, v)| *v)
+        let own = |p: &Parameter| self.method.parameters().iter().any(|q| q.name == p.name);
+        let mut free = self.parameters.iter().zip(values);
+        free.find(|(p, _)| p.name == name && !own(p)).map(|(_, v)| *v)
     }
 
     /// The boundary for values, and the body it bounds.
@@ -144,7 +169,8 @@ impl<'a> Problem<'a> {
             Some(ior) => Surface::Dielectric { ior },
             None => self.options.surface,
         };
-        let own = &values[..self.method.parameters().len().min(values.len())];
+        let all = self.with_held(values);
+        let own = &all[..self.method.parameters().len().min(all.len())];
         Ok((self.method.boundary(own, surface)?, surface))
     }
 
@@ -228,6 +254,12 @@ impl<'a> Problem<'a> {
             .sum();
         // A root would make a cliff of the place where the mean is nothing.
         Ok(Some(1e4 * product / self.measured.len() as f64))
+    }
+
+    /// The residuals whose mean square the fit minimises.
+    pub(super) fn residuals(&self, simulated: &[f64]) -> Vec<f64> {
+        let pairs = self.measured.iter().zip(simulated);
+        pairs.map(|(&m, &s)| self.objective().residual(m, s, self.largest)).collect()
     }
 
     /// The objective for simulated readings; not finite if any of them is not.

@@ -60,9 +60,18 @@ impl<'a> Search<'a> {
 
     /// The starts with the lowest costs, at most `most`, the best first.
     pub(super) fn best_starts(&self, problem: &Problem<'_>, most: usize) -> Vec<(f64, Vec<f64>)> {
+        self.best_of(problem, problem.starts(), most)
+    }
+
+    /// Of given starts those with the lowest costs.
+    pub(super) fn best_of(
+        &self,
+        problem: &Problem<'_>,
+        starts: Vec<Vec<f64>>,
+        most: usize,
+    ) -> Vec<(f64, Vec<f64>)> {
         let target = Target { search: self, problem, effort: Effort::Draft };
-        let mut rated: Vec<(f64, Vec<f64>)> = problem
-            .starts()
+        let mut rated: Vec<(f64, Vec<f64>)> = starts
             .into_iter()
             .map_while(|start| {
                 let free: Vec<f64> =

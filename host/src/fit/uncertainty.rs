@@ -4,28 +4,31 @@ use super::problem::Problem;
 use crate::forward::Effort;
 use crate::linear::inverse;
 
-/// Standard errors of the fitted values, `None` where the data do not determine one.
+/// What the derivatives at the optimum say.
+pub(super) struct Curvature {
+    /// Residuals at the optimum.
+    pub(super) residuals: Vec<f64>,
+    /// Their derivatives, by parameter.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// Inverse of the curvature of half the sum of their squares.
+    pub(super) inverse: Vec<Vec<f64>>,
+    /// Standard errors of the values; `None` where the data do not determine one.
+    pub(super) std_errors: Vec<Option<f64>>,
+}
+
+/// The curvature at fitted values; `None` if the data do not determine them.
 ///
 /// With `J` the derivatives of the residuals `r`, the curvature of the sum of squares is `H = J^T J` (Gauss and
 /// Newton), and the covariance of the values is `H^-1 M H^-1`, where `M` sums the products of the scores
 /// `J_i r_i` over neighbouring readings of an incidence with falling weights \[Newey & West 1987\]. So
 /// readings need not be alike in noise, nor independent: neighbours share most of their aperture, and
 /// the misfit of a model has a shape.
-pub(super) fn std_errors(
+pub(super) fn curvature(
     problem: &Problem<'_>,
     values: &[f64],
     simulated: &[f64],
-) -> Vec<Option<f64>> {
-    let unknown = vec![None; values.len()];
-    let objective = problem.objective();
-    let residual = |readings: &[f64]| -> Vec<f64> {
-        problem
-            .measured()
-            .iter()
-            .zip(readings)
-            .map(|(&m, &s)| objective.residual(m, s, problem.largest()))
-            .collect()
-    };
+) -> Option<Curvature> {
+    let residual = |readings: &[f64]| problem.residuals(readings);
     // The fit chose its values under the noise of its own rays, which is part of their error.
     let fitted = problem.is_traced().then(|| problem.simulate(values, Effort::Full));
     let at_optimum = match &fitted {
@@ -34,7 +37,7 @@ pub(super) fn std_errors(
     };
     let (n, p) = (at_optimum.len(), values.len());
     if n <= p {
-        return unknown;
+        return None;
     }
     let mut columns = Vec::with_capacity(p);
     for (k, parameter) in problem.parameters().iter().enumerate() {
@@ -49,7 +52,7 @@ pub(super) fn std_errors(
             Some((probe[k], residual(&readings.values)))
         };
         let (Some((high, above)), Some((low, below))) = (side(1.0), side(-1.0)) else {
-            return unknown;
+            return None;
         };
         let width = high - low;
         columns.push(above.iter().zip(&below).map(|(a, b)| (a - b) / width).collect::<Vec<_>>());
@@ -59,12 +62,10 @@ pub(super) fn std_errors(
     };
     let curvature: Vec<Vec<f64>> =
         (0..p).map(|i| (0..p).map(|j| product(i, j)).collect()).collect();
-    let Some(inverse) = inverse(&curvature) else {
-        return unknown;
-    };
+    let inverse = inverse(&curvature)?;
     // H^-1 J_i r_i, one series of length n a parameter: the variance is their correlated sum.
     let correction = n as f64 / (n - p) as f64;
-    inverse
+    let std_errors = inverse
         .iter()
         .map(|row| {
             let moved = |i: usize| -> f64 {
@@ -75,7 +76,8 @@ pub(super) fn std_errors(
             let variance = correction * correlated_sum(problem, &series);
             Some(variance.sqrt()).filter(|e| e.is_finite() && *e > 0.0)
         })
-        .collect()
+        .collect();
+    Some(Curvature { residuals: at_optimum, columns, inverse, std_errors })
 }
 
 /// Variance of a sum of correlated terms: the largest of three estimates from products of neighbours
@@ -84,7 +86,7 @@ pub(super) fn std_errors(
 ///
 /// The third sees the shape of a misfit, but the scores sum to zero at the optimum, so a reach as wide as
 /// the lobe finds too little; the second sees the noise that overlapping cones share.
-fn correlated_sum(problem: &Problem<'_>, series: &[f64]) -> f64 {
+pub(super) fn correlated_sum(problem: &Problem<'_>, series: &[f64]) -> f64 {
     let mut from = 0;
     let mut estimates = [0.0; 3];
     for incidence in &problem.plan().incidences {

@@ -7,7 +7,7 @@ use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
 
 use super::scales::{Scales, cutoff_um};
-use crate::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use crate::kirchhoff::{ByFlux, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use crate::raytrace::{Facet, Field, FieldError, TracedBoundary, Turned};
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::split::split;
@@ -30,17 +30,13 @@ enum Parts {
     /// No short waves.
     Rays(TracedBoundary),
     /// No long waves.
-    Waves(Box<WaveBoundary>),
+    Waves(Box<ByFlux>),
     /// The long map, and the law of its facets.
-    Both(Arc<Field>, Box<WaveBoundary>),
+    Both(Arc<Field>, Box<ByFlux>),
 }
 
 /// `(q_z sigma)^2` of what does nothing to light: a part in a thousand of it.
 const NOTHING: f64 = 1e-3;
-
-/// Largest weight of a ray at a facet. Kirchhoff's law gives grazing light more flux than it had, in proportion to one over
-/// its cosine; rays drawn in all directions alike weigh up to some 20. What is cut off would be noise and no light.
-const MOST_WEIGHT: f64 = 50.0;
 
 impl HybridBoundary {
     /// Splits a map where its own heights and the light say.
@@ -72,7 +68,8 @@ impl HybridBoundary {
         let incomplete = |_| missing(map);
         let options = WaveOptions { speckle: Speckle::Averaged, ..options.clone() };
         let waves = |map: &HeightMap| {
-            WaveBoundary::of_map(map, edges, eta, &options).map(Box::new).map_err(incomplete)
+            let law = WaveBoundary::of_map(map, edges, eta, &options).map_err(incomplete)?;
+            Ok::<_, FieldError>(Box::new(ByFlux::new(law)))
         };
         let most =
             2.0 * eta.get().max(1.0) * std::f64::consts::TAU / options.wavelengths.shortest_um();
@@ -132,7 +129,9 @@ impl HybridBoundary {
     pub fn warnings(&self, incidences_deg: &[f64]) -> Vec<String> {
         let short = match &self.parts {
             Parts::Rays(_) => None,
-            Parts::Waves(short) | Parts::Both(_, short) => short.validity(incidences_deg).ok(),
+            Parts::Waves(short) | Parts::Both(_, short) => {
+                short.law().validity(incidences_deg).ok()
+            }
         };
         let words = short.map(|v| v.warnings()).unwrap_or_default();
         std::iter::once(self.scales.text()).chain(words).collect()
@@ -144,7 +143,7 @@ fn missing(map: &HeightMap) -> FieldError {
 }
 
 /// A facet with short waves on it.
-struct Rough<'a>(&'a WaveBoundary);
+struct Rough<'a>(&'a ByFlux);
 
 impl Facet for Rough<'_> {
     fn turn(
@@ -169,13 +168,13 @@ impl Facet for Rough<'_> {
         let [p, q, r] = wo.xyz();
         let out = |k: usize, m: f64| p * s[k] + q * t[k] + r * m;
         let to = Direction::new(out(0, x) as f32, out(1, y) as f32, out(2, z) as f32)?;
-        Some(Turned { to, above: r > 0.0, weight: weight.min(MOST_WEIGHT) })
+        Some(Turned { to, above: r > 0.0, weight })
     }
 }
 
 impl Scatter<f64> for HybridBoundary {
     /// Takes two uniforms for the place on the map and three for each bounce, or what rays or waves alone take. Weights
-    /// of the bounces, at most 50 each, are multiplied and may exceed 1.
+    /// of the bounces are multiplied and may exceed 1; their mean does not.
     fn sample(
         &self,
         wi: Direction<f64>,
@@ -183,10 +182,7 @@ impl Scatter<f64> for HybridBoundary {
     ) -> Option<Scattered<f64>> {
         match &self.parts {
             Parts::Rays(rays) => rays.sample(wi, uniform),
-            Parts::Waves(waves) => {
-                let Scattered { wo, weight } = waves.sample(wi, uniform)?;
-                Some(Scattered { wo, weight: weight.min(MOST_WEIGHT) })
-            }
+            Parts::Waves(waves) => waves.sample(wi, uniform),
             Parts::Both(field, short) => field.scatter(wi, &Rough(short), uniform),
         }
     }

@@ -48,6 +48,11 @@ impl Density {
         rings.chain([x, y, corner])
     }
 
+    /// Side of an order, 1/um.
+    pub(super) fn base(&self) -> f64 {
+        self.base
+    }
+
     /// Share of the azimuths of a radius at which there are orders: a map has them in the rectangle `|q_x| <= e_x`,
     /// `|q_y| <= e_y`, `e = pi / pitch`, so that of a circle of radius `q` two arcs of half angle `acos(e / q)` are dark for
     /// each side it crosses. Without this share the mean over azimuths would hold light beyond the rectangle that the map does

@@ -22,8 +22,10 @@ mod options;
 mod boundary;
 mod sampling;
 mod flux;
+mod by_flux;
 
 pub use boundary::{CoherentFlux, WaveBoundary};
+pub use by_flux::ByFlux;
 pub use coherence::warning_for_rays;
 pub use fft::{Coefficients, Fourier};
 pub use mean::MeanSpectra;

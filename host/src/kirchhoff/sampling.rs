@@ -41,11 +41,20 @@ impl Aim {
         optics: &Optics,
         wo: Direction<f64>,
     ) -> f64 {
+        (1.0 - self.wide) * self.near(boundary, optics, wo) + self.wide / std::f64::consts::TAU
+    }
+
+    /// Density of the directions that [`Self::radius`] and an azimuth give, 1/sr.
+    pub(super) fn near(&self, boundary: &WaveBoundary, optics: &Optics, wo: Direction<f64>) -> f64 {
         let [x, y, z] = wo.xyz();
         let [qx, qy] = optics.momentum([x, y]);
         let n = optics.k * optics.n_o;
-        let near = boundary.density.drawn(self.q_z, qx.hypot(qy)) * n * n * z.abs();
-        (1.0 - self.wide) * near + self.wide / std::f64::consts::TAU
+        boundary.density.drawn(self.q_z, qx.hypot(qy)) * n * n * z.abs()
+    }
+
+    /// A `|q_xy|` drawn in proportion to the density about the specular direction, 1/um.
+    pub(super) fn radius(&self, boundary: &WaveBoundary, u: f64) -> Option<f64> {
+        boundary.density.draw(self.q_z, u)
     }
 }
 
@@ -83,7 +92,7 @@ impl WaveBoundary {
             let sine = (1.0 - up * up).max(0.0).sqrt();
             [sine * cos, sine * sin]
         } else {
-            let q = self.density.draw(aim.q_z, (along - wide) / (1.0 - wide))?;
+            let q = aim.radius(self, (along - wide) / (1.0 - wide))?;
             optics.tangent([q * cos, q * sin])
         };
         let cos2 = 1.0 - tangent[0] * tangent[0] - tangent[1] * tangent[1];

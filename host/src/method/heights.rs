@@ -35,7 +35,7 @@ const Z0: Parameter = Parameter {
     bounds: (0.0, 10.0),
     scale: Scale::Linear,
     starts: Cow::Borrowed(&[0.2]),
-    low_is_none: true,
+    none: Some(0.0),
 };
 
 impl HeightsMethod {

@@ -49,7 +49,7 @@ impl MeasuredMap {
             bounds: (least, most),
             scale: Scale::Log,
             starts: Cow::Owned(vec![2.0 * dx.max(dy)]),
-            low_is_none: true,
+            none: Some(0.0),
         };
         let parameters = if with_cutoff { vec![SCALE, cutoff] } else { vec![SCALE] };
         Ok(Self { low_pass, edges, parameters })

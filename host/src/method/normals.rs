@@ -23,7 +23,8 @@ pub struct NormalsMethod {
 const DELTA: Parameter =
     Parameter::new("delta", "deg", (0.005, 90.0), Scale::Log, &[0.3, 2.0, 8.0, 25.0]);
 const N: Parameter = Parameter::new("n", "", (0.5, 64.0), Scale::Log, &[2.0]);
-const THETA0: Parameter = Parameter::new("theta0", "deg", (0.0, 60.0), Scale::Linear, &[1.0]);
+const THETA0: Parameter =
+    Parameter::new("theta0", "deg", (0.0, 60.0), Scale::Linear, &[1.0]).or_zero();
 
 static PLAIN: [Parameter; 2] = [DELTA, N];
 static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];

@@ -24,8 +24,9 @@ pub struct Parameter {
     pub scale: Scale,
     /// Values to start a search from.
     pub starts: Cow<'static, [f64]>,
-    /// Whether the lower bound stands for `nothing`: a fit that ends there was not cut short.
-    pub low_is_none: bool,
+    /// The value, below the others, that stands for `nothing`: no filter, no floor. A fit tries it alone, and keeps it
+    /// unless the data speak against it; one that ends at the lower bound was not cut short.
+    pub none: Option<f64>,
 }
 
 impl Parameter {
@@ -37,7 +38,13 @@ impl Parameter {
         scale: Scale,
         starts: &'static [f64],
     ) -> Self {
-        Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), low_is_none: false }
+        Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), none: None }
+    }
+
+    /// The same with zero as the value that stands for nothing.
+    pub const fn or_zero(mut self) -> Self {
+        self.none = Some(0.0);
+        self
     }
 
     /// From a bounded value to an unbounded one: the logit of its place between the bounds.
@@ -71,7 +78,7 @@ impl Parameter {
     pub fn is_at_bound(&self, value: f64) -> bool {
         let (lo, hi) = self.ends();
         let place = (self.stretch(value) - lo) / (hi - lo);
-        let low = if self.low_is_none { f64::NEG_INFINITY } else { 1e-4 };
+        let low = if self.none.is_some() { f64::NEG_INFINITY } else { 1e-4 };
         !(low..=1.0 - 1e-4).contains(&place)
     }
 
@@ -102,7 +109,7 @@ mod tests {
                 bounds: (0.01, 5.0),
                 scale,
                 starts: Cow::Borrowed(&[1.0]),
-                low_is_none: false,
+                none: None,
             };
             for value in [0.011, 0.1, 1.0, 4.9] {
                 assert!((p.to_bounded(p.to_free(value)) / value - 1.0).abs() < 1e-9);

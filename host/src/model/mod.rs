@@ -37,6 +37,20 @@ pub struct Value {
     /// Standard error; absent if the value was given, or the data do not determine it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub std_error: Option<f64>,
+    /// Where the profile of the cost does not confirm the curvature: the standard errors downwards and upwards, null where
+    /// none can be stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_error_sides: Option<[Option<f64>; 2]>,
+    /// What has to be said of the value: that it stands for nothing, or that its error is not to be relied on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+impl Value {
+    /// A value that was not fitted.
+    pub fn given(value: f64, unit: String) -> Self {
+        Self { value, unit, std_error: None, std_error_sides: None, note: None }
+    }
 }
 
 /// The body that has the rough surface, in files.

@@ -143,7 +143,9 @@ mod tests {
             unit: "",
             value: 0.187,
             std_error: Some(0.0009),
+            profile: None,
             at_bound: false,
+            is_none: false,
         };
         let fit = Fit {
             parameters: vec![alpha],

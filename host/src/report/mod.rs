@@ -42,12 +42,21 @@ pub fn with_error(value: f64, std_error: Option<f64>) -> String {
     }
 }
 
+/// A fitted value with its error and unit; `none` where it stands for nothing.
+pub fn value_text(p: &crate::fit::Fitted) -> String {
+    if p.is_none {
+        return "none".into();
+    }
+    let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
+    let unsure = if p.is_unreliable() { " (error unreliable)" } else { "" };
+    with_error(p.value, p.std_error) + &unit + unsure
+}
+
 /// The parameters of a fit in one line.
 pub fn parameters_text(fit: &Fit) -> String {
     let one = |p: &crate::fit::Fitted| {
-        let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
         let bound = if p.at_bound { " (at its bound)" } else { "" };
-        format!("{} = {}{unit}{bound}", p.name, with_error(p.value, p.std_error))
+        format!("{} = {}{bound}", p.name, value_text(p))
     };
     fit.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
 }

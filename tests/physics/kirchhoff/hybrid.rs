@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
+use asperity::energy::balances;
 use asperity::forward::{Effort, Plan, Rays, Readings, Sample, Setup, count_flux, simulate};
 use asperity::hybrid::HybridBoundary;
 use asperity::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
@@ -12,7 +13,7 @@ use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap};
 use asperity_core::bsdf::Scatter;
-use asperity_core::direction::Direction;
+use asperity_core::direction::{Direction, Side};
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use asperity_tests::extensive;
@@ -183,6 +184,93 @@ fn it_is_no_worse_than_the_better_of_both() {
             assert!(to_wave[1] < to_wave[0] + noise && to_ray[1] < to_ray[0] + noise, "{text}");
         } else {
             assert!(to_ray[1] < 0.3 * to_ray[0] + 1.5 * noise, "{text}");
+        }
+    }
+}
+
+/// A beam from the air, or from inside, and the light that comes to a plane facet.
+fn beam(inside: bool, deg: f64) -> Direction<f64> {
+    let (s, c) = deg.to_radians().sin_cos();
+    Direction::from_unit(-s, 0.0, if inside { -c } else { c })
+}
+
+/// Slope along x of 0.3, partly coherent nowhere: the whole map diffracts.
+fn steep() -> HeightMap {
+    surface(512, 0.2, 0.44, std::f64::consts::SQRT_2 * 0.44 / 0.3)
+}
+
+#[test]
+fn beyond_the_critical_angle_it_transmits_what_the_orders_of_the_map_do() {
+    // 42.2 degrees: of a smooth face nothing would pass
+    let map = steep();
+    let hybrid = hybrid(&map, None);
+    let options = WaveOptions { speckle: Speckle::Kept, ..options() };
+    let kept = WaveBoundary::of_map(&map, EDGES, ior(ETA), &options).unwrap();
+    let kept = Boundary::Wave(Box::new(kept));
+    let stop = AtomicBool::new(false);
+    for deg in [45.0, 60.0, 75.0] {
+        let exact = balances(
+            &kept,
+            &[(Side::Dielectric, deg)],
+            Rays { count: 1, seed: 1 },
+            &stop,
+            &|_, _| (),
+        );
+        let exact = exact.unwrap()[0];
+        // a facet gives no more than it receives
+        let all = (exact.reflected + exact.transmitted).max(1.0);
+        let found: Vec<f64> = (1..=6)
+            .map(|seed| {
+                count_flux(&hybrid, beam(true, deg), Rays { count: 40_000, seed }).transmitted
+            })
+            .collect();
+        let mean = found.iter().sum::<f64>() / 6.0;
+        let spread = found.iter().map(|f| (f - mean).powi(2)).sum::<f64>() / 5.0;
+        println!("{deg} deg: {mean:.4} +- {:.4}, orders {exact:?}", spread.sqrt());
+        assert!((mean * all / exact.transmitted - 1.0).abs() < 0.03, "{deg} {mean} {exact:?}");
+        // of 40 000 rays
+        assert!(spread.sqrt() < 0.03 * mean, "{deg} {found:?}");
+        assert!(deg != 60.0 || (mean - 0.143).abs() < 0.006, "{mean}");
+    }
+}
+
+#[test]
+fn a_plate_at_60_degrees_reads_what_waves_read() {
+    let map = steep();
+    let sigmas = [60.0];
+    let exact = scan(&Boundary::Wave(Box::new(wave(&map))), Geometry::Transmission, &sigmas, 1);
+    let hybrid = Boundary::Hybrid(Box::new(hybrid(&map, None)));
+    let found = scan(&hybrid, Geometry::Transmission, &sigmas, 1_000_000);
+    let sum = |readings: &Readings| readings.values.iter().sum::<f64>();
+    let ratio = sum(&found) / sum(&exact);
+    let (far, noise) = (distance(&found, &exact), noise(&found));
+    println!("{ratio:.4}, eq. (18) {far:.3} %, noise {noise:.3} %");
+    assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+    assert!(far < 1.0 + 1.5 * noise && noise < 2.0, "{far} {noise}");
+}
+
+#[test]
+fn it_gives_no_more_than_it_receives() {
+    for (rq, slope) in [(0.1, 0.1), (0.44, 0.3), (0.9, 0.2), (1.5, 0.3)] {
+        let length = std::f64::consts::SQRT_2 * rq / slope;
+        let map = surface(256, length / 8.0, rq, length);
+        let hybrid = HybridBoundary::of_map(&map, EDGES, ior(ETA), &options()).unwrap();
+        for inside in [false, true] {
+            for deg in [0.0, 20.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0] {
+                let rays = Rays { count: 20_000, seed: 3 };
+                let again = Rays { seed: 4, ..rays };
+                let of = |rays| count_flux(&hybrid, beam(inside, deg), rays);
+                let (a, b) = (of(rays), of(again));
+                let sum = a.reflected + a.transmitted;
+                println!(
+                    "{rq} {slope} {inside} {deg}: R {:.4} T {:.4}",
+                    a.reflected, a.transmitted
+                );
+                assert!(sum < 1.02, "Rq {rq}, slope {slope}, inside {inside}, {deg} deg: {a:?}");
+                assert!((a.transmitted - b.transmitted).abs() < 0.03, "{a:?} {b:?}");
+                // what is lost is evanescent, or sent along the surface
+                assert!(sum > 0.8, "Rq {rq}, slope {slope}, inside {inside}, {deg} deg: {a:?}");
+            }
         }
     }
 }

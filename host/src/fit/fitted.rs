@@ -1,0 +1,64 @@
+//! A fitted parameter, and what is said of it.
+
+use super::profile::{Profile, Side};
+use crate::model::Value;
+
+/// A fitted parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Standard error from the curvature at the optimum, enlarged where the profile of the cost says so; `None` if the
+    /// data do not determine it.
+    pub std_error: Option<f64>,
+    /// What the profile of the cost says of it.
+    pub profile: Option<Profile>,
+    /// Whether it stopped at a bound of its range.
+    pub at_bound: bool,
+    /// Whether it stands for nothing (no filter, no floor), because a fit with it describes the data no better.
+    pub is_none: bool,
+}
+
+impl Fitted {
+    /// Whether its standard error is not to be relied on.
+    pub fn is_unreliable(&self) -> bool {
+        self.profile.is_some_and(|p| p.sides.contains(&Side::Flat))
+    }
+
+    /// What has to be warned of; nothing where it is determined.
+    pub fn warning(&self) -> Option<String> {
+        if self.is_none {
+            return None;
+        }
+        if self.at_bound {
+            let (name, value) = (self.name, self.value);
+            return Some(format!("{name} = {value:.3e} ended at the bound of its range"));
+        }
+        match (self.std_error, self.profile) {
+            (None, _) => Some(format!("the data do not determine {}", self.name)),
+            (_, profile) => profile.and_then(|p| p.text(self.name, self.unit)),
+        }
+    }
+
+    /// As it stands in a model file.
+    pub fn record(&self) -> Value {
+        let unsure = self.profile.filter(|p| !p.is_confirmed() && !self.at_bound);
+        let none = || "none: a fit with it describes the scan no better".to_owned();
+        Value {
+            std_error: self.std_error,
+            std_error_sides: unsure.map(|p| {
+                p.sides.map(|side| if let Side::Error(e) = side { Some(e) } else { None })
+            }),
+            note: if self.is_none {
+                Some(none())
+            } else {
+                unsure.and_then(|p| p.text(self.name, self.unit))
+            },
+            ..Value::given(self.value, self.unit.to_owned())
+        }
+    }
+}
