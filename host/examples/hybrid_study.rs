@@ -12,7 +12,7 @@ use std::time::Instant;
 use asperity::boundary::Boundary;
 use asperity::forward::{Effort, Plan, Rays, Readings, Sample, Setup, simulate};
 use asperity::hybrid::HybridBoundary;
-use asperity::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale, svg};
 use asperity::raytrace::{Field, TracedBoundary};
@@ -70,7 +70,7 @@ fn study(rq_um: f64, textured: bool, points: usize, count: u64, rows: &mut Vec<R
     let options = WaveOptions {
         wavelengths: Wavelengths::single(NM).unwrap(),
         speckle: Speckle::Averaged,
-        shadowing: false,
+        shadowing: Shadowing::Off,
     };
     let setup = Setup {
         sample: Sample::Plate { eta, rough_side: RoughSide::Source },

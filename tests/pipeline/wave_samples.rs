@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, cost_at};
 use asperity::forward::{Effort, Plan, Sample, Setup, wave};
-use asperity::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{Choice, Method, Surface};
 use asperity::surface::{Crop, Edges, Form, HeightMap, Preparation, Prepared, Purpose};
@@ -28,7 +28,7 @@ const WAVELENGTH_UM: f64 = 0.55;
 
 fn light(speckle: Speckle) -> WaveOptions {
     let wavelengths = Wavelengths::single(1000.0 * WAVELENGTH_UM).unwrap();
-    WaveOptions { wavelengths, speckle, shadowing: false }
+    WaveOptions { wavelengths, speckle, shadowing: Shadowing::Off }
 }
 
 fn setup(rough_side: RoughSide, geometry: Geometry) -> Setup {
