@@ -14,6 +14,7 @@ use super::options::{Speckle, WaveOptions};
 use super::orders::Order;
 use super::sampling::{Aim, WIDE};
 use super::shadowing::Smith;
+use super::slopes::Slopes;
 use super::stack::Tiling;
 use super::validity::{Validity, ValidityError};
 use super::wavelengths::Wavelengths;
@@ -81,10 +82,13 @@ impl WaveBoundary {
         Ok(Self::new(Arc::new(map.clone()), edges, (spectra, 1.0), eta, options))
     }
 
-    /// All directions of a surface alike: its far field may be averaged over azimuths.
+    /// All directions of a surface alike: its far field may be averaged over azimuths. Of a map too narrow to tell, a few rows
+    /// of grooves, only if it is flat.
     pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
-        let spectrum = Spectrum::of(map, edges).ok();
-        !spectrum.and_then(|s| s.anisotropy()).is_some_and(|a| a.is_directional())
+        match Spectrum::of(map, edges).ok().and_then(|s| s.anisotropy()) {
+            Some(found) => !found.is_directional(),
+            None => Slopes::of(map, edges).steepest() <= 0.0,
+        }
     }
 
     /// The map as it scatters.

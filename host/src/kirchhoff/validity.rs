@@ -27,8 +27,8 @@ pub const CURVATURE_WAVELENGTHS: f64 = 10.0;
 pub const MOST_SHARE: f64 = 0.05;
 /// What ">>" means in eq. (11): `cos theta` is to be larger than this many `Rq / l`.
 pub const COS_RQ_OVER_ACL: f64 = 3.0;
-/// Share of the facets that may violate a condition.
-pub const MOST_VIOLATING: f64 = 0.002;
+/// Share of the facets that may violate a condition: what lies beyond three rms slopes on grooves of Gaussian slopes, `erfc(3 / sqrt 2)`.
+pub const MOST_VIOLATING: f64 = 0.0027;
 /// How much more light may come out than went in, as a fraction of the incident flux.
 pub const MOST_EXCESS: f64 = 0.01;
 /// Correlation areas of a map at least.
