@@ -3,7 +3,9 @@
 
 use std::sync::atomic::AtomicBool;
 
+use asperity::boundary::Boundary;
 use asperity::energy;
+use asperity::forward::Rays;
 use asperity::kirchhoff::{
     GaussianLobe, Shadowing, Speckle, Validity, WaveBoundary, WaveOptions, Wavelengths,
 };
@@ -11,7 +13,7 @@ use asperity::surface::{Edges, GaussianSurface, HeightMap};
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
-use asperity_tests::{extensive, tolerance};
+use asperity_tests::{data, extensive, tolerance};
 
 /// Vacuum wavelength, um: the atlas counts in wavelengths.
 const WAVELENGTH_UM: f64 = 0.55;
@@ -135,14 +137,16 @@ fn grooves(rq: f64, slope: f64, seed: u64) -> HeightMap {
     surface.map().unwrap()
 }
 
+/// Waves on the orders of a map.
+fn boundary(map: &HeightMap, shadowing: Shadowing) -> WaveBoundary {
+    let wavelengths = Wavelengths::single(1e3 * WAVELENGTH_UM).unwrap();
+    let options = WaveOptions { wavelengths, speckle: Speckle::Kept, shadowing };
+    WaveBoundary::of_map(map, Edges::Periodic, ior(), &options).unwrap()
+}
+
 /// The verdict as `stats` gives it, the balance included.
 fn judged(map: &HeightMap, incidences_deg: &[f64]) -> Validity {
-    let options = WaveOptions {
-        wavelengths: Wavelengths::single(1e3 * WAVELENGTH_UM).unwrap(),
-        speckle: Speckle::Kept,
-        shadowing: Shadowing::Auto,
-    };
-    let wave = WaveBoundary::of_map(map, Edges::Periodic, ior(), &options).unwrap();
+    let wave = boundary(map, Shadowing::Auto);
     let never = AtomicBool::new(false);
     energy::verdict(&wave, incidences_deg, &never, &|_, _| ()).unwrap().unwrap()
 }
@@ -205,5 +209,68 @@ fn maps_are_judged_as_the_surfaces_they_are_of() {
         reading.is_right(170);
         diffuse.is_right(110);
         assert!((other as f64) < tolerance::VERDICT_OF_MAPS.allowed, "{other}");
+    }
+}
+
+/// A rigorous profile of the shared data as a map of grooves, and what it reflects of light from the air, by incidence in degrees.
+fn rigorous(name: &str) -> Option<(HeightMap, Vec<(f64, f64)>)> {
+    let folder = "reference/rigorous";
+    let profile = data::find(&format!("{folder}/give_{name}_profile.csv"))?;
+    let orders = data::find(&format!("{folder}/give_{name}_orders.csv"))?;
+    let rows = |path| {
+        let text = std::fs::read_to_string(path).unwrap();
+        let lines = text.lines().filter(|l| !l.starts_with('#')).skip(1);
+        lines.map(|l| l.split(',').map(str::to_owned).collect()).collect::<Vec<Vec<String>>>()
+    };
+    let number = |cell: &String| cell.parse::<f64>().unwrap();
+    let points = rows(profile);
+    let pitch = number(&points[1][0]) - number(&points[0][0]);
+    let line: Vec<f64> = points.iter().map(|p| number(&p[1])).collect();
+    let heights = line.repeat(2);
+    let map = HeightMap::new((line.len(), 2), (pitch, pitch), heights).unwrap();
+    let mut reflected: Vec<(f64, f64)> = Vec::new();
+    for order in rows(orders).iter().filter(|o| o[0] == "air" && o[3] == "R") {
+        let (deg, power) = (number(&order[2]), 0.5 * (number(&order[6]) + number(&order[7])));
+        match reflected.iter_mut().find(|r| r.0.total_cmp(&deg).is_eq()) {
+            Some(found) => found.1 += power,
+            None => reflected.push((deg, power)),
+        }
+    }
+    Some((map, reflected))
+}
+
+#[test]
+fn shadowing_by_itself_is_there_where_it_is_needed() {
+    // Rq 0.56 wavelengths, slope 0.31; Rq 0.08 wavelengths, slope 0.43: heights too small
+    for (name, shadowed) in [("D", true), ("C", false)] {
+        let Some((map, reflected)) = rigorous(name) else { return };
+        for (deg, rigorous) in reflected {
+            // light of a negative angle on a map is light of a positive one on its mirror image
+            let turned = map.clone();
+            let width = map.nx();
+            let turned = if deg < 0.0 {
+                turned.map(|x, y, _| map.height_um(width - 1 - x, y).unwrap())
+            } else {
+                turned
+            };
+            let found = [Shadowing::Auto, Shadowing::On, Shadowing::Off].map(|shadowing| {
+                let wave = boundary(&turned, shadowing);
+                let beams = [(Side::Air, deg.abs())];
+                let never = AtomicBool::new(false);
+                let rays = Rays { count: 1, seed: 1 };
+                let wave = Boundary::Wave(Box::new(wave));
+                energy::balances(&wave, &beams, rays, &never, &|_, _| ()).unwrap()[0].reflected
+            });
+            let [auto, on, off] = found;
+            println!(
+                "{name}, {deg:.1} deg: R {rigorous:.4}, auto {auto:.4}, on {on:.4}, off {off:.4}"
+            );
+            let same = if shadowed { on } else { off };
+            assert!((auto - same).abs() < 1e-12, "{name} {deg} {found:?}");
+            if shadowed && deg.abs() > 45.0 {
+                let [with, without] = [auto, off].map(|r| (r / rigorous - 1.0).abs());
+                assert!(with < 0.05 && without > 0.3, "{deg} {rigorous} {found:?}");
+            }
+        }
     }
 }

@@ -49,11 +49,11 @@ impl Validity {
                 (violating.critical, "see it beyond the critical angle, or not"),
             ];
             let most = parts.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            format!("{:.1} % {}", 100.0 * violating.any, most.map_or("", |m| m.1))
+            format!("{:.2} % {}", 100.0 * violating.any, most.map_or("", |m| m.1))
         };
         said(&bad, what).map(|places| {
             format!(
-                "Kirchhoff: facets turn the light too far, shadow it or are in shadow, in {places} (at most {:.1} % asked); \
+                "Kirchhoff: facets turn the light too far, shadow it or are in shadow, in {places} (at most {:.2} % asked); \
                  {remedy}",
                 100.0 * MOST_VIOLATING
             )
