@@ -121,14 +121,14 @@ fn the_closed_form_tells_right_lobes_from_wrong_ones() {
     assert_eq!(diffuse.bad, 0);
 }
 
-/// A periodic map of grooves along y, as many correlation lengths long as its tails need.
+/// A periodic row of heights, which are grooves along y, as many correlation lengths long as its tails need.
 fn grooves(rq: f64, slope: f64, seed: u64) -> HeightMap {
     let length = std::f64::consts::SQRT_2 * rq / slope;
     // steps within half a wave inside at two rms slopes, lobes up to the horizon, and smooth
     let pitch = (length / 8.0).min(0.15 / (2.0 * slope)).min(0.3);
-    let columns = (600.0 * length / pitch).log2().ceil();
+    let columns = (400.0 * length / pitch).log2().ceil();
     let surface = GaussianSurface {
-        size: (columns.exp2() as usize, 2),
+        size: (columns.exp2() as usize, 1),
         pitches_um: (pitch * WAVELENGTH_UM, pitch * WAVELENGTH_UM),
         rq_um: rq * WAVELENGTH_UM,
         lengths_um: (length * WAVELENGTH_UM, 1e9),
