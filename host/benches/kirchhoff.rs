@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity::kirchhoff::{
-    Beam, Fourier, MeanSpectra, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
+    Beam, Fourier, MeanSpectra, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
 };
 use asperity::surface::{Edges, GaussianSurface, HeightMap};
 use asperity_core::bsdf::{Bsdf, Lobe};
@@ -70,7 +70,7 @@ fn engines(c: &mut Criterion) {
     let options = WaveOptions {
         wavelengths: Wavelengths::single(550.0).unwrap(),
         speckle: Speckle::Averaged,
-        shadowing: false,
+        shadowing: Shadowing::Off,
     };
     let map = map(1024);
     c.bench_function("mean law of 1024 x 1024 points", |b| {

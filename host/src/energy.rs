@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::{Rays, count_flux};
-use crate::kirchhoff::{Beam, Speckle, WaveBoundary, orders};
+use crate::kirchhoff::{Beam, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders};
 
 /// Flux balance of one incidence, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -66,23 +66,79 @@ pub fn balances(
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Option<Vec<Energy>> {
-    if let Boundary::Wave(wave) = boundary
-        && wave.speckle() != Speckle::Averaged
-    {
+    if let Boundary::Wave(wave) = boundary {
         return of_waves(wave, incidences, stop, progress);
     }
+    one_by_one(incidences, stop, progress, |side, deg| balance(boundary, side, deg, rays))
+}
+
+/// Where waves may be trusted for light of these incidences, from both sides, and what of it they lose: the balance is that of
+/// [`balances`], looked at wherever a lobe would pass without it. `None` if `stop` was set before the end.
+///
+/// # Errors
+/// Angles that are none of incidence.
+pub fn verdict(
+    wave: &WaveBoundary,
+    incidences_deg: &[f64],
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Result<Option<Validity>, ValidityError> {
+    let validity = wave.validity(incidences_deg)?;
+    let mut asked: Vec<(Side, f64)> = Vec::new();
+    for lobe in validity.lobes.iter().filter(|l| l.passes) {
+        let known = |(side, deg): &(Side, f64)| {
+            *side == lobe.side && deg.total_cmp(&lobe.incidence_deg).is_eq()
+        };
+        if !asked.iter().any(known) {
+            asked.push((lobe.side, lobe.incidence_deg));
+        }
+    }
+    let found = of_waves(wave, &asked, stop, progress);
+    Ok(found.map(|found| validity.balanced(&losses(&found))))
+}
+
+/// What is lost of the light of each balance.
+pub fn losses(energy: &[Energy]) -> Vec<Loss> {
+    let loss = |e: &Energy| Loss {
+        side: if e.side == side_name(Side::Air) { Side::Air } else { Side::Dielectric },
+        incidence_deg: e.incidence_deg,
+        lost: e.lost,
+    };
+    energy.iter().map(loss).collect()
+}
+
+fn one_by_one(
+    incidences: &[(Side, f64)],
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    of: impl Fn(Side, f64) -> Energy,
+) -> Option<Vec<Energy>> {
     let mut found = Vec::with_capacity(incidences.len());
     for (k, &(side, deg)) in incidences.iter().enumerate() {
         if stop.load(Ordering::Relaxed) {
             return None;
         }
-        found.push(balance(boundary, side, deg, rays));
+        found.push(of(side, deg));
         progress(k + 1, incidences.len());
     }
     Some(found)
 }
 
 fn of_waves(
+    wave: &WaveBoundary,
+    incidences: &[(Side, f64)],
+    stop: &AtomicBool,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Option<Vec<Energy>> {
+    match wave.speckle() {
+        Speckle::Averaged => {
+            one_by_one(incidences, stop, progress, |side, deg| of_mean_law(wave, side, deg))
+        }
+        Speckle::Kept | Speckle::Patch => of_orders(wave, incidences, stop, progress),
+    }
+}
+
+fn of_orders(
     wave: &WaveBoundary,
     incidences: &[(Side, f64)],
     stop: &AtomicBool,
@@ -107,7 +163,7 @@ fn of_waves(
         .map(|(beam, weight)| {
             let (mut all, mut coherent) = (0.0, 0.0);
             for order in beam.iter() {
-                let power = weight * order.power * wave.unshadowed(beam.beam().wi, order.wo);
+                let power = weight * wave.shadowed(beam.beam(), &order);
                 all += power;
                 coherent += if order.is_specular() { power } else { 0.0 };
             }
@@ -143,26 +199,21 @@ fn of_waves(
 /// Closed forms: a lattice rule over the facets, error about 1e-5. Waves: the mean law, ring by ring, 5e-4. Traced boundaries:
 /// rays are counted, one standard error is at most `0.5 / sqrt(count)`.
 pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) -> Energy {
+    if let Boundary::Wave(wave) = boundary {
+        return of_mean_law(wave, side, incidence_deg);
+    }
     let wi = incidence(side, incidence_deg);
     let coherent = boundary.coherent(wi);
-    let wave = if let Boundary::Wave(wave) = boundary { Some(&**wave) } else { None };
-    let evanescent = |lobe| wave.and_then(|wave| wave.evanescent(wi, lobe));
-    let (reflected, transmitted, lost) = if let Some(wave) = wave {
-        let reflected = coherent.reflected + wave.diffuse_flux(wi, Lobe::Reflection);
-        let transmitted = coherent.transmitted + wave.diffuse_flux(wi, Lobe::Transmission);
+    let (reflected, transmitted, lost) = with_boundary!(boundary,
+    b => {
+        let flux = |lobe| lobe_flux(b, wi, lobe);
+        let (reflected, transmitted) = (flux(Lobe::Reflection), flux(Lobe::Transmission));
         (reflected, transmitted, 1.0 - reflected - transmitted)
-    } else {
-        with_boundary!(boundary,
-        b => {
-            let flux = |lobe| lobe_flux(b, wi, lobe);
-            let (reflected, transmitted) = (flux(Lobe::Reflection), flux(Lobe::Transmission));
-            (reflected, transmitted, 1.0 - reflected - transmitted)
-        },
-        traced t => {
-            let flux = count_flux(t, wi, rays);
-            (flux.reflected, flux.transmitted, flux.lost)
-        })
-    };
+    },
+    traced t => {
+        let flux = count_flux(t, wi, rays);
+        (flux.reflected, flux.transmitted, flux.lost)
+    });
     Energy {
         incidence_deg,
         side: side_name(side),
@@ -171,8 +222,26 @@ pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) 
         lost,
         coherent_reflected: coherent.reflected,
         coherent_transmitted: coherent.transmitted,
-        evanescent_reflected: evanescent(Lobe::Reflection),
-        evanescent_transmitted: evanescent(Lobe::Transmission),
+        evanescent_reflected: None,
+        evanescent_transmitted: None,
+    }
+}
+
+fn of_mean_law(wave: &WaveBoundary, side: Side, incidence_deg: f64) -> Energy {
+    let wi = incidence(side, incidence_deg);
+    let coherent = wave.coherent(wi);
+    let reflected = coherent.reflected + wave.diffuse_flux(wi, Lobe::Reflection);
+    let transmitted = coherent.transmitted + wave.diffuse_flux(wi, Lobe::Transmission);
+    Energy {
+        incidence_deg,
+        side: side_name(side),
+        reflected,
+        transmitted,
+        lost: 1.0 - reflected - transmitted,
+        coherent_reflected: coherent.reflected,
+        coherent_transmitted: coherent.transmitted,
+        evanescent_reflected: wave.evanescent(wi, Lobe::Reflection),
+        evanescent_transmitted: wave.evanescent(wi, Lobe::Transmission),
     }
 }
 

@@ -51,10 +51,60 @@ fn a_model_of_waves_needs_no_fit_and_a_lamp_is_a_list() {
     let model = "model measured-wave --set scale=1 --map map.txt --pixel-um 0.5 --ior 1.49 \
                  --wavelength-nm 450:1,550:2,650:1 --shadowing -o m.json --json";
     let model = folder.run(model).json();
-    assert_eq!(model["wave"]["shadowing"], true);
+    assert_eq!(model["wave"]["shadowing"], "on");
     let check = folder.run("check m.json --incidence 0 --side air --json").json();
     let coherent = check["energy"][0]["coherent_transmitted"].as_f64().unwrap();
     assert!(coherent > 0.3 && coherent < 0.97, "{check:#}");
+}
+
+#[test]
+fn shadowing_is_by_itself_unless_it_is_asked_for() {
+    let folder = Folder::new();
+    // rms slope 0.39, Rq 0.7 um
+    folder.write("map.txt", waves(0.7));
+    let model = |flag: &str| {
+        let line = format!(
+            "model {flag} measured-wave --set scale=1 --map map.txt --pixel-um 0.5 --ior 1.49 --speckle kept \
+             --wavelength-nm 550 -o m.json --json"
+        );
+        folder.run(&line).json()["wave"]["shadowing"].clone()
+    };
+    let reflected = |inside: bool| {
+        let side = if inside { "dielectric" } else { "air" };
+        let run = folder.run(&format!("check m.json --incidence 50 --side {side} --json"));
+        let check: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+        ["reflected", "transmitted"].map(|key| check["energy"][0][key].as_f64().unwrap())
+    };
+    let mut found = Vec::new();
+    for (flag, stored) in [
+        ("", "auto"),
+        ("--shadowing auto", "auto"),
+        ("--shadowing", "on"),
+        ("--shadowing=off", "off"),
+    ] {
+        assert_eq!(model(flag), stored, "{flag}");
+        found.push([reflected(false), reflected(true)]);
+    }
+    let [auto, again, on, off] = [0, 1, 2, 3].map(|k| found[k]);
+    assert_eq!(auto, again);
+    // reflected in air as with it, all else as without
+    assert!(auto[0][0] < 0.98 * off[0][0], "{auto:?} {off:?}");
+    assert_eq!(auto, [[on[0][0], off[0][1]], off[1]]);
+    assert!(on[0][1] < off[0][1] && on[1][0] < off[1][0], "{on:?} {off:?}");
+    // models of earlier versions
+    let text = folder.text("m.json");
+    let word = r#""shadowing": "off""#;
+    assert!(text.contains(word), "{text}");
+    for (old, same) in [("\"shadowing\": true", on), ("\"shadowing\": false", off)] {
+        folder.write("m.json", text.replace(word, old));
+        assert_eq!([reflected(false), reflected(true)], same, "{old}");
+    }
+    let mut absent: serde_json::Value = serde_json::from_str(&text).unwrap();
+    absent["wave"].as_object_mut().unwrap().remove("shadowing");
+    folder.write("m.json", absent.to_string());
+    assert_eq!([reflected(false), reflected(true)], off);
+    let refused = folder.run("model measured-wave --shadowing=some --ior 1.49 -o m.json");
+    assert!(refused.code == Some(2) && refused.err.contains("auto"), "{}", refused.err);
 }
 
 #[test]

@@ -7,7 +7,9 @@ use asperity::boundary::Boundary;
 use asperity::embedded::EmbeddedTable;
 use asperity::energy::balance;
 use asperity::forward::Rays;
-use asperity::kirchhoff::{MeanSpectra, Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::kirchhoff::{
+    MeanSpectra, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths,
+};
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Plan, distance, energy_error, tabulate};
@@ -131,7 +133,8 @@ fn a_table_of_waves_gives_the_readings_and_the_flux_of_the_mean_law() {
     let preparation = Preparation { pixel_um: Some(0.361), ..Preparation::default() };
     let Prepared { map, edges, .. } = preparation.load(&path, Purpose::Light).unwrap();
     let wavelengths = Wavelengths::single(550.0).unwrap();
-    let options = WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: false };
+    let options =
+        WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off };
     let spectra = Arc::new(MeanSpectra::new(&map, edges).unwrap());
     for scale in [1.0, 0.1] {
         let scaled = Arc::new(map.clone().map(|_, _, h| scale * h));

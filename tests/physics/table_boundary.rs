@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use asperity::boundary::Boundary;
 use asperity::energy::balance;
 use asperity::forward::{Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate};
-use asperity::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{NoTable, Plan as TablePlan, tabulate};
@@ -25,7 +25,8 @@ fn boundaries() -> [Boundary; 2] {
     let (size, pitches_um, lengths_um) = ((256, 256), (0.5, 0.5), (4.0, 4.0));
     let map = GaussianSurface { size, pitches_um, rq_um: 0.15, lengths_um, seed: 1 }.map().unwrap();
     let wavelengths = Wavelengths::single(550.0).unwrap();
-    let options = WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: false };
+    let options =
+        WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off };
     let wave = WaveBoundary::of_map(&map, Edges::Periodic, ior(1.49), &options).unwrap();
     let wave = Boundary::Wave(Box::new(wave));
     let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays: RAYS };

@@ -16,6 +16,7 @@ mod real_scans;
 mod traced_samples;
 mod wave_samples;
 mod kirchhoff_validity;
+mod kirchhoff_atlas;
 mod metals;
 mod recovery;
 mod forward;

@@ -7,11 +7,13 @@ use serde::Serialize;
 use super::error::Failure;
 use super::source::parse_rays;
 use super::subject::{Subject, SubjectFlags};
+use super::validity::Verdict;
 use super::{interrupt, partial, print, progress};
 use crate::boundary::Boundary;
-use crate::energy::{Energy, balances, reciprocity_error, side_name};
+use crate::energy::{Energy, balances, losses, reciprocity_error, side_name};
 use crate::forward::Rays;
 use crate::kirchhoff::Speckle;
+use crate::kirchhoff::validity::MOST_EXCESS;
 use crate::surface::Edges;
 
 /// One side of the boundary, as a flag.
@@ -28,6 +30,8 @@ enum SideFlag {
 /// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays, or with --method wave by integrating
 /// the mean law of the surface, with the speckle kept by summing the orders of the map; their coherent part is given
 /// apart. A table (.bsdft) needs both lobes of the sides asked for.
+///
+/// Of waves it prints where the approximation holds, too, as `stats` does; where R + T is above 1.01 no lobe passes.
 ///
 /// Exit 1 if the model gives more than it receives (R + T > 1.0001, of tables 1.0005, of waves 1.01) or a value that is not
 /// finite.
@@ -67,6 +71,9 @@ struct Answer {
     reciprocity_error: Vec<Option<f64>>,
     reciprocal: Option<bool>,
     conserves_energy: bool,
+    /// Where the approximation holds, for waves: as `stats` prints it, of the sides and incidences asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kirchhoff: Option<serde_json::Value>,
     /// Where the approximation does not hold, for waves.
     warnings: Vec<String>,
 }
@@ -75,8 +82,6 @@ struct Answer {
 const TOLERANCE: f64 = 1e-4;
 /// What tables promise.
 const OF_TABLES: f64 = 5e-4;
-/// What Kirchhoff's approximation may be off by where it holds.
-const OF_WAVES: f64 = 0.01;
 /// Reciprocity up to rounding, far into the tails.
 const RECIPROCAL: f64 = 1e-6;
 
@@ -110,10 +115,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let energy = energy.ok_or_else(|| Failure::No("interrupted before the end".into()))?;
     let reciprocity: Vec<Option<f64>> =
         beams.iter().map(|&(side, deg)| reciprocity_error(&boundary, side, deg)).collect();
-    let warnings = boundary.warnings(&args.incidence);
+    let judged = if let Boundary::Wave(wave) = &boundary {
+        let mut validity = wave.validity(&args.incidence).map_err(Failure::bad)?;
+        validity.lobes.retain(|l| sides.contains(&l.side));
+        validity.far_fields.retain(|f| sides.contains(&f.side));
+        Some(Verdict::of_balance(validity.balanced(&losses(&energy))))
+    } else {
+        None
+    };
+    let warnings =
+        judged.as_ref().map_or_else(|| boundary.warnings(&args.incidence), Verdict::warnings);
     let tolerance = match (&boundary, boundary.wavelengths()) {
         (Boundary::Table(_), _) => OF_TABLES,
-        (_, Some(_)) => OF_WAVES,
+        (_, Some(_)) => MOST_EXCESS,
         (_, None) => TOLERANCE,
     };
     let fine = |e: &Energy| e.lost >= -tolerance && e.lost.is_finite();
@@ -121,6 +135,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let finite = known.as_ref().is_none_or(|known| known.iter().all(|e| e.is_finite()));
     let conserves_energy = energy.iter().all(fine) && finite;
     let reciprocal = known.map(|known| known.iter().all(|e| *e <= RECIPROCAL));
+    let too_much: Vec<String> = energy
+        .iter()
+        .filter(|e| !fine(e))
+        .map(|e| {
+            let sum = e.reflected + e.transmitted;
+            format!("R + T {sum:.4} at {} deg from the {}", e.incidence_deg, e.side)
+        })
+        .collect();
     if args.json {
         let answer = Answer {
             asperity: 1,
@@ -132,6 +154,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             reciprocity_error: reciprocity,
             reciprocal,
             conserves_energy,
+            kirchhoff: judged.as_ref().map(Verdict::json).transpose()?,
             warnings,
         };
         let text = serde_json::to_string_pretty(&answer).map_err(Failure::bad)?;
@@ -140,6 +163,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let verdict = verdict(&boundary, &method, reciprocal);
         let mut text = table.map(|said| format!("table {said}\n")).unwrap_or_default();
         text += &human(verdict, sides, &energy, &reciprocity);
+        text += &judged.as_ref().map(Verdict::table).unwrap_or_default();
         for warning in &warnings {
             text.push_str("warning: ");
             text.push_str(warning);
@@ -150,9 +174,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if conserves_energy {
         Ok(())
     } else {
-        Err(Failure::No(
-            "the model gives more flux than it receives, or values that are not finite".into(),
-        ))
+        let at = if too_much.is_empty() { "" } else { ": " };
+        Err(Failure::No(format!(
+            "the model gives more flux than it receives, or values that are not finite{at}{}",
+            too_much.join(", ")
+        )))
     }
 }
 

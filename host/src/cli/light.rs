@@ -1,9 +1,11 @@
 //! The flags of the light, for what treats it as waves.
 
+use std::ffi::OsString;
+
 use clap::ValueEnum;
 
 use super::error::Failure;
-use crate::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use crate::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use crate::measurement::Metadata;
 use crate::method::Choice;
 use crate::surface::{Edges, HeightMap};
@@ -29,6 +31,46 @@ impl From<SpeckleFlag> for Speckle {
     }
 }
 
+/// Smith's shadowing and masking for waves, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ShadowingFlag {
+    /// For light reflected in air by steep and rough surfaces: rms slope >= 0.3, Rq >= 0.2 wavelengths
+    Auto,
+    /// For all light
+    On,
+    /// For none
+    Off,
+}
+
+impl From<ShadowingFlag> for Shadowing {
+    fn from(flag: ShadowingFlag) -> Self {
+        match flag {
+            ShadowingFlag::Auto => Self::Auto,
+            ShadowingFlag::On => Self::On,
+            ShadowingFlag::Off => Self::Off,
+        }
+    }
+}
+
+/// What `--shadowing` means without a value, as it was given before it took one.
+const BARE_SHADOWING: &str = "on";
+
+/// The arguments with a value for each `--shadowing` that has none, so that it does not take the file behind it for one.
+pub(super) fn with_shadowing(arguments: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = arguments.into_iter().collect();
+    let names = ShadowingFlag::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    let names: Vec<String> = names.map(|name| name.get_name().to_owned()).collect();
+    let end = arguments.iter().position(|a| a == "--").unwrap_or(arguments.len());
+    for k in 0..end {
+        let next = arguments.get(k + 1);
+        let given = next.is_some_and(|next| names.iter().any(|name| next == name.as_str()));
+        if arguments[k] == "--shadowing" && !given {
+            arguments[k] = format!("--shadowing={BARE_SHADOWING}").into();
+        }
+    }
+    arguments
+}
+
 /// The light of methods that send waves.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Light (of methods that send waves)")]
@@ -40,9 +82,9 @@ pub(super) struct LightFlags {
     /// or is alone in the light
     #[arg(long, value_enum)]
     speckle: Option<SpeckleFlag>,
-    /// Smith's shadowing and masking for waves
-    #[arg(long)]
-    shadowing: bool,
+    /// Smith's shadowing and masking for waves; without a value: on [default: auto]
+    #[arg(long, value_enum, value_name = "WHEN")]
+    shadowing: Option<ShadowingFlag>,
 }
 
 /// Points of a map that waves are sent on at most: 8192 x 8192, some 3 GB.
@@ -53,13 +95,13 @@ const MOST_POINTS: usize = 1 << 26;
 pub(super) struct Light {
     wavelengths: Option<Wavelengths>,
     speckle: Option<Speckle>,
-    shadowing: bool,
+    shadowing: Option<Shadowing>,
 }
 
 impl LightFlags {
     /// Whether any of them is given.
     pub(super) fn are_given(&self) -> bool {
-        self.wavelength_nm.is_some() || self.speckle.is_some() || self.shadowing
+        self.wavelength_nm.is_some() || self.speckle.is_some() || self.shadowing.is_some()
     }
 
     /// The light of these flags; a scan's header may know the wavelength.
@@ -69,7 +111,7 @@ impl LightFlags {
         Ok(Light {
             wavelengths: self.wavelength_nm.clone().or(of_header),
             speckle: self.speckle.map(Speckle::from),
-            shadowing: self.shadowing,
+            shadowing: self.shadowing.map(Shadowing::from),
         })
     }
 }
@@ -90,7 +132,11 @@ impl Light {
         let Some(wavelengths) = self.wavelengths.clone() else {
             return Err("waves have a length; give --wavelength-nm, such as 550".into());
         };
-        Ok(WaveOptions { wavelengths, speckle, shadowing: self.shadowing })
+        Ok(WaveOptions {
+            wavelengths,
+            speckle,
+            shadowing: self.shadowing.unwrap_or(Shadowing::Auto),
+        })
     }
 
     /// The ways of a method to treat the speckle of a map: the one that is asked for, else all that it allows.

@@ -93,7 +93,7 @@ enum Verb {
 
 /// Runs the program with its arguments, the first of which is its own name.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(arguments) {
+    let cli = match Cli::try_parse_from(light::with_shadowing(arguments)) {
         Ok(cli) => cli,
         Err(e) => {
             // Help and version are answers, anything else is bad usage.

@@ -18,8 +18,9 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 /// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
 /// A periodic map is taken with its tilt there, in the spectrum and for waves: to subtract it would tear the borders open.
 ///
-/// With --ior and --wavelength-nm it also says where waves on this map may be trusted: the conditions of the
-/// paper's eqs 9-11 for light from both sides, and whether the pixel is small enough; failures as warnings.
+/// With --ior and --wavelength-nm it also says where waves on this map may be trusted, for light from both sides: the reading with
+/// the specular light, and the diffuse light alone, each to 1 % of its peak. It looks at the facets, at the pixel, and at R + T as
+/// `check --method wave` finds it; failures are warnings. The figures of the paper's eqs 9-11 are given beside.
 ///
 /// Examples:
 ///   asperity stats map.x3p

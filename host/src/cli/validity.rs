@@ -7,7 +7,11 @@ use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
-use crate::kirchhoff::{Validity, Wavelengths};
+use super::light::Light;
+use super::{interrupt, progress};
+use crate::energy;
+use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeValidity};
+use crate::kirchhoff::{Speckle, Validity, WaveBoundary, Wavelengths};
 use crate::method::Surface;
 use crate::surface::{Edges, HeightMap};
 
@@ -65,11 +69,23 @@ impl KirchhoffFlags {
 }
 
 impl Question {
-    /// The answer for a map.
+    /// The answer for a map; with the balance that `check` would find, unless the map is too large for waves.
     pub(super) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Verdict, Failure> {
-        Validity::of(map, edges, self.eta, &self.wavelengths, &self.incidences_deg)
-            .map(Verdict)
-            .map_err(Failure::bad)
+        let light = Light::of(self.wavelengths.clone());
+        let Ok(options) = light.variant("wave", (map, edges), &[Speckle::Averaged]) else {
+            let found = Validity::of(map, edges, self.eta, &self.wavelengths, &self.incidences_deg);
+            return found.map(Verdict).map_err(Failure::bad);
+        };
+        let wave = WaveBoundary::of_map(map, edges, self.eta, &options).map_err(Failure::bad)?;
+        let bar = progress::bar(0, "balancing");
+        let found =
+            energy::verdict(&wave, &self.incidences_deg, interrupt::flag(), &|done, all| {
+                bar.set_length(all as u64);
+                bar.set_position(done as u64);
+            });
+        bar.finish_and_clear();
+        let found = found.map_err(Failure::bad)?;
+        found.map(Verdict).ok_or_else(|| Failure::No("interrupted before the end".into()))
     }
 }
 
@@ -85,6 +101,42 @@ impl Verdict {
         Ok(value)
     }
 
+    /// The verdict of a balance that was made, for the lobes that were looked at.
+    pub(super) fn of_balance(validity: Validity) -> Self {
+        Self(validity)
+    }
+
+    /// What has to be said.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        self.0.warnings()
+    }
+
+    /// A line for each lobe.
+    pub(super) fn table(&self) -> String {
+        let mut text = "from        lobe          nm        deg     facets %  curved %  phase %   \
+                        length      reading   diffuse\n"
+            .to_owned();
+        for l in &self.0.lobes {
+            let side = if l.side == Side::Air { "air" } else { "inside" };
+            let lobe = if l.lobe == Lobe::Reflection { "reflection" } else { "transmission" };
+            let verdict = |passes| if passes { "passes" } else { "fails" };
+            // writing to a String cannot fail
+            let _ = writeln!(
+                text,
+                "{side:<11} {lobe:<13} {:<9} {:<7} {:<9.2} {:<9.2} {:<9.2} {:<11} {:<9} {}",
+                l.wavelength_nm,
+                l.incidence_deg,
+                100.0 * l.violating.any,
+                100.0 * l.curved_fraction,
+                100.0 * l.undersampled_fraction,
+                length(l),
+                verdict(l.passes),
+                verdict(l.diffuse_passes)
+            );
+        }
+        text
+    }
+
     /// The figures, a line for each lobe, and all warnings.
     pub(super) fn human(&self) -> String {
         let v = &self.0;
@@ -93,32 +145,33 @@ impl Verdict {
         let mut text = format!(
             "\nKirchhoff   n {}, {} nm\n\
              Rq / l      {} (eq. 10)\n\
-             most angle  {} deg (eq. 11)\n\
-             corr. areas {}\n",
+             most angle  {} deg (eq. 11: cos theta > {COS_RQ_OVER_ACL} Rq / l)\n\
+             corr. areas {}\n\
+             structures  {} um, sqrt(2) Rq over the steepest slope {:.4}\n",
             v.ior,
             v.wavelengths,
             or_none(v.rq_over_acl, 4),
             or_none(v.most_angle_deg, 1),
-            or_none(v.correlation_areas, 0)
+            or_none(v.correlation_areas, 0),
+            or_none(v.correlation_um, 3),
+            v.steepest_slope
         );
-        text += "from        lobe          nm        deg     curved %  phase %   verdict\n";
-        for l in &v.lobes {
-            let side = if l.side == Side::Air { "air" } else { "inside" };
-            let lobe = if l.lobe == Lobe::Reflection { "reflection" } else { "transmission" };
-            let verdict = if l.passes { "passes" } else { "fails" };
-            // writing to a String cannot fail
-            let _ = writeln!(
-                text,
-                "{side:<11} {lobe:<13} {:<9} {:<7} {:<9.2} {:<9.2} {verdict}",
-                l.wavelength_nm,
-                l.incidence_deg,
-                100.0 * l.curved_fraction,
-                100.0 * l.undersampled_fraction
-            );
-        }
+        text += &self.table();
+        let _ = writeln!(
+            text,
+            "reading: with the specular light, to 1 % of its peak; diffuse: the diffuse light alone. facets: share that turns light \
+             too far or shadows it. curved: 2 pi R cos^3 <= {CURVATURE_WAVELENGTHS} lambda (eq. 9). length: of structures, in \
+             wavelengths, / what diffuse light alone needs"
+        );
         for warning in v.warnings() {
             let _ = writeln!(text, "warning: {warning}");
         }
         text
     }
+}
+
+/// Length of the structures beside what the diffuse light needs.
+fn length(l: &LobeValidity) -> String {
+    let found = l.correlation_wavelengths.map_or("-".to_owned(), |found| format!("{found:.1}"));
+    format!("{found}/{:.1}", l.least_correlation_wavelengths)
 }

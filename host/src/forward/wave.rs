@@ -179,8 +179,8 @@ impl<'a> Beams<'a> {
                 let first = theta.partition_point(|t| *t < from);
                 let end = theta.partition_point(|t| *t <= to);
                 if first < end {
-                    let shadow = self.boundary.unshadowed(self.entry.w, order.wo);
-                    let flux = self.entry.flux * weight * order.power * share * shadow;
+                    let power = self.boundary.shadowed(beam.beam(), &order);
+                    let flux = self.entry.flux * weight * power * share;
                     let coherent = order.number.iter().all(|n| n.abs() <= spread);
                     let square = if coherent { 0.0 } else { alike * flux * flux };
                     for (k, sign) in [(first, 1.0), (end, -1.0)] {

@@ -11,8 +11,10 @@ use super::density::Density;
 use super::mean::MeanSpectra;
 use super::optics::{Beam, Optics};
 use super::options::{Speckle, WaveOptions};
+use super::orders::Order;
 use super::sampling::{Aim, WIDE};
-use super::shadowing::Shadowing;
+use super::shadowing::Smith;
+use super::slopes::Slopes;
 use super::stack::Tiling;
 use super::validity::{Validity, ValidityError};
 use super::wavelengths::Wavelengths;
@@ -42,7 +44,7 @@ pub struct WaveBoundary {
     pub(super) wavelengths: Wavelengths,
     pub(super) eta: RelativeIor<f64>,
     speckle: Speckle,
-    shadowing: Option<Shadowing>,
+    shadowing: Option<Smith>,
 }
 
 /// `|q_z|` down to this share of the wave number is tabulated; below, D grows with its square.
@@ -62,7 +64,7 @@ impl WaveBoundary {
         let low = LEAST * wave(wavelengths.longest_um());
         let high = 2.0 * eta.get().max(1.0) * wave(wavelengths.shortest_um());
         let density = spectra.density(low, high);
-        let shadowing = shadowing.then(|| Shadowing::of(&map, edges));
+        let shadowing = Smith::of(shadowing, &map, edges);
         Self { map, edges, spectra, density, scale, wavelengths, eta, speckle, shadowing }
     }
 
@@ -80,10 +82,13 @@ impl WaveBoundary {
         Ok(Self::new(Arc::new(map.clone()), edges, (spectra, 1.0), eta, options))
     }
 
-    /// All directions of a surface alike: its far field may be averaged over azimuths.
+    /// All directions of a surface alike: its far field may be averaged over azimuths. Of a map too narrow to tell, a few rows
+    /// of grooves, only if it is flat.
     pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
-        let spectrum = Spectrum::of(map, edges).ok();
-        !spectrum.and_then(|s| s.anisotropy()).is_some_and(|a| a.is_directional())
+        match Spectrum::of(map, edges).ok().and_then(|s| s.anisotropy()) {
+            Some(found) => !found.is_directional(),
+            None => Slopes::of(map, edges).steepest() <= 0.0,
+        }
     }
 
     /// The map as it scatters.
@@ -142,9 +147,14 @@ impl WaveBoundary {
         Validity::of(&self.map, self.edges, self.eta, &self.wavelengths, incidences_deg)
     }
 
-    /// Smith's factor for a pair, 1 without shadowing.
-    pub(crate) fn unshadowed(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
-        self.shadowing.map_or(1.0, |s| s.factor(wi, wo))
+    /// Smith's factor for a pair at a wavelength, 1 without shadowing.
+    fn unshadowed(&self, wi: Direction<f64>, wo: Direction<f64>, wavelength_um: f64) -> f64 {
+        self.shadowing.map_or(1.0, |s| s.factor(wi, wo, wavelength_um))
+    }
+
+    /// Flux of an order of a beam with Smith's factor, as a fraction of the incident flux.
+    pub(crate) fn shadowed(&self, beam: &Beam, order: &Order) -> f64 {
+        order.power * self.unshadowed(beam.wi, order.wo, beam.wavelength_um)
     }
 
     /// The coherent light from `wi`; 0 along the surface.
@@ -174,7 +184,9 @@ impl WaveBoundary {
             Lobe::Reflection => share.reflected,
             Lobe::Transmission => share.transmitted,
         };
-        share * self.spectra.coherent(q_z * self.scale) * self.unshadowed(beam.wi, wo)
+        share
+            * self.spectra.coherent(q_z * self.scale)
+            * self.unshadowed(beam.wi, wo, beam.wavelength_um)
     }
 
     /// Diffuse `ars` of one wavelength.
@@ -191,7 +203,7 @@ impl WaveBoundary {
         }
         let d = self.density.value(qx.hypot(qy), q_z * self.scale.abs());
         let n = optics.k * optics.n_o;
-        n * n * d * factor * self.unshadowed(wi, wo)
+        n * n * d * factor * self.unshadowed(wi, wo, optics.wavelength_um())
     }
 
     /// Relative standard error of the diffuse light of a pair by what the mean leaves of the speckle, for a

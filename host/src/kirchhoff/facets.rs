@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
+use super::margins::Angles;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
 /// Rows that are counted in one batch; sums go in the order of the batches, for any number of threads.
@@ -20,6 +22,26 @@ pub(super) struct Question {
     pub(super) curvature_um: Vec<f64>,
     /// Limits of the height of a step between neighbours, um, ascending.
     pub(super) step_um: Vec<f64>,
+    /// Lobes whose light facets may turn too far.
+    pub(super) lobes: Vec<Angles>,
+}
+
+/// Shares of the facets that violate the conditions of a lobe, each and its mirror image weighted with what they take of the light
+/// beside a facet of the mean plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Violating {
+    /// (a) They send it below the horizon.
+    #[serde(rename = "horizon_fraction")]
+    pub horizon: f64,
+    /// (b) They face away from it.
+    #[serde(rename = "away_fraction")]
+    pub away: f64,
+    /// (c) They see it on the other side of the critical angle.
+    #[serde(rename = "critical_fraction")]
+    pub critical: f64,
+    /// Any of these.
+    #[serde(rename = "violating_fraction")]
+    pub any: f64,
 }
 
 /// The answer.
@@ -33,6 +55,10 @@ pub(super) struct Facets {
     /// a share of what a point takes on the mean plane.
     turned_away: Vec<f64>,
     points: u64,
+    /// For each lobe: sums over the facets.
+    violating: Vec<Violating>,
+    /// Triangles.
+    facets: u64,
 }
 
 impl Facets {
@@ -82,12 +108,29 @@ impl Facets {
         self.turned_away[light] / self.points as f64
     }
 
+    /// Facets that violate the conditions of the lobe of this number; of a map without facets none, where light has a middle.
+    ///
+    /// Facets are the two triangles of each cell.
+    pub(super) fn violating(&self, lobe: usize) -> Violating {
+        let Violating { horizon, away, critical, any } = self.violating[lobe];
+        let all = self.facets.max(1) as f64;
+        let share = |sum: f64| (sum / all).min(1.0);
+        Violating {
+            horizon: share(horizon),
+            away: share(away),
+            critical: share(critical),
+            any: share(any),
+        }
+    }
+
     fn none(question: &Question) -> Self {
         Self {
             curved: vec![vec![0; question.curvature_um.len() + 1]; question.light.len()],
             steps: vec![0; question.step_um.len() + 1],
             turned_away: vec![0.0; question.light.len()],
             points: 0,
+            violating: vec![Violating::default(); question.lobes.len()],
+            facets: 0,
         }
     }
 
@@ -105,6 +148,13 @@ impl Facets {
             *sum += part;
         }
         self.points += other.points;
+        for (sum, part) in self.violating.iter_mut().zip(&other.violating) {
+            sum.horizon += part.horizon;
+            sum.away += part.away;
+            sum.critical += part.critical;
+            sum.any += part.any;
+        }
+        self.facets += other.facets;
         self
     }
 
@@ -122,6 +172,20 @@ impl Facets {
             }
             for step in grid.steps(col, row).into_iter().flatten() {
                 self.steps[question.step_um.partition_point(|l| *l < step)] += 1;
+            }
+            for [p, q] in grid.triangles(col, row).into_iter().flatten() {
+                for (sum, lobe) in self.violating.iter_mut().zip(&question.lobes) {
+                    let found = lobe.violated(p, q);
+                    if found.any() {
+                        let taken = lobe.taken(p);
+                        let part = |is: bool| if is { taken } else { 0.0 };
+                        sum.horizon += part(found.horizon);
+                        sum.away += part(found.away);
+                        sum.critical += part(found.critical);
+                        sum.any += taken;
+                    }
+                }
+                self.facets += 1;
             }
         }
         self.points += grid.nx as u64;
@@ -183,26 +247,65 @@ impl Grid<'_> {
         Facet { slope_x: p, length, curvature }
     }
 
-    /// The steps to the next points along x and y, over the seam if the map is periodic.
-    fn steps(&self, col: usize, row: usize) -> [Option<f64>; 2] {
-        let next = |k: usize, n: usize| match self.edges {
+    /// The next point; over the seam if the map is periodic.
+    fn next(&self, k: usize, n: usize) -> Option<usize> {
+        match self.edges {
             _ if k + 1 < n => Some(k + 1),
             Edges::Periodic if n > 1 => Some(0),
             _ => None,
-        };
-        let at = |col: usize, row: usize| self.heights[row * self.nx + col];
-        let here = at(col, row);
+        }
+    }
+
+    fn at(&self, col: usize, row: usize) -> f64 {
+        self.heights[row * self.nx + col]
+    }
+
+    /// The steps to the next points along x and y.
+    fn steps(&self, col: usize, row: usize) -> [Option<f64>; 2] {
+        let here = self.at(col, row);
         [
-            next(col, self.nx).map(|next| (at(next, row) - here).abs()),
-            next(row, self.ny).map(|next| (at(col, next) - here).abs()),
+            self.next(col, self.nx).map(|next| (self.at(next, row) - here).abs()),
+            self.next(row, self.ny).map(|next| (self.at(col, next) - here).abs()),
         ]
+    }
+
+    /// Slopes along x and y of the triangles of the cell from this point to the next; of a single row or column, those of its steps.
+    fn triangles(&self, col: usize, row: usize) -> [Option<[f64; 2]>; 2] {
+        let [dx, dy] = self.pitch;
+        let (next, above) = (self.next(col, self.nx), self.next(row, self.ny));
+        let here = self.at(col, row);
+        match (next, above) {
+            (Some(next), Some(above)) => {
+                let (right, up) = (self.at(next, row), self.at(col, above));
+                let corner = self.at(next, above);
+                [
+                    Some([(right - here) / dx, (corner - right) / dy]),
+                    Some([(corner - up) / dx, (up - here) / dy]),
+                ]
+            }
+            (Some(next), None) if self.ny == 1 => {
+                [Some([(self.at(next, row) - here) / dx, 0.0]), None]
+            }
+            (None, Some(above)) if self.nx == 1 => {
+                [Some([0.0, (self.at(col, above) - here) / dy]), None]
+            }
+            _ => [None, None],
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Facets, Grid, Question};
+    use asperity_core::bsdf::Lobe;
+    use asperity_core::direction::Side;
+
+    use super::{Angles, Facets, Grid, Question};
+    use crate::kirchhoff::light::Light;
     use crate::surface::{Edges, HeightMap};
+
+    fn lobe(lobe: Lobe, deg: f64) -> Angles {
+        Angles::of(&Light { um: 0.55, side: Side::Air, lobe, eta: 1.49 }, deg)
+    }
 
     fn map((nx, ny): (usize, usize), pitch: f64, z: impl Fn(f64, f64) -> f64) -> HeightMap {
         let at = |k: usize| z((k % nx) as f64 * pitch, (k / nx) as f64 * pitch);
@@ -230,6 +333,7 @@ mod tests {
             light: vec![[0.0, 1.0, 1.0]],
             curvature_um: vec![0.8 * std::f64::consts::TAU * radius, 255.0],
             step_um: vec![],
+            lobes: vec![],
         };
         let facets = Facets::of(&cap, Edges::Mirrored, &question).unwrap();
         assert!(facets.curved_share(0, 0) < 1e-12);
@@ -255,7 +359,7 @@ mod tests {
         // half of the points have |sin| above sin(45 deg)
         let light = vec![[0.0, 1.0, 1.0]];
         let limits = vec![0.999 * crest, crest * 2.0_f64.sqrt(), 1e3 * crest];
-        let question = Question { light, curvature_um: limits, step_um: vec![] };
+        let question = Question { light, curvature_um: limits, step_um: vec![], lobes: vec![] };
         let facets = Facets::of(&sine, Edges::Periodic, &question).unwrap();
         assert!(facets.curved_share(0, 0) < 1e-12);
         assert!((facets.curved_share(0, 1) - 0.5).abs() < 0.02);
@@ -273,8 +377,12 @@ mod tests {
                 [[s, c, 1.0], [s, c, -1.0]]
             })
             .collect();
-        let question =
-            Question { light, curvature_um: vec![1e6], step_um: vec![0.05, 0.1, 0.249, 0.251] };
+        let question = Question {
+            light,
+            curvature_um: vec![1e6],
+            step_um: vec![0.05, 0.1, 0.249, 0.251],
+            lobes: vec![],
+        };
         let facets = Facets::of(&plane, Edges::Mirrored, &question).unwrap();
         // light from -x at 70 deg meets a plane that rises along x; from below it comes from behind
         let shares: Vec<f64> = (0..4).map(|k| facets.curved_share(k, 0)).collect();
@@ -294,6 +402,7 @@ mod tests {
             light: vec![[0.5, 0.75_f64.sqrt(), 1.0]],
             curvature_um: vec![5.5],
             step_um: vec![0.1],
+            lobes: vec![lobe(Lobe::Reflection, 30.0)],
         };
         for size in [(1, 1), (2, 1), (1, 3), (2, 2)] {
             for edges in [Edges::Periodic, Edges::Mirrored] {
@@ -307,5 +416,31 @@ mod tests {
             pool.install(|| Facets::of(&rough, Edges::Mirrored, &question).unwrap())
         };
         assert_eq!(of(1), of(3));
+    }
+
+    #[test]
+    fn steep_facets_are_weighted_with_the_light_they_take() {
+        // a ramp of slope 1.5 on a tenth of the length, level elsewhere; the wall back is one step
+        let n = 1000;
+        let ramp = map((n, 4), 0.1, |x, _| 1.5 * (x - 90.0).max(0.0));
+        let lobes = vec![
+            lobe(Lobe::Reflection, 0.0),
+            lobe(Lobe::Reflection, 50.0),
+            lobe(Lobe::Transmission, 0.0),
+        ];
+        let question = Question { light: vec![], curvature_um: vec![], step_um: vec![], lobes };
+        let facets = Facets::of(&ramp, Edges::Mirrored, &question).unwrap();
+        let found: Vec<_> = (0..3).map(|k| facets.violating(k)).collect();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 2e-3, "{a} {b}: {found:?}");
+        near(found[0].horizon, 0.1);
+        near(found[0].any, 0.1);
+        assert!(found[0].away <= 0.0 && found[0].critical <= 0.0);
+        // at 50 deg they face away, they or their mirror images, and take 1.5 tan 50 deg
+        near(found[1].away, 0.1 * 1.5 * 50.0_f64.to_radians().tan());
+        near(found[1].any, found[1].away);
+        assert!(found[2].any <= 0.0);
+        // over the seam the wall counts too: two of its cells' facets in each row
+        let periodic = Facets::of(&ramp, Edges::Periodic, &question).unwrap().violating(0).any;
+        near(periodic, 0.1 + 1.0 / n as f64);
     }
 }

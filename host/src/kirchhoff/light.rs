@@ -32,18 +32,28 @@ impl Light {
         (self.um * 1e9).round() / 1e6
     }
 
-    /// Indices of the media it comes from and goes to.
-    fn indices(&self) -> (f64, f64) {
-        let (near, far) = match self.side {
+    /// Indices of the medium it comes from and of the one beyond the surface.
+    pub(super) fn media(&self) -> (f64, f64) {
+        match self.side {
             Side::Air => (1.0, self.eta),
             Side::Dielectric => (self.eta, 1.0),
-        };
+        }
+    }
+
+    /// Indices of the media it comes from and goes to.
+    fn indices(&self) -> (f64, f64) {
+        let (near, far) = self.media();
         (near, if self.lobe == Lobe::Reflection { near } else { far })
     }
 
     /// Wavelength in the medium where it goes, um.
     pub(super) fn scattered_um(&self) -> f64 {
         self.um / self.indices().1
+    }
+
+    /// `|q_z|` of the specular direction, 1/um. Beyond the critical angle transmitted light is taken as grazing.
+    pub(super) fn momentum(&self, incidence_deg: f64) -> f64 {
+        PI / self.most_step_um(incidence_deg)
     }
 
     /// The step between neighbours that changes the phase by pi in the specular direction; infinite if none

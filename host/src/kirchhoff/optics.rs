@@ -78,6 +78,11 @@ impl Optics {
         Some(Self { wi, lobe, to, k, n_i, n_o, beyond, at_horizon, slope, negative })
     }
 
+    /// Vacuum wavelength, um.
+    pub(super) fn wavelength_um(&self) -> f64 {
+        std::f64::consts::TAU / self.k
+    }
+
     /// `|q_z| / k` at `cos theta_o >= 0`; not positive where no facet leads.
     #[inline]
     pub(super) fn height(&self, cos_o: f64) -> f64 {

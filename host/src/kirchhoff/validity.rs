@@ -1,5 +1,9 @@
-//! Where the Kirchhoff approximation may be trusted on a height map \[Sokolov eqs 9-11\], and whether the map
-//! is sampled well enough for its waves. `CONVENTIONS.md` gives the reason for every limit.
+//! Where the Kirchhoff approximation may be trusted on a height map, and whether the map is sampled well enough for its waves;
+//! the figures of \[Sokolov eqs 9-11\] beside it. `CONVENTIONS.md` gives the reason for every limit.
+//!
+//! There are two verdicts: of the reading with the specular light, and of the diffuse light alone. Both ask that hardly any facet
+//! violates the conditions of [`super::margins`], that pixel and steps carry the light, and that no more light comes out than
+//! went in, as far as the balance is known; the second, that the correlation length is long enough beside the wavelength.
 
 use std::f64::consts::SQRT_2;
 
@@ -8,21 +12,25 @@ use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use serde::{Serialize, Serializer};
 
+pub use super::facets::Violating;
 use super::facets::{Facets, Question};
-use super::light::{Light, SIDES};
+use super::light::{LOBES, Light, SIDES};
+use super::margins::{Angles, correlation_um};
+pub use super::margins::{LEAST_LENGTH, LEAST_MARGIN, Margins};
+use super::slopes::Slopes;
 use super::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Roughness};
 
 /// What ">>" means in eq. (9): `2 pi R cos^3` is to be larger than this many wavelengths.
 pub const CURVATURE_WAVELENGTHS: f64 = 10.0;
-/// Share of the points that may violate eq. (9), and of the steps that may exceed half a wave.
+/// Share of the steps between neighbours that may exceed half a wave.
 pub const MOST_SHARE: f64 = 0.05;
-/// What "<<" means in eq. (10): the largest `Rq / l`.
-pub const MOST_RQ_OVER_ACL: f64 = 0.2;
 /// What ">>" means in eq. (11): `cos theta` is to be larger than this many `Rq / l`.
 pub const COS_RQ_OVER_ACL: f64 = 3.0;
-/// Share of the light that facets facing away from it may take.
-pub const MOST_TURNED_AWAY: f64 = 0.005;
+/// Share of the facets that may violate a condition: what lies beyond three rms slopes on grooves of Gaussian slopes, `erfc(3 / sqrt 2)`.
+pub const MOST_VIOLATING: f64 = 0.0027;
+/// How much more light may come out than went in, as a fraction of the incident flux.
+pub const MOST_EXCESS: f64 = 0.01;
 /// Correlation areas of a map at least.
 pub const FEWEST_AREAS: f64 = 100.0;
 /// 99 % of the facets of a Gaussian surface are less steep than this many rms slopes: `sqrt(2 ln 100)`.
@@ -47,6 +55,11 @@ pub struct Validity {
     pub most_angle_deg: Option<f64>,
     /// Rms slope of steps between neighbours, mean square of both directions.
     pub rms_slope: f64,
+    /// Rms slope along the direction in which it is largest.
+    pub steepest_slope: f64,
+    /// `sqrt(2) Rq` over that slope, um: the 1/e autocorrelation length if heights and autocorrelation were Gaussian, shorter
+    /// than that of a map with fine structures on coarse ones; `None` if the map is flat.
+    pub correlation_um: Option<f64>,
     /// Area of the map over the square of its autocorrelation length: the number of its independent parts.
     pub correlation_areas: Option<f64>,
     /// How far from the specular direction the pixel carries, for each wavelength, side and lobe.
@@ -91,11 +104,28 @@ pub struct LobeValidity {
     pub curved_fraction: f64,
     /// Share of the steps between neighbours that change the phase of the specular direction by more than pi.
     pub undersampled_fraction: f64,
+    /// `q_z Rq` in the specular direction: below about 2 light stays coherent and rays err.
+    pub phase_rms: f64,
     /// What facets that face away from the light would take of it, as a share of all: the excess of a model
     /// without shadows.
     pub turned_away_fraction: f64,
-    /// Whether this lobe may be trusted: no condition of the map, of the pixel or of this direction fails.
+    /// How far the approximation is from failing, in rms slopes of the map along the plane of incidence: for information.
+    #[serde(flatten)]
+    pub margins: Margins,
+    /// Where it fails: the share of the facets that decides.
+    #[serde(flatten)]
+    pub violating: Violating,
+    /// [`Validity::correlation_um`] in vacuum wavelengths.
+    pub correlation_wavelengths: Option<f64>,
+    /// What the diffuse light alone needs of it.
+    pub least_correlation_wavelengths: f64,
+    /// What of the light neither comes back nor goes through, of both lobes and of all wavelengths, as `check` finds it: below zero more
+    /// comes out than went in. `None` if nobody has looked.
+    pub lost: Option<f64>,
+    /// Whether a reading of this lobe, its specular light included, may be trusted to 1 % of its peak.
     pub passes: bool,
+    /// Whether its diffuse light alone may be trusted to 1 % of its own peak.
+    pub diffuse_passes: bool,
 }
 
 /// Why there is no verdict.
@@ -107,6 +137,25 @@ pub enum ValidityError {
     /// An angle of incidence out of range, degrees.
     #[error("an incidence of {0} deg; give 0 to below 90 degrees")]
     Incidence(f64),
+    /// A height, slope or length that is none.
+    #[error("a {name} of {value}; give a finite one, not below zero, of lengths above it")]
+    Size {
+        /// Of what.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+}
+
+/// What of the light from one direction is lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loss {
+    /// Where the light comes from.
+    pub side: Side,
+    /// Angle of incidence in the medium the light comes from, degrees.
+    pub incidence_deg: f64,
+    /// `1 - R - T`.
+    pub lost: f64,
 }
 
 impl Validity {
@@ -151,11 +200,22 @@ impl Validity {
                 .collect(),
             curvature_um: ascending(lights.iter().map(least_curvature_um).collect()),
             step_um: ascending(lights.iter().flat_map(steps).collect()),
+            // the wavelength has no part in these
+            lobes: incidences
+                .iter()
+                .flat_map(|&(side, deg)| {
+                    LOBES
+                        .map(|lobe| Angles::of(&Light { um: 1.0, side, lobe, eta: eta.get() }, deg))
+                })
+                .collect(),
         };
         let facets = Facets::of(map, edges, &question)?;
         let number = |limits: &[f64], limit: f64| limits.partition_point(|l| *l < limit);
 
         let rms_slope = rms_slope(roughness);
+        let slopes = Slopes::of(map, edges);
+        let steepest_slope = slopes.steepest();
+        let correlation_um = correlation_um(roughness.rq_um, steepest_slope);
         let pixel_um = map.dx_um().max(map.dy_um());
         let area_um2 = map.nx() as f64 * map.dx_um() * map.ny() as f64 * map.dy_um();
         let rq_over_acl = match roughness.acl_um {
@@ -171,15 +231,18 @@ impl Validity {
             most_angle_deg: rq_over_acl
                 .map(|ratio| (COS_RQ_OVER_ACL * ratio).min(1.0).acos().to_degrees()),
             rms_slope,
+            steepest_slope,
+            correlation_um: Some(correlation_um).filter(|l| l.is_finite()),
             correlation_areas: roughness.acl_um.map(|l| area_um2 / (l * l)),
             far_fields: lights.iter().map(|l| FarField::of(l, pixel_um, rms_slope)).collect(),
             lobes: Vec::new(),
         };
-        for (light, far_field) in lights.iter().zip(&validity.far_fields) {
+        for light in &lights {
             let curved = number(&question.curvature_um, least_curvature_um(light));
             for (k, &(_, deg)) in incidences.iter().enumerate().filter(|c| c.1.0 == light.side) {
                 let step = number(&question.step_um, light.most_step_um(deg));
-                let mut lobe = LobeValidity {
+                let way = 2 * k + LOBES.iter().position(|lobe| *lobe == light.lobe).unwrap_or(0);
+                validity.lobes.push(LobeValidity {
                     wavelength_nm: light.nm(),
                     side: light.side,
                     lobe: light.lobe,
@@ -187,30 +250,54 @@ impl Validity {
                     specular_deg: light.specular_deg(deg),
                     curved_fraction: facets.curved_share(k, curved),
                     undersampled_fraction: facets.step_share(step),
+                    phase_rms: light.momentum(deg) * roughness.rq_um,
                     turned_away_fraction: facets.turned_away(k),
+                    margins: question.lobes[way].margins(slopes.along(1.0, 0.0)),
+                    violating: facets.violating(way),
+                    correlation_wavelengths: validity.correlation_um.map(|l| l / light.um),
+                    least_correlation_wavelengths: question.lobes[way].least_length(),
+                    lost: None,
                     passes: false,
-                };
-                lobe.passes = validity.is_met_once()
-                    && validity.is_unshadowed(&lobe)
-                    && far_field.is_wide_enough()
-                    && lobe.is_gently_curved()
-                    && lobe.is_sampled()
-                    && lobe.is_lit();
-                validity.lobes.push(lobe);
+                    diffuse_passes: false,
+                });
             }
         }
+        validity.decide();
         Ok(validity)
     }
 
-    /// Eq. (10), as far as `Rq / l` is known.
-    pub(super) fn is_met_once(&self) -> bool {
-        self.rq_over_acl.is_none_or(|ratio| ratio <= MOST_RQ_OVER_ACL)
+    /// The verdicts once it is known what is lost: where more light comes out than went in nothing is valid.
+    #[must_use]
+    pub fn balanced(mut self, losses: &[Loss]) -> Self {
+        for lobe in &mut self.lobes {
+            let of_lobe = |l: &&Loss| {
+                l.side == lobe.side && l.incidence_deg.total_cmp(&lobe.incidence_deg).is_eq()
+            };
+            lobe.lost = losses.iter().find(of_lobe).map(|l| l.lost).or(lobe.lost);
+        }
+        self.decide();
+        self
     }
 
-    /// Eq. (11) for the light and for the middle of its lobe, as far as `Rq / l` is known.
-    pub(super) fn is_unshadowed(&self, lobe: &LobeValidity) -> bool {
-        let largest = lobe.specular_deg.unwrap_or(0.0).max(lobe.incidence_deg);
-        self.most_angle_deg.is_none_or(|most| largest <= most)
+    /// The one place where it is decided which lobes pass.
+    fn decide(&mut self) {
+        for k in 0..self.lobes.len() {
+            let lobe = &self.lobes[k];
+            let passes = lobe.is_seen_aright()
+                && lobe.is_sampled()
+                && lobe.conserves_energy()
+                && self.carried(lobe).is_none_or(FarField::is_wide_enough);
+            let diffuse_passes = passes && lobe.is_long_enough();
+            self.lobes[k] = LobeValidity { passes, diffuse_passes, ..*lobe };
+        }
+    }
+
+    /// How far the pixel carries a lobe.
+    fn carried(&self, lobe: &LobeValidity) -> Option<&FarField> {
+        self.far_fields.iter().find(|f| {
+            (f.side, f.lobe) == (lobe.side, lobe.lobe)
+                && f.wavelength_nm.total_cmp(&lobe.wavelength_nm).is_eq()
+        })
     }
 
     /// What concerns one way of the light alone.
@@ -220,10 +307,25 @@ impl Validity {
         self
     }
 
-    /// Whether a lobe may be trusted at this angle of incidence for all wavelengths.
+    /// Whether the reading of a lobe may be trusted at this angle of incidence for all wavelengths.
     ///
     /// Between two incidences that were looked at both must pass; beyond the largest the answer is no.
     pub fn passes(&self, side: Side, lobe: Lobe, incidence_deg: f64) -> bool {
+        self.all(side, lobe, incidence_deg, |l| l.passes)
+    }
+
+    /// The same for its diffuse light alone.
+    pub fn diffuse_passes(&self, side: Side, lobe: Lobe, incidence_deg: f64) -> bool {
+        self.all(side, lobe, incidence_deg, |l| l.diffuse_passes)
+    }
+
+    fn all(
+        &self,
+        side: Side,
+        lobe: Lobe,
+        incidence_deg: f64,
+        passes: fn(&LobeValidity) -> bool,
+    ) -> bool {
         const SAME: f64 = 1e-9;
         let of_lobe = || self.lobes.iter().filter(|l| l.side == side && l.lobe == lobe);
         let angles = || of_lobe().map(|l| l.incidence_deg);
@@ -234,7 +336,7 @@ impl Validity {
         let judges = |l: &&LobeValidity| {
             [last, next].iter().any(|angle| l.incidence_deg.total_cmp(angle).is_eq())
         };
-        of_lobe().filter(judges).all(|l| l.passes)
+        of_lobe().filter(judges).all(passes)
     }
 }
 
@@ -256,9 +358,10 @@ impl FarField {
 }
 
 impl LobeValidity {
-    /// Eq. (9) on nearly all of the map.
-    pub fn is_gently_curved(&self) -> bool {
-        self.curved_fraction <= MOST_SHARE
+    /// Whether nearly all facets send the light where the integral does: conditions (a) to (c) of [`super::margins`], and there is a
+    /// lobe at all.
+    pub fn is_seen_aright(&self) -> bool {
+        self.specular_deg.is_some() && self.violating.any <= MOST_VIOLATING
     }
 
     /// Whether the phase is known between nearly all neighbours.
@@ -266,9 +369,14 @@ impl LobeValidity {
         self.undersampled_fraction <= MOST_SHARE
     }
 
-    /// Whether next to nothing faces away from the light.
-    pub fn is_lit(&self) -> bool {
-        self.turned_away_fraction <= MOST_TURNED_AWAY
+    /// Whether no more light comes out than went in, as far as is known.
+    pub fn conserves_energy(&self) -> bool {
+        self.lost.is_none_or(|lost| lost >= -MOST_EXCESS)
+    }
+
+    /// Whether structures are long enough for diffuse light alone.
+    pub fn is_long_enough(&self) -> bool {
+        self.correlation_wavelengths.is_none_or(|l| l >= self.least_correlation_wavelengths)
     }
 }
 
@@ -358,6 +466,9 @@ mod tests {
         let lobe = v.far_fields[0].lobe_deg.to_radians();
         near((lobe / 2.0).tan(), 3.0349 * v.rms_slope);
         assert!(v.passes(Side::Air, Lobe::Transmission, 12.0));
+        // waves h (sin + sin): the rms slope along x is k h / sqrt 2
+        near(v.steepest_slope, 0.2 * std::f64::consts::TAU / 16.0 / std::f64::consts::SQRT_2);
+        near(v.correlation_um.unwrap(), 0.2 * std::f64::consts::SQRT_2 / v.steepest_slope);
         // both neighbours of an angle have a say
         let mut worse = v.clone();
         for lobe in worse.lobes.iter_mut().filter(|l| l.incidence_deg < 1.0) {

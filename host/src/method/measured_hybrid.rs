@@ -66,7 +66,7 @@ impl Method for MeasuredHybridMethod {
 #[cfg(test)]
 mod tests {
     use super::MeasuredHybridMethod;
-    use crate::kirchhoff::{Speckle, WaveOptions, Wavelengths};
+    use crate::kirchhoff::{Shadowing, Speckle, WaveOptions, Wavelengths};
     use crate::method::measured::tests::{check_domain, holed, map};
     use crate::surface::{Edges, HeightMap};
 
@@ -75,7 +75,7 @@ mod tests {
         let options = WaveOptions {
             wavelengths: Wavelengths::single(550.0).unwrap(),
             speckle: Speckle::Averaged,
-            shadowing: false,
+            shadowing: Shadowing::Off,
         };
         let method = |map: HeightMap| {
             MeasuredHybridMethod::new(&map, Edges::Mirrored, true, options.clone())

@@ -84,7 +84,7 @@ impl Method for MeasuredWaveMethod {
 #[cfg(test)]
 mod tests {
     use super::MeasuredWaveMethod;
-    use crate::kirchhoff::{Speckle, WaveOptions, Wavelengths};
+    use crate::kirchhoff::{Shadowing, Speckle, WaveOptions, Wavelengths};
     use crate::method::measured::tests::{check_domain, holed, map};
     use crate::surface::{Edges, HeightMap};
 
@@ -93,7 +93,7 @@ mod tests {
         let options = WaveOptions {
             wavelengths: Wavelengths::single(550.0).unwrap(),
             speckle: Speckle::Averaged,
-            shadowing: false,
+            shadowing: Shadowing::Off,
         };
         let method =
             |map: HeightMap| MeasuredWaveMethod::new(&map, Edges::Mirrored, true, options.clone());

@@ -79,10 +79,9 @@ fn lobes(
 fn binned(boundary: &WaveBoundary, of: &[BeamOrders], shares: &[f64]) -> BinnedLobe {
     let mut flux: Vec<([f64; 2], f64)> = Vec::new();
     for (beam, share) in of.iter().zip(shares) {
-        let wi = beam.beam().wi;
         flux.extend(beam.iter().map(|order| {
             let [x, y, _] = order.wo.xyz();
-            ([x, y], share * order.power * boundary.unshadowed(wi, order.wo))
+            ([x, y], share * boundary.shadowed(beam.beam(), &order))
         }));
     }
     let total: f64 = flux.iter().map(|f| f.1).sum();
@@ -114,7 +113,9 @@ mod tests {
     use super::super::{Azimuth, TablePlan};
     use super::{from, tabulate_orders};
     use crate::forward::Rays;
-    use crate::kirchhoff::{Beam, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders};
+    use crate::kirchhoff::{
+        Beam, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
+    };
     use crate::surface::{Edges, GaussianSurface};
     use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
     use asperity_core::direction::Side;
@@ -133,7 +134,7 @@ mod tests {
         let options = WaveOptions {
             wavelengths: Wavelengths::single(550.0).unwrap(),
             speckle: Speckle::Kept,
-            shadowing: false,
+            shadowing: Shadowing::Off,
         };
         let map = surface.map().unwrap();
         let wave = WaveBoundary::of_map(&map, Edges::Periodic, eta, &options).unwrap();

@@ -8,7 +8,7 @@ use asperity::boundary::Boundary;
 use asperity::energy::balances;
 use asperity::forward::{Effort, Plan, Rays, Readings, Sample, Setup, count_flux, simulate};
 use asperity::hybrid::HybridBoundary;
-use asperity::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap};
@@ -25,7 +25,7 @@ const EDGES: Edges = Edges::Periodic;
 
 fn options() -> WaveOptions {
     let wavelengths = Wavelengths::single(550.0).unwrap();
-    WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: false }
+    WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off }
 }
 
 fn surface(points: usize, pitch_um: f64, rq_um: f64, length_um: f64) -> HeightMap {

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::atomic::AtomicBool;
 
 use asperity::kirchhoff::{
-    Beam, BeamOrders, Fourier, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
+    Beam, BeamOrders, Fourier, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
 };
 use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::Lobe;
@@ -32,6 +32,7 @@ pub(super) fn all(map: &HeightMap, edges: Edges, beams: &[Beam]) -> Vec<BeamOrde
 /// Light of 0.55 um, averaged.
 pub(super) fn options(shadowing: bool) -> WaveOptions {
     let wavelengths = Wavelengths::single(1000.0 * WAVELENGTH_UM).unwrap();
+    let shadowing = if shadowing { Shadowing::On } else { Shadowing::Off };
     WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing }
 }
 
