@@ -16,6 +16,7 @@ mod real_scans;
 mod traced_samples;
 mod wave_samples;
 mod kirchhoff_validity;
+mod noise_floor;
 mod metals;
 mod recovery;
 mod forward;
