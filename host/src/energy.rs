@@ -57,7 +57,7 @@ const STEP: u32 = 28_657;
 /// Flux balances for several incidences; `None` if `stop` was set before the end.
 ///
 /// As [`balance`]; of a map whose own speckle is meant the orders are summed, all incidences from one stack of
-/// transforms; their coherent part is the specular order, or that of the mean law unless speckle is kept. What Kirchhoff's
+/// transforms; their coherent part is the specular order, of a patch all that its mean field sends, however wide. What Kirchhoff's
 /// integral gives too much is a negative loss, not hidden. `progress(done, all)`.
 pub fn balances(
     boundary: &Boundary,
@@ -163,9 +163,11 @@ fn of_orders(
         .map(|(beam, weight)| {
             let (mut all, mut coherent) = (0.0, 0.0);
             for order in beam.iter() {
-                let power = weight * wave.shadowed(beam.beam(), &order);
-                all += power;
-                coherent += if order.is_specular() { power } else { 0.0 };
+                let share = weight * wave.unshadowed(beam.beam().wi, order.wo, beam.beam().wavelength_um);
+                all += share * order.power;
+                if order.is_specular() {
+                    coherent = share * beam.coherent().unwrap_or(order.power);
+                }
             }
             (all, coherent)
         })
@@ -173,12 +175,8 @@ fn of_orders(
     let count = wave.wavelengths().iter().count();
     let lobe = |part: &[(f64, f64)]| part.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
     let balances = totals.chunks(2 * count).zip(incidences).map(|(both, &(side, deg))| {
-        let (reflected, mut coherent_reflected) = lobe(&both[..count]);
-        let (transmitted, mut coherent_transmitted) = lobe(&both[count..]);
-        if wave.speckle() != Speckle::Kept {
-            let mean = wave.coherent(incidence(side, deg));
-            (coherent_reflected, coherent_transmitted) = (mean.reflected, mean.transmitted);
-        }
+        let (reflected, coherent_reflected) = lobe(&both[..count]);
+        let (transmitted, coherent_transmitted) = lobe(&both[count..]);
         Energy {
             incidence_deg: deg,
             side: side_name(side),

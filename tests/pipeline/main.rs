@@ -17,6 +17,7 @@ mod traced_samples;
 mod wave_samples;
 mod kirchhoff_validity;
 mod kirchhoff_atlas;
+mod noise_floor;
 mod metals;
 mod recovery;
 mod forward;

@@ -74,3 +74,44 @@ pub fn obliquity(eta: f64, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
     let share = if mirrored { reflected } else { 1.0 - reflected };
     share * i_m * jacobian * normals / (wi.z().abs() * n_o * n_o)
 }
+
+/// What one order of a map that alone is lit is made of, by a sum over its tangent planes.
+#[derive(Clone, Copy, Debug)]
+pub struct LitOrder {
+    /// `h_z / |h|^2` times the mean of `h.N exp(-i q.r)`, real and imaginary, `N = (-slope, 1)`.
+    pub amplitude: [f64; 2],
+    /// The mean field times the far field of the lit area.
+    pub kept: [f64; 2],
+    /// `h_z^2 / |h|^2`.
+    pub upright: f64,
+}
+
+/// An order of a map that alone is lit, its slopes known at `(x, y)` in um: nothing is done by parts, so nothing is known of a rim.
+pub fn lit_order(
+    map: &HeightMap,
+    slope: impl Fn(f64, f64) -> [f64; 2],
+    eta: f64,
+    wavelength_um: f64,
+    (wi, wo): (Direction<f64>, Direction<f64>),
+) -> LitOrder {
+    let h = half(eta, wi, wo);
+    let q = h.map(|h| h * TAU / wavelength_um);
+    let square: f64 = h.iter().map(|h| h * h).sum();
+    let (mut planes, mut mean, mut area) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+    let n = (map.nx() * map.ny()) as f64;
+    let add = |sum: &mut [f64; 2], weight: f64, phase: f64| {
+        sum[0] += weight * phase.cos() / n;
+        sum[1] -= weight * phase.sin() / n;
+    };
+    for (col, row, height) in map.points() {
+        let (x, y) = (map.dx_um() * col as f64, map.dy_um() * row as f64);
+        let [along, across] = slope(x, y);
+        let plane = h[2] - h[0] * along - h[1] * across;
+        let flat = q[0] * x + q[1] * y;
+        add(&mut planes, plane * h[2] / square, flat + q[2] * height);
+        add(&mut mean, 1.0, q[2] * height);
+        add(&mut area, 1.0, flat);
+    }
+    let kept = [mean[0] * area[0] - mean[1] * area[1], mean[0] * area[1] + mean[1] * area[0]];
+    LitOrder { amplitude: planes, kept, upright: h[2] * h[2] / square }
+}

@@ -4,7 +4,7 @@ use asperity::fit::{
     self as library, Fit, FitError, FitOptions, FitRays, Fitted, MISFIT_PERCENT, Objective,
 };
 use asperity::forward::{Sample, Setup};
-use asperity::measurement::{Measurement, Metadata, Quantity, noise};
+use asperity::measurement::{Measurement, Metadata, Quantity};
 use asperity::method::{Choice, METHODS, Method, Surface};
 use asperity::model::{self, IncidenceRecord};
 use asperity::provenance::Provenance;
@@ -179,9 +179,8 @@ fn record(method: &dyn Method, fit: &Fit, scan: &Scan, options: &FitOptions) -> 
     let values = fit.parameters.iter().map(|p| (p.name.to_owned(), p.record()));
     let mut made = model::Model::new(method, surface, values);
     let measurement = &scan.measurement;
-    let estimate = || noise::estimate(measurement).map(|n| n.floor_percent());
     made.rmsd_percent = Some(fit.rmsd_percent);
-    made.noise_floor_percent = measurement.meta.noise_floor_percent.or_else(estimate);
+    made.noise_floor_percent = fit.noise_floor_percent;
     made.simulation_noise_percent = fit.simulation_noise_percent;
     made.objective = Some(fit.objective.0.to_string());
     made.objective_value = Some(fit.objective.1);

@@ -7,6 +7,7 @@ use super::error::Failure;
 use super::fitted::Job;
 use super::interrupt;
 use super::trial::Trial;
+use crate::measurement::noise;
 use crate::output::{AtomicFile, write_text};
 use crate::plot::{self, Scale};
 use crate::report::{
@@ -140,7 +141,8 @@ impl Work<'_> {
             results.push(SampleResult {
                 name: sample.name.clone(),
                 title: sample.title.clone(),
-                noise_floor_percent: sample.job.noise_floor(),
+                noise_floor_percent: SampleResult::floor_of(&attempts)
+                    .or_else(|| noise::before_fit(sample.job.measurement)),
                 attempts,
             });
         }

@@ -4,7 +4,7 @@ use super::light::Light;
 use crate::boundary::Boundary;
 use crate::fit::{Fit, FitOptions, Fitted, Objective, Termination};
 use crate::forward::Setup;
-use crate::measurement::{Measurement, noise};
+use crate::measurement::Measurement;
 use crate::method::{Choice, Method, Surface};
 use crate::model::{IncidenceRecord, MapRecord, Model};
 use crate::provenance::{InputFile, Provenance};
@@ -26,14 +26,6 @@ pub(super) struct Job<'a> {
     pub(super) input: &'a InputFile,
 }
 
-impl Job<'_> {
-    /// Noise of the measurement in terms of eq. (18), %: as its header says, else as its scatter says.
-    pub(super) fn noise_floor(&self) -> Option<f64> {
-        let estimate = || noise::estimate(self.measurement).map(|n| n.floor_percent());
-        self.measurement.meta.noise_floor_percent.or_else(estimate)
-    }
-}
-
 /// The fit as a model file.
 pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model {
     let fit = &entry.fit;
@@ -46,7 +38,7 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model
     let mut model = Model::new(method, surface, values);
     model.rmsd_percent = Some(fit.rmsd_percent);
     model.map = map.map(MapRecord::from);
-    model.noise_floor_percent = job.noise_floor();
+    model.noise_floor_percent = fit.noise_floor_percent;
     model.simulation_noise_percent = fit.simulation_noise_percent;
     model.objective = Some(fit.objective.0.to_string());
     model.objective_value = Some(fit.objective.1);
@@ -89,7 +81,7 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
     if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
         let _ = writeln!(text, "ior          {ior:.4} (given)");
     }
-    let noise = job.noise_floor().map_or("unknown".into(), |n| format!("{n:.3} %"));
+    let noise = fit.noise_floor_percent.map_or("unknown".into(), |n| format!("{n:.3} %"));
     let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
     if let Some(noise) = fit.simulation_noise_percent {
         let _ = writeln!(

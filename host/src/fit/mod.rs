@@ -24,7 +24,7 @@ use asperity_core::metric::rmsd_percent;
 
 use crate::boundary::Boundary;
 use crate::forward::{Effort, Neglected, Plan, Rays, Readings, Setup};
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, noise};
 use crate::method::{BuildError, Method, Parameter, Surface};
 
 use problem::Problem;
@@ -128,6 +128,9 @@ pub struct Fit {
     pub neglected: Neglected,
     /// Noise of the simulated readings in terms of eq. (18), %; `None` if they have none.
     pub simulation_noise_percent: Option<f64>,
+    /// Noise of the measurement in the same terms, %: as its header says, else as its readings and the residuals of this fit
+    /// say; never above `rmsd_percent`. `None` if it is not known.
+    pub noise_floor_percent: Option<f64>,
     /// Evaluations of the forward model.
     pub evaluations: u64,
     /// Wall time.
@@ -234,6 +237,8 @@ pub fn fit(
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
     let parameters = fitted(&problem, &all, &values, &readings.values);
     let (boundary, surface) = problem.boundary(&values)?;
+    let simulation_noise_percent = noise_percent(&readings, measurement);
+    let of_rays = simulation_noise_percent.filter(|_| problem.is_traced());
     Ok(Fit {
         parameters,
         boundary,
@@ -245,7 +250,8 @@ pub fn fit(
         objective: (options.objective, problem.cost_of(&readings.values)),
         incidences: verdict::by_incidence(&Plan::of(measurement), &measured, &readings.values),
         neglected: readings.neglected,
-        simulation_noise_percent: noise_percent(&readings, measurement),
+        simulation_noise_percent,
+        noise_floor_percent: noise::of_fit(measurement, &readings.values, of_rays),
         readings: readings.values,
         evaluations: search.evaluations(),
         seconds: begun.elapsed().as_secs_f64(),

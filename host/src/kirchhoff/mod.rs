@@ -14,6 +14,8 @@ mod fft;
 mod screen;
 mod kernel;
 mod optics;
+mod horizon;
+mod patch;
 mod stack;
 mod orders;
 mod coherent;

@@ -128,6 +128,12 @@ impl Optics {
         ]
     }
 
+    /// `h_x` and `h_y` of an order, `step` in 1/um apart.
+    #[inline]
+    pub(super) fn half(&self, number: [isize; 2], step: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|axis| number[axis] as f64 * step[axis] / self.k)
+    }
+
     /// The direction of a tangential part with its cosine, on the lobe's side.
     #[inline]
     pub(super) fn direction(&self, [x, y]: [f64; 2], cos: f64) -> Direction<f64> {

@@ -13,10 +13,12 @@ use asperity_core::quantity::RelativeIor;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
-use super::fft::{Coefficients, place};
+use super::fft::place;
+use super::horizon::{ALONG, mean_secant};
 use super::kernel::WIDTH;
 use super::optics::{Beam, Optics};
-use super::stack::{Stack, Tiling};
+use super::patch::{Aperture, incident_share, shares};
+use super::stack::{Plane, Stack, Tiling};
 use crate::surface::{Edges, HeightMap, Incomplete};
 
 /// Amplitudes that are in memory at once; more beams are worked on in turns.
@@ -29,7 +31,8 @@ pub struct Order {
     pub number: [isize; 2],
     /// Where it goes.
     pub wo: Direction<f64>,
-    /// `|A|^2`: its share of the light without obliquity and Fresnel's factor.
+    /// `|A|^2`: its share of the light without obliquity and Fresnel's factor. Of a patch `|A'|^2`, without what its rim
+    /// diffracts, times the quarter of an order's area that is a cell of a patch.
     pub intensity: f64,
     /// Flux in it, as a fraction of the incident flux.
     pub power: f64,
@@ -54,6 +57,18 @@ pub struct BeamOrders {
     unit: f64,
     /// Only orders of `y >= 0` are kept; those below are their mirror images.
     halved: bool,
+    /// Of a patch.
+    lit: Option<Lit>,
+}
+
+/// A beam on a patch.
+#[derive(Clone, Debug)]
+struct Lit {
+    aperture: Aperture,
+    /// Fresnel's share in the specular direction; 0 without one.
+    specular: f64,
+    /// Share of the area on which light falls.
+    incident: f64,
 }
 
 /// Orders of one number along x.
@@ -93,9 +108,9 @@ pub fn orders(
             // the groups to come are about as long
             let all = done + count * (1 + (beams.len() - k - 1).div_ceil(group.len()));
             let mut now = done;
-            let finished = stack.each(planes, stop, |plane, q_z| {
+            let finished = stack.each(planes, stop, |plane| {
                 for beam in &mut group {
-                    beam.add(&stack, plane, q_z);
+                    beam.add(&stack, plane);
                 }
                 now += 1;
                 progress(now, all);
@@ -117,7 +132,12 @@ impl BeamOrders {
         let optics = Optics::new(eta, &beam);
         let halved = stack.edges == Edges::Mirrored && beam.wi.y().abs() <= 0.0;
         let (columns, step, unit) = (Vec::new(), stack.step, stack.unit);
-        let mut this = Self { beam, optics, columns, step, unit, halved };
+        let lit = stack.rim.as_ref().zip(optics).map(|(rim, optics)| Lit {
+            aperture: Aperture::new(rim, &stack.kernel),
+            specular: optics.specular().map_or(0.0, |(wo, _)| optics.factor(wo) / wo.z().abs()),
+            incident: incident_share(rim.slope, beam.wi.xyz()),
+        });
+        let mut this = Self { beam, optics, columns, step, unit, halved, lit };
         let Some(optics) = optics.filter(|o| o.heights().is_some()) else { return this };
         let least_cos = optics.cosine(0.0);
         // facets lead only to where q_z has its sign: within a circle, or beyond one
@@ -159,8 +179,12 @@ impl BeamOrders {
     }
 
     /// Adds a plane of the stack to the orders whose `q_z` is near it.
-    fn add(&mut self, stack: &Stack, plane: &Coefficients<f32>, q_z: f64) {
+    fn add(&mut self, stack: &Stack, plane: &Plane<'_>) {
         let Some(optics) = self.optics else { return };
+        let q_z = plane.q_z;
+        if let Some(lit) = &mut self.lit {
+            lit.aperture.add(plane.coefficients, q_z);
+        }
         let reach = 0.5 * WIDTH as f64 * stack.kernel.distance;
         let Some((low, high)) = self.range() else { return };
         if q_z + reach < low || q_z - reach > high {
@@ -171,7 +195,7 @@ impl BeamOrders {
         if low > high {
             return;
         }
-        let near = Near { stack, plane, optics, q_z, cosines: (low, high) };
+        let near = Near { stack, plane, optics, cosines: (low, high) };
         self.columns.par_iter_mut().for_each(|column| near.add(column));
     }
 
@@ -185,8 +209,7 @@ impl BeamOrders {
         self.optics.into_iter().flat_map(move |optics| {
             self.columns.iter().flat_map(move |column| {
                 (column.first_y..).zip(&column.amplitudes).flat_map(move |(y, a)| {
-                    let intensity = self.unit * f64::from(a.norm_sqr());
-                    let order = self.order(&optics, [column.order_x, y], intensity);
+                    let order = self.order(&optics, [column.order_x, y], *a);
                     let mirrored = if self.halved && y > 0 { order } else { None };
                     [order, mirrored.map(Order::mirrored)].into_iter().flatten()
                 })
@@ -194,32 +217,73 @@ impl BeamOrders {
         })
     }
 
-    fn order(&self, optics: &Optics, number: [isize; 2], intensity: f64) -> Option<Order> {
-        let [x, y] =
-            optics.tangent([number[0] as f64 * self.step[0], number[1] as f64 * self.step[1]]);
-        let sine2 = x * x + y * y;
-        let cos2 = 1.0 - sine2;
-        if cos2 <= 0.0 {
+    fn order(&self, optics: &Optics, number: [isize; 2], a: Complex<f32>) -> Option<Order> {
+        let t = optics.tangent([number[0] as f64 * self.step[0], number[1] as f64 * self.step[1]]);
+        let cos2 = 1.0 - t[0] * t[0] - t[1] * t[1];
+        if cos2 <= ALONG {
             return None;
         }
         let cos = cos2.sqrt();
-        let wo = optics.direction([x, y], cos);
-        let inverse = if number == [0, 0] {
-            1.0 / cos
-        } else {
-            // near the horizon 1 / cos changes within the cell that an order stands for
-            let half = 0.25 * (self.step[0] + self.step[1]) / (optics.k * optics.n_o);
-            mean_secant(sine2.sqrt(), half)
+        let wo = optics.direction(t, cos);
+        let amplitude = Complex::new(f64::from(a.re), f64::from(a.im));
+        let intensity = self.unit * amplitude.norm_sqr();
+        let factor = optics.factor(wo);
+        let power = match &self.lit {
+            None => intensity * factor / cos,
+            Some(lit) => {
+                let half = self.step.map(|step| 0.5 * step / (optics.k * optics.n_o));
+                let facet = (factor * mean_secant(t, half, cos2)).sqrt();
+                let [.., upright] = shares(optics.half(number, self.step), optics.height(cos));
+                let own =
+                    OwnLight { amplitude, facet, upright, q_z: optics.k * optics.height(cos) };
+                self.unit * lit.amplitude(own, number, optics.negative).norm_sqr() / lit.incident
+            }
         };
-        let power = intensity * optics.factor(wo) * inverse;
         Some(Order { number, wo, intensity, power })
     }
 
     /// Flux of the lobe and its coherent part, as fractions of the incident flux.
     pub fn totals(&self) -> (f64, f64) {
-        self.iter().fold((0.0, 0.0), |(all, coherent), order| {
+        let (all, middle) = self.iter().fold((0.0, 0.0), |(all, coherent), order| {
             (all + order.power, coherent + if order.is_specular() { order.power } else { 0.0 })
-        })
+        });
+        // the middle of a patch's light is a part of what keeps its direction
+        (all, self.coherent().unwrap_or(middle))
+    }
+
+    /// Coherent flux of a patch, all of it however wide diffraction makes it, as a fraction of the incident flux; `None` of a surface
+    /// that goes on, whose coherent light is its specular order.
+    pub fn coherent(&self) -> Option<f64> {
+        let lit = self.lit.as_ref()?;
+        let q_z = self.optics.and_then(|optics| optics.specular()).map(|(_, q_z)| q_z);
+        let signed = q_z.map_or(0.0, |q_z| lit.aperture.mean(q_z).norm_sqr());
+        // the mean field is one over the doubled grid, four times the patch
+        Some(16.0 * signed * lit.specular / lit.incident)
+    }
+}
+
+/// An order of a patch, before the light that keeps its direction is told apart.
+struct OwnLight {
+    /// Its amplitude without the rim's diffraction.
+    amplitude: Complex<f64>,
+    /// Its factor at the stationary facet.
+    facet: f64,
+    /// `h_z^2 / |h|^2`.
+    upright: f64,
+    q_z: f64,
+}
+
+impl Lit {
+    /// Amplitude whose square is the power of an order.
+    fn amplitude(&self, own: OwnLight, number: [isize; 2], negative: bool) -> Complex<f64> {
+        let OwnLight { amplitude, facet, upright, q_z } = own;
+        if facet <= 0.0 {
+            return Complex::default();
+        }
+        let number = if negative { number.map(|n| -n) } else { number };
+        let Some(far) = self.aperture.far_field(number) else { return amplitude * facet };
+        let mean = self.aperture.mean(q_z) * far;
+        amplitude * facet + mean * (self.specular.sqrt() - facet * upright)
     }
 }
 
@@ -233,18 +297,11 @@ impl Order {
     }
 }
 
-/// `1 / cos` averaged over sines within `half` of `sine`.
-fn mean_secant(sine: f64, half: f64) -> f64 {
-    let (low, high) = ((sine - half).max(-1.0), (sine + half).min(1.0));
-    (high.asin() - low.asin()) / (2.0 * half)
-}
-
 /// A plane and the orders about it.
 struct Near<'a> {
     stack: &'a Stack,
-    plane: &'a Coefficients<f32>,
+    plane: &'a Plane<'a>,
     optics: Optics,
-    q_z: f64,
     /// Range of `cos theta_o` that the plane serves.
     cosines: (f64, f64),
 }
@@ -275,7 +332,7 @@ impl Near<'_> {
         let last = column.first_y + column.amplitudes.len() as isize - 1;
         let (from, to) = (from.max(column.first_y), to.min(last));
         let sign = if self.optics.negative { -1 } else { 1 };
-        let values = self.plane.column(sign * column.order_x);
+        let values = self.plane.coefficients.column(sign * column.order_x);
         let per_plane = 1.0 / self.stack.kernel.distance;
         for order_y in from..=to {
             let [_, ty] = self.optics.tangent([0.0, order_y as f64 * self.stack.step[1]]);
@@ -283,10 +340,19 @@ impl Near<'_> {
             if cos2 < 0.0 {
                 continue;
             }
-            let q_z = self.optics.k * self.optics.height(cos2.sqrt());
-            let weight = self.stack.kernel.at((q_z - self.q_z) * per_plane);
+            let height = self.optics.height(cos2.sqrt());
+            let weight =
+                self.stack.kernel.at((self.optics.k * height - self.plane.q_z) * per_plane);
             let at = place(sign * order_y, self.stack.size[1], self.stack.edges);
-            column.amplitudes[(order_y - column.first_y) as usize] += values[at] * weight;
+            let mut value = values[at];
+            if let Some(rim) = &self.plane.rim {
+                let number = [column.order_x, order_y];
+                let [x, y, _] = shares(self.optics.half(number, self.stack.step), height);
+                let [of_x, of_y] = rim
+                    .at([place(sign * column.order_x, self.stack.size[0], self.stack.edges), at]);
+                value -= of_x * x as f32 + of_y * y as f32;
+            }
+            column.amplitudes[(order_y - column.first_y) as usize] += value * weight;
         }
     }
 }

@@ -6,6 +6,7 @@ use rustfft::num_complex::Complex;
 
 use super::fft::{Coefficients, Fourier};
 use super::kernel::{Kernel, WIDTH};
+use super::patch::{Rim, RimPlane};
 use super::screen::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
@@ -41,6 +42,16 @@ pub(super) struct Stack {
     heights_um: Vec<f64>,
     weights: Vec<f32>,
     pub(super) kernel: Kernel,
+    /// Of a patch.
+    pub(super) rim: Option<Rim>,
+}
+
+/// One transform of a stack.
+pub(super) struct Plane<'a> {
+    pub(super) coefficients: &'a Coefficients<f32>,
+    /// Of a patch.
+    pub(super) rim: Option<RimPlane<'a>>,
+    pub(super) q_z: f64,
 }
 
 impl Stack {
@@ -57,11 +68,13 @@ impl Stack {
         let periods = if tiling == Tiling::Periodic { 1.0 } else { 2.0 };
         let step = [(nx, map.dx_um()), (ny, map.dy_um())]
             .map(|(n, pitch)| std::f64::consts::TAU / (periods * n as f64 * pitch));
-        let (mut edges, mut unit) = (Edges::Periodic, 1.0);
+        let (mut edges, mut unit, mut rim) = (Edges::Periodic, 1.0, None);
         match tiling {
             Tiling::Periodic => {}
             Tiling::Mirrored => edges = Edges::Mirrored,
             Tiling::Patch => {
+                let pitch = [map.dx_um(), map.dy_um()];
+                rim = Some(Rim::new(&heights_um, &weights, nx, pitch));
                 (heights_um, weights) = (doubled(&heights_um, nx), doubled(&weights, nx));
                 (nx, ny) = (2 * nx, 2 * ny);
                 // a quarter of the area is lit: A is a quarter, and an order stands for a quarter of a cell
@@ -69,7 +82,7 @@ impl Stack {
             }
         }
         let fourier = Fourier::new((nx, ny), edges);
-        Ok(Self { fourier, edges, size: [nx, ny], step, unit, heights_um, weights, kernel })
+        Ok(Self { fourier, edges, size: [nx, ny], step, unit, heights_um, weights, kernel, rim })
     }
 
     /// Lowest and highest order of a direction that the pitch can show.
@@ -90,12 +103,12 @@ impl Stack {
         if low > high { 0..0 } else { (low - half).ceil() as i64..(high + half).floor() as i64 + 1 }
     }
 
-    /// Transforms planes one after the other and gives each, with its `q_z`, to `take`; false if stopped.
+    /// Transforms planes one after the other and gives each to `take`; false if stopped.
     pub(super) fn each(
         &self,
         planes: std::ops::Range<i64>,
         stop: &AtomicBool,
-        mut take: impl FnMut(&Coefficients<f32>, f64),
+        mut take: impl FnMut(&Plane<'_>),
     ) -> bool {
         let mut room = self.fourier.room();
         let nx = self.size[0];
@@ -104,13 +117,14 @@ impl Stack {
                 return false;
             }
             let q_z = number as f64 * self.kernel.distance;
+            let turns = q_z / std::f64::consts::TAU;
             let row = |j: usize, out: &mut [Complex<f32>]| {
                 let at = j * nx..(j + 1) * nx;
-                let turns = q_z / std::f64::consts::TAU;
                 phase(&self.heights_um[at.clone()], &self.weights[at], turns, out);
             };
             self.fourier.transform(row, &mut room);
-            take(&room, q_z);
+            let rim = self.rim.as_ref().map(|rim| rim.plane(turns));
+            take(&Plane { coefficients: &room, rim, q_z });
         }
         true
     }

@@ -1,4 +1,4 @@
-//! The noise floor of a measurement, from its readings alone.
+//! The noise floor of a measurement: from its readings alone, or from what a fit leaves of them.
 //!
 //! In the sense of the error figure \[Sokolov2022, eq. 18\]: RMS noise over all readings / largest
 //! reading x 100. No reconstruction, however good, can have a smaller error than that.
@@ -12,8 +12,9 @@
 //! between readings more than one aperture apart. Of all orders and of two lags the smallest figure
 //! counts, since what a too-low order leaves of the signal can only add. All differences enter, dark
 //! and bright, so that noise which grows with the signal counts as it does in eq. (18).
-//! It *overestimates* where a lobe is as narrow as a few apertures, or steps are coarse against the
-//! lobe: what turns within one lag looks like noise. And it *includes* the sample's own grain
+//! Of the readings alone it *overestimates* where a lobe is as narrow as a few apertures, or steps are coarse against the
+//! lobe: what turns within one lag looks like noise. So once there is a fit its residuals are differenced
+//! instead ([`of_fit`]), which have no lobe; what a model misses within one lag still looks like noise, slower misfit does not. And it *includes* the sample's own grain
 //! (speckle, single facets and caustics under a narrow beam), which is repeatable: the floor for a
 //! model with a smooth BSDF, but not for one that follows the measured surface itself.
 //! Without an aperture in the header it takes neighbouring readings, and then *underestimates* a scan
@@ -26,8 +27,10 @@
 
 use super::{Incidence, Measurement, Reading};
 
-/// Orders of the differences.
+/// Orders of the differences of readings.
 const ORDERS: std::ops::RangeInclusive<usize> = 3..=8;
+/// Those of residuals, which have no lobe that low orders would leave.
+const OF_RESIDUALS: std::ops::RangeInclusive<usize> = 1..=8;
 /// Fewer differences than this say nothing.
 const MIN_DIFFERENCES: usize = 30;
 /// Positions are equidistant up to this fraction of a step.
@@ -63,14 +66,12 @@ impl NoiseEstimate {
     }
 }
 
-/// Estimates the noise floor; `None` where too few readings stand at equal steps (fewer than 30
-/// differences of order 3 beyond the aperture).
+/// Estimates the noise floor before there is a fit; `None` where too few readings stand at equal steps (fewer than 30
+/// differences of order 3 beyond the aperture). An upper bound: narrow lobes add to it.
 pub fn estimate(scan: &Measurement) -> Option<NoiseEstimate> {
-    let runs: Vec<Run> = scan.by_incidence().flat_map(|incidence| runs(scan, &incidence)).collect();
-    let candidates = ORDERS.flat_map(|order| [0, 1].map(|more| (order, more)));
-    let figures =
-        candidates.filter_map(|(order, more)| Some((order, fluctuation(&runs, order, more)?)));
-    let (order, rms) = figures.min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+    let runs = all_runs(scan);
+    let values: Vec<f64> = scan.readings().iter().map(|reading| reading.value).collect();
+    let (order, rms) = least(&runs, &values, ORDERS)?;
     let percent = |rms: f64| 100.0 * rms / scan.largest_reading();
     Some(NoiseEstimate {
         fluctuation_percent: percent(rms),
@@ -79,14 +80,70 @@ pub fn estimate(scan: &Measurement) -> Option<NoiseEstimate> {
     })
 }
 
+/// The noise floor without a fit, %: as the header says, else an upper bound from the readings ([`estimate`]).
+pub fn before_fit(scan: &Measurement) -> Option<f64> {
+    let estimate = || estimate(scan).map(|noise| noise.floor_percent());
+    scan.meta.noise_floor_percent.or_else(estimate)
+}
+
+/// The noise floor of a measurement beside a fit, % in the sense of eq. (18): as the header says, else the least of what the
+/// readings ([`estimate`]) and the residuals say; never above the error of the fit itself.
+///
+/// `simulated` are the fitted readings in the order of the scan's, `rays_percent` their own noise where they come from
+/// rays, which is taken off the residuals'. `None` where nothing is known.
+pub fn of_fit(scan: &Measurement, simulated: &[f64], rays_percent: Option<f64>) -> Option<f64> {
+    let residuals: Vec<f64> =
+        scan.readings().iter().zip(simulated).map(|(reading, s)| reading.value - s).collect();
+    let percent = |rms: f64| 100.0 * rms / scan.largest_reading();
+    let squares: f64 = residuals.iter().map(|r| r * r).sum();
+    let error = percent((squares / residuals.len().max(1) as f64).sqrt());
+    let stated = scan.meta.noise_floor_percent.is_some();
+    let left = least(&all_runs(scan), &residuals, OF_RESIDUALS).filter(|_| !stated);
+    let left = left.and_then(|(_, rms)| without_rays(percent(rms), rays_percent));
+    let floor = before_fit(scan).into_iter().chain(left).min_by(f64::total_cmp);
+    // an error that is no number bounds nothing
+    floor.map(|floor| if error < floor { error } else { floor })
+}
+
+/// A figure without the noise of the rays in it; `None` where that is most of it, and the rest is not known.
+fn without_rays(percent: f64, rays_percent: Option<f64>) -> Option<f64> {
+    let rays = rays_percent.unwrap_or(0.0);
+    let rest = percent * percent - rays * rays;
+    (rest >= 0.5 * percent * percent).then(|| rest.sqrt())
+}
+
+/// The least figure of all orders and lags, with its order.
+fn least(
+    runs: &[Run],
+    values: &[f64],
+    orders: std::ops::RangeInclusive<usize>,
+) -> Option<(usize, f64)> {
+    let candidates = orders.flat_map(|order| [0, 1].map(|more| (order, more)));
+    let figures = candidates
+        .filter_map(|(order, more)| Some((order, fluctuation(runs, values, (order, more))?)));
+    figures.min_by(|(_, a), (_, b)| a.total_cmp(b))
+}
+
 /// Readings of one incidence at equal steps.
-struct Run<'a> {
-    readings: &'a [Reading],
+struct Run {
+    /// Which of the scan's.
+    readings: std::ops::Range<usize>,
     /// The smallest number of steps that separates two apertures.
     lag: usize,
 }
 
-fn runs<'a>(scan: &Measurement, incidence: &Incidence<'a>) -> Vec<Run<'a>> {
+fn all_runs(scan: &Measurement) -> Vec<Run> {
+    let mut first = 0;
+    let mut found = Vec::new();
+    for incidence in scan.by_incidence() {
+        found.extend(runs(scan, &incidence, first));
+        first += incidence.readings.len();
+    }
+    found
+}
+
+/// Those of an incidence whose readings begin at `first`.
+fn runs(scan: &Measurement, incidence: &Incidence<'_>, mut first: usize) -> Vec<Run> {
     let spacing = |pair: &[Reading]| pair[1].theta_deg - pair[0].theta_deg;
     let mut spacings: Vec<f64> = incidence.readings.windows(2).map(spacing).collect();
     spacings.sort_by(f64::total_cmp);
@@ -101,11 +158,16 @@ fn runs<'a>(scan: &Measurement, incidence: &Incidence<'a>) -> Vec<Run<'a>> {
     let regular = |a: &Reading, b: &Reading| {
         (b.theta_deg - a.theta_deg - step).abs() <= STEP_TOLERANCE * step
     };
-    incidence.readings.chunk_by(regular).map(|readings| Run { readings, lag }).collect()
+    let pieces = incidence.readings.chunk_by(regular).map(|piece| {
+        let readings = first..first + piece.len();
+        first = readings.end;
+        Run { readings, lag }
+    });
+    pieces.collect()
 }
 
-/// RMS of the differences of one order, normalised so that independent noise gives its own RMS.
-fn fluctuation(runs: &[Run], order: usize, more: usize) -> Option<f64> {
+/// RMS of the differences of one order, normalised so that independent noise gives its own RMS; `more` is added to the lag.
+fn fluctuation(runs: &[Run], values: &[f64], (order, more): (usize, usize)) -> Option<f64> {
     let mut coefficients = vec![1.0];
     for k in 0..order {
         let last: f64 = coefficients[k];
@@ -115,9 +177,10 @@ fn fluctuation(runs: &[Run], order: usize, more: usize) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0);
     for run in runs {
         let lag = run.lag + more;
-        for window in run.readings.windows(order * lag + 1) {
-            let values = window.iter().step_by(lag).map(|reading| reading.value);
-            let difference: f64 = values.zip(&coefficients).map(|(value, c)| value * c).sum();
+        let values = values.get(run.readings.clone()).unwrap_or_default();
+        for window in values.windows(order * lag + 1) {
+            let near = window.iter().step_by(lag);
+            let difference: f64 = near.zip(&coefficients).map(|(value, c)| value * c).sum();
             sum += difference * difference / norm;
             count += 1;
         }
@@ -138,10 +201,12 @@ fn counting(scan: &Measurement, runs: &[Run]) -> Option<f64> {
     for incidence in scan.by_incidence() {
         let quantum = quantum(incidence.readings)?;
         variance += incidence.readings.iter().map(|reading| quantum * reading.value).sum::<f64>();
+        let of_scan = |run: &Run| &scan.readings()[run.readings.clone()];
         let sigma_deg = incidence.sigma_deg;
-        let same = |run: &&Run| run.readings[0].sigma_deg.total_cmp(&sigma_deg).is_eq();
+        let same = |run: &&Run| of_scan(run)[0].sigma_deg.total_cmp(&sigma_deg).is_eq();
         for run in runs.iter().filter(same) {
-            for (a, b) in run.readings.iter().zip(run.readings.iter().skip(run.lag)) {
+            let readings = of_scan(run);
+            for (a, b) in readings.iter().zip(readings.iter().skip(run.lag)) {
                 let [a, b] = [a, b].map(|reading| reading.value / quantum);
                 let part = if a + b <= FEW { &mut few } else { &mut many };
                 part[0] += (a - b) * (a - b);
@@ -245,6 +310,48 @@ mod tests {
         let percent = |width| estimate(&lobe(width, |clean| clean)).unwrap().floor_percent();
         assert!(percent(8.0) < 1e-5 && percent(4.0) < 1e-2, "{} {}", percent(8.0), percent(4.0));
         assert!(percent(1.0) > 0.1, "{}", percent(1.0));
+    }
+
+    #[test]
+    fn residuals_have_no_lobe_and_no_slow_misfit() {
+        for width in [0.05, 0.5, 1.0, 8.0] {
+            let mut uniform = uniforms(5);
+            let mut draw = || 0.001 * (2.0 * uniform() - 1.0) * 3_f64.sqrt();
+            let scan = lobe(width, |clean| clean + draw());
+            let clean = lobe(width, |clean| clean);
+            let exact: Vec<f64> = clean.readings().iter().map(|r| r.value).collect();
+            let true_percent = 100.0 * 0.001 / scan.largest_reading();
+            let found = of_fit(&scan, &exact, None).unwrap();
+            assert!((0.88..1.06).contains(&(found / true_percent)), "{width} {found}");
+            // misfit ten times the noise, over a few degrees
+            let off = |r: &Reading| r.value + 0.02 * (r.theta_deg / 5.0).sin();
+            let wrong: Vec<f64> = clean.readings().iter().map(off).collect();
+            let found = of_fit(&scan, &wrong, None).unwrap();
+            assert!((0.88..1.1).contains(&(found / true_percent)), "{width} {found}");
+        }
+    }
+
+    #[test]
+    fn a_floor_is_never_above_the_error_of_its_fit() {
+        let mut uniform = uniforms(6);
+        let mut scan = lobe(1.0, |clean| clean + 1e-3 * uniform());
+        let clean = lobe(1.0, |clean| clean);
+        let exact: Vec<f64> = clean.readings().iter().map(|r| r.value).collect();
+        let error = |scan: &Measurement| {
+            let squares = scan.readings().iter().zip(&exact).map(|(r, s)| (r.value - s).powi(2));
+            100.0 * (squares.sum::<f64>() / exact.len() as f64).sqrt() / scan.largest_reading()
+        };
+        assert!(of_fit(&scan, &exact, None).unwrap() <= error(&scan));
+        // what a header states is capped too, and readings without noise have none
+        scan.meta.noise_floor_percent = Some(5.0);
+        assert!((of_fit(&scan, &exact, None).unwrap() - error(&scan)).abs() < 1e-12);
+        assert!(of_fit(&clean, &exact, None).unwrap() <= 0.0);
+        // the noise of rays is not the measurement's
+        let mut uniform = uniforms(7);
+        let rays: Vec<f64> = exact.iter().map(|r| r + 0.02 * (uniform() - 0.5)).collect();
+        scan.meta.noise_floor_percent = None;
+        let own = 100.0 * 0.02 / 12_f64.sqrt();
+        assert!(of_fit(&scan, &rays, Some(own)).unwrap() < error(&scan) + 0.3 * own);
     }
 
     #[test]

@@ -65,6 +65,12 @@ impl Attempt {
 }
 
 impl SampleResult {
+    /// The noise of the measurement as its fits know it: the least of theirs, for what a model misses can only add.
+    pub fn floor_of(attempts: &[Attempt]) -> Option<f64> {
+        let known = attempts.iter().filter_map(|a| a.entry()?.fit.noise_floor_percent);
+        known.min_by(f64::total_cmp)
+    }
+
     /// The lowest error of the fits that describe the sample.
     pub fn best(&self) -> Option<&Attempt> {
         let error = |a: &&Attempt| a.entry().map_or(f64::INFINITY, |e| e.fit.rmsd_percent);

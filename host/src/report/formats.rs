@@ -157,6 +157,7 @@ mod tests {
             incidences: Vec::new(),
             neglected: Neglected::default(),
             simulation_noise_percent: None,
+            noise_floor_percent: Some(0.125),
             evaluations: 7,
             seconds: 0.25,
             termination: Termination::Converged,

@@ -2,6 +2,7 @@
 
 mod surfaces;
 mod orders;
+mod patch;
 mod gaussian;
 mod gratings;
 mod limits;
