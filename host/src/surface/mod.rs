@@ -17,6 +17,7 @@ pub mod spectrum;
 pub mod split;
 pub mod structure;
 pub mod io;
+pub mod sanity;
 pub mod prepare;
 pub mod random;
 

@@ -61,6 +61,7 @@ impl Roughness {
             highest.iter().copied().fold(0.0, f64::max),
         );
         let shape = |k: i32| if rq > 0.0 { moment(k) / rq.powi(k) } else { 0.0 };
+        let [rms_slope_x, rms_slope_y] = rms_slopes(map);
         let along = [(1, 0, map.dx_um()), (0, 1, map.dy_um())];
         let lags: Vec<f64> = along
             .iter()
@@ -75,8 +76,8 @@ impl Roughness {
             rz5_um: rz5,
             rsk: shape(3),
             rku: shape(4),
-            rms_slope_x: rms_slope(map, (1, 0), map.dx_um()),
-            rms_slope_y: rms_slope(map, (0, 1), map.dy_um()),
+            rms_slope_x,
+            rms_slope_y,
             acl_um: (!lags.is_empty()).then(|| lags.iter().sum::<f64>() / lags.len() as f64),
             missing_fraction: map.missing_fraction(),
         }
@@ -101,6 +102,11 @@ fn smallest(values: impl Iterator<Item = f64>) -> Vec<f64> {
 fn pairs(map: &HeightMap, step: (usize, usize)) -> impl Iterator<Item = (f64, f64)> + '_ {
     map.points()
         .filter_map(move |(col, row, h)| Some((h, map.height_um(col + step.0, row + step.1)?)))
+}
+
+/// Rms slopes between neighbours along x and y; `None` without neighbours.
+pub(super) fn rms_slopes(map: &HeightMap) -> [Option<f64>; 2] {
+    [rms_slope(map, (1, 0), map.dx_um()), rms_slope(map, (0, 1), map.dy_um())]
 }
 
 fn rms_slope(map: &HeightMap, step: (usize, usize), pitch: f64) -> Option<f64> {
