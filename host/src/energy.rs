@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
-use crate::forward::{Rays, count_flux};
+use crate::forward::{Heeding, Rays, count_flux};
 use crate::kirchhoff::{Beam, Speckle, WaveBoundary, orders};
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -76,10 +76,11 @@ pub fn balances(
         if stop.load(Ordering::Relaxed) {
             return None;
         }
-        found.push(balance(boundary, side, deg, rays));
+        found.push(balance_until(boundary, side, deg, rays, stop));
         progress(k + 1, incidences.len());
     }
-    Some(found)
+    // the last one may have been cut short
+    (!stop.load(Ordering::Relaxed)).then_some(found)
 }
 
 fn of_waves(
@@ -143,6 +144,17 @@ fn of_waves(
 /// Closed forms: a lattice rule over the facets, error about 1e-5. Waves: the mean law, ring by ring, 5e-4. Traced boundaries:
 /// rays are counted, one standard error is at most `0.5 / sqrt(count)`.
 pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) -> Energy {
+    balance_until(boundary, side, incidence_deg, rays, &AtomicBool::new(false))
+}
+
+/// The same; once `stop` is set rays are lost, and the balance is none.
+fn balance_until(
+    boundary: &Boundary,
+    side: Side,
+    incidence_deg: f64,
+    rays: Rays,
+    stop: &AtomicBool,
+) -> Energy {
     let wi = incidence(side, incidence_deg);
     let coherent = boundary.coherent(wi);
     let wave = if let Boundary::Wave(wave) = boundary { Some(&**wave) } else { None };
@@ -159,7 +171,7 @@ pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) 
             (reflected, transmitted, 1.0 - reflected - transmitted)
         },
         traced t => {
-            let flux = count_flux(t, wi, rays);
+            let flux = count_flux(&Heeding { boundary: t, stop }, wi, rays);
             (flux.reflected, flux.transmitted, flux.lost)
         })
     };

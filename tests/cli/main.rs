@@ -16,6 +16,8 @@
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
 //! | `extreme_maps` | maps at the edge of what is one |
+//! | `units` | units of height maps: read, or asked for |
+//! | `doubtful_maps` | maps too steep, hardly measured, of pixels that no map has |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
 //! | `interrupt` | Ctrl-C |
@@ -42,6 +44,8 @@ mod malformed;
 mod map_files;
 mod malformed_maps;
 mod extreme_maps;
+mod units;
+mod doubtful_maps;
 mod no;
 mod determinism;
 #[cfg(unix)]

@@ -9,6 +9,7 @@ mod aperture;
 mod internal;
 mod quadrature;
 mod rays;
+mod heeding;
 mod monte_carlo;
 mod coherent;
 mod wave;
@@ -16,6 +17,7 @@ mod simulate;
 
 pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
+pub(crate) use heeding::Heeding;
 pub use rays::Rays;
 pub(crate) use rays::{Tiles, mix};
 pub use simulate::simulate;

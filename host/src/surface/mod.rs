@@ -2,6 +2,7 @@
 
 pub mod heightmap;
 pub mod form;
+mod ten_point;
 pub mod roughness;
 pub mod edges;
 mod nearest;

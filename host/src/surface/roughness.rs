@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use super::HeightMap;
+use super::{HeightMap, ten_point};
 
 /// Figures of a map, um unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,8 +20,14 @@ pub struct Roughness {
     pub rp_um: f64,
     /// `Rv + Rp`.
     pub rz_um: f64,
-    /// Mean of the five highest points less that of the five deepest.
+    /// Mean of the five highest points of the map less that of the five deepest: points, as in the paper's table, where
+    /// the standard's ten-point height has peaks and valleys of profiles.
     pub rz5_um: f64,
+    /// Ten-point height of JIS B 0601: five peaks and five valleys of each sampling length of the profiles; `None` if they
+    /// have not so many.
+    pub rz_jis_um: Option<f64>,
+    /// The sampling length of it: a fifth of a row or column, or the whole.
+    pub rz_jis_length_um: Option<f64>,
     /// Skewness, dimensionless; 0 for a flat map.
     pub rsk: f64,
     /// Kurtosis, dimensionless, 3 for Gaussian heights; 0 for a flat map.
@@ -62,6 +68,7 @@ impl Roughness {
         );
         let shape = |k: i32| if rq > 0.0 { moment(k) / rq.powi(k) } else { 0.0 };
         let [rms_slope_x, rms_slope_y] = rms_slopes(map);
+        let ten_point = ten_point::of(map);
         let along = [(1, 0, map.dx_um()), (0, 1, map.dy_um())];
         let lags: Vec<f64> = along
             .iter()
@@ -74,6 +81,8 @@ impl Roughness {
             rp_um: rp,
             rz_um: rv + rp,
             rz5_um: rz5,
+            rz_jis_um: ten_point.map(|t| t.height_um),
+            rz_jis_length_um: ten_point.map(|t| t.length_um),
             rsk: shape(3),
             rku: shape(4),
             rms_slope_x,

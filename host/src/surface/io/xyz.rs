@@ -85,8 +85,6 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
     let x = axis("x", xyz.iter().step_by(3))?;
     let y = axis("y", xyz.iter().skip(1).step_by(3))?;
     let n = points(FORMAT, x.count, y.count)?;
-    let scales =
-        options.points(FORMAT, said.units(), x.pitch).map_err(|fault| said.explain(fault))?;
     // a point takes six bytes of text at least: this bounds the memory too
     if n / 16 > xyz.len() / 3 {
         let (nx, ny) = (x.count, y.count);
@@ -103,7 +101,12 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
         if std::mem::replace(seen, true) {
             return Err(damaged(format!("the point {px}, {py} comes twice")));
         }
-        *height = z * scales.z.um;
+        *height = z;
+    }
+    let scales =
+        options.points(FORMAT, said.units(), x.pitch).map_err(|fault| said.explain(fault))?;
+    for height in &mut heights_um {
+        *height *= scales.z.um;
     }
     Ok(RawMap {
         dx_um: Some(x.pitch * scales.x.um),
