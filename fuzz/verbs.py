@@ -153,7 +153,7 @@ class Seeds:
             ("model measured-wave --set scale=1 --map m.txt --wavelength-nm 550 --ior 1.49 -o wave.json", "wave.json"),
             (f"scan ggx.json {sparse} -o scan.csv", "scan.csv"),
             (f"scan metal.json --geometry reflection {sparse} -o metal.csv", "metal.csv"),
-            ("tabulate ggx.json --bytes 2048 -o ggx.bsdft", "ggx.bsdft"),
+            ("tabulate ggx.json --bytes 8192 -o ggx.bsdft", "ggx.bsdft"),
         ):
             done = subprocess.run([program, *line.split()], cwd=folder, capture_output=True, text=True)
             path = os.path.join(folder, name)
@@ -195,8 +195,8 @@ LINES = [
     ("fit metal.csv --method ggx --opaque", []),
     ("fit foreign.csv --columns sigma=a,theta=b,reading=c --quantity bsdf --method ggx --opaque --aperture 0", []),
     ("compare scan.csv --methods ggx --ior 1.49 -o r", ["r"]),
-    ("tabulate ggx.json --bytes 2048 -o out.bsdft --c out.h --rust out.rs", ["out.bsdft", "out.h", "out.rs"]),
-    ("tabulate ray.json --bytes 2048 --rays 2000 -o out.bsdft", ["out.bsdft"]),
+    ("tabulate ggx.json --bytes 8192 -o out.bsdft --c out.h --rust out.rs", ["out.bsdft", "out.h", "out.rs"]),
+    ("tabulate ray.json --bytes 8192 --rays 2000 -o out.bsdft", ["out.bsdft"]),
     ("trade ggx.json --sizes 2 --csv out.csv", ["out.csv"]),
     ("acquire --plan plan.toml --dry-run", []),
     ("acquire --port tcp:127.0.0.1:9 --plan plan.toml -o out.csv", ["out.csv", "out.csv.journal"]),

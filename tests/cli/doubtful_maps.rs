@@ -42,7 +42,8 @@ fn slopes_that_no_surface_has_are_refused_by_every_verb() {
 fn steep_maps_are_warned_of_and_taken_if_they_are_right() {
     let folder = Folder::new();
     let check = format!("check {MAP} --incidence 0 --side air --rays 2e3");
-    for (slope, flag, warned) in [(0.5, "", false), (6.0, "", true), (51.7, "--allow-steep", true)] {
+    for (slope, flag, warned) in [(0.5, "", false), (6.0, "", true), (51.7, "--allow-steep", true)]
+    {
         folder.write("map.txt", waves(slope));
         for line in ["stats map.txt --pixel-um 1", &check] {
             let done = folder.run(&format!("{line} {flag}")).with_code(0);
@@ -56,7 +57,8 @@ fn steep_maps_are_warned_of_and_taken_if_they_are_right() {
 fn a_map_that_is_mostly_filled_is_said_to_be() {
     let folder = Folder::new();
     for (lost, warned) in [(40, false), (60, true)] {
-        let point = |k: i32| if k * 37 % 100 < lost { "nan".into() } else { format!("0.{}", k % 7) };
+        let point =
+            |k: i32| if k * 37 % 100 < lost { "nan".into() } else { format!("0.{}", k % 7) };
         let row = |y: i32| (0..30).map(|x| point(30 * y + x)).collect::<Vec<_>>().join(" ");
         let rows = (0..30).map(row).collect::<Vec<_>>().join("\n");
         folder.write("map.txt", format!("# heights in um\n{rows}\n"));

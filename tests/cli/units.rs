@@ -164,7 +164,8 @@ fn what_nobody_says_is_asked_for_and_what_is_said_twice_must_agree() {
 
 #[test]
 fn a_profile_is_called_a_profile() {
-    let profile = |row: fn(f64) -> String| -> String { (0..64).map(|k| row(f64::from(k))).collect() };
+    let profile =
+        |row: fn(f64) -> String| -> String { (0..64).map(|k| row(f64::from(k))).collect() };
     let two = profile(|k| format!("{:.4} {:.4}\n", 0.5 * k, (0.2 * k).sin()));
     let csv = format!("x [um],z [um]\n{}", two.replace(' ', ","));
     let one = profile(|k| format!("{:.4}\n", (0.2 * k).sin()));
@@ -211,8 +212,9 @@ fn the_shared_cases_have_their_right_answers() {
     for (name, flags, dx, rq) in right {
         let Some(path) = asperity_tests::data::find(&format!("cases/{name}")) else { continue };
         let line = ["stats", path.to_str().unwrap(), "--json"];
-        let figures =
-            |form| folder.run_args(line.into_iter().chain(flags.split_whitespace()).chain(form)).json();
+        let figures = |form| {
+            folder.run_args(line.into_iter().chain(flags.split_whitespace()).chain(form)).json()
+        };
         let of = |form: &'static str| figures(["--form", form])["rq_um"].as_f64().unwrap();
         let found = [of("mean"), of("plane")];
         assert!(found.iter().any(|f| (f / rq - 1.0).abs() < 2e-4), "{name}: {found:?} is not {rq}");

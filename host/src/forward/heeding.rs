@@ -16,12 +16,61 @@ pub(crate) struct Heeding<'a, S> {
 }
 
 impl<S: Scatter<f64>> Scatter<f64> for Heeding<'_, S> {
-    #[inline(always)]
+    #[inline]
     fn sample(
         &self,
         wi: Direction<f64>,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
         if self.stop.load(Ordering::Relaxed) { None } else { self.boundary.sample(wi, uniform) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+    use asperity_core::bsdf::{Scatter, Scattered};
+    use asperity_core::direction::Direction;
+    use asperity_core::gonio::Geometry;
+
+    use crate::forward::{Incidence, Rays, Sample, Setup, monte_carlo};
+    use crate::measurement::Quantity;
+
+    /// The user stops at the hundredth ray.
+    #[derive(Default)]
+    struct Stopped {
+        rays: AtomicU64,
+        stop: AtomicBool,
+    }
+
+    impl Scatter<f64> for Stopped {
+        fn sample(
+            &self,
+            wi: Direction<f64>,
+            _: &mut impl FnMut() -> f64,
+        ) -> Option<Scattered<f64>> {
+            if self.rays.fetch_add(1, Ordering::Relaxed) == 100 {
+                self.stop.store(true, Ordering::Relaxed);
+            }
+            Some(Scattered { wo: wi, weight: 1.0 })
+        }
+    }
+
+    #[test]
+    fn no_ray_is_traced_once_the_user_has_asked_to_stop() {
+        let boundary = Stopped::default();
+        let setup = Setup {
+            sample: Sample::Opaque,
+            geometry: Geometry::Reflection,
+            aperture_deg: 1.0,
+            quantity: Quantity::Flux,
+        };
+        let angles = Incidence { sigma_deg: 0.0, theta_deg: vec![0.0] };
+        let rays = Rays { count: 1_000_000, seed: 1 };
+        assert!(monte_carlo(&boundary, &setup, &angles, rays, &boundary.stop, &|_| ()).is_none());
+        // one more a thread may have been on its way
+        let most = 101 + rayon::current_num_threads() as u64;
+        assert!(boundary.rays.load(Ordering::Relaxed) <= most);
     }
 }

@@ -15,9 +15,9 @@ mod coherent;
 mod wave;
 mod simulate;
 
+pub(crate) use heeding::Heeding;
 pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
-pub(crate) use heeding::Heeding;
 pub use rays::Rays;
 pub(crate) use rays::{Tiles, mix};
 pub use simulate::simulate;

@@ -84,6 +84,8 @@ pub struct Prepared {
     pub warnings: Vec<String>,
 }
 
+/// How far two pixel sizes of the same map may differ, as a share: the user's is rounded.
+const SAME_PIXEL: f64 = 0.01;
 /// Share of filled points above which it is said.
 const MOST_FILLED: f64 = 0.5;
 
@@ -110,6 +112,13 @@ impl Preparation {
         let (raw, bytes) = open(path, &options).map_err(|e| e.to_string())?;
         let (format, instrument) = (raw.format, raw.instrument.clone());
         let has_pixel_size = raw.dx_um.is_some() && raw.sources.xy == Source::File;
+        if let (Some(found), Some(given), false) = (raw.dx_um, self.pixel_um, has_pixel_size)
+            && (found / given - 1.0).abs() > SAME_PIXEL
+        {
+            return Err(of_file(&format!(
+                "--xy-unit makes its pixels {found} um, --pixel-um {given}: leave one of them out"
+            )));
+        }
         let mut warnings: Vec<String> = raw.note.iter().cloned().collect();
         if raw.sources.z == Source::Documentation {
             warnings.push(format!(

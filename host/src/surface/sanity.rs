@@ -94,9 +94,13 @@ mod tests {
 
     #[test]
     fn steep_maps_are_doubted_and_steeper_ones_refused() {
-        for (slope, doubted, refused) in
-            [(0.1, false, false), (2.9, false, false), (3.1, true, false), (29.0, true, false), (51.7, true, true)]
-        {
+        for (slope, doubted, refused) in [
+            (0.1, false, false),
+            (2.9, false, false),
+            (3.1, true, false),
+            (29.0, true, false),
+            (51.7, true, true),
+        ] {
             let sanity = zigzag(slope, 0.5);
             assert!((sanity.rms_slope - slope).abs() < 1e-9);
             assert_eq!(sanity.warnings().is_some(), doubted, "{slope}");

@@ -141,7 +141,7 @@ fn unit_flags(xy: bool, z: bool, pixel: bool) -> &'static str {
         (true, false, _) => "give --xy-unit, such as --xy-unit mm",
         (false, _, true) => {
             "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one, and --pixel-um"
-        },
+        }
         (false, _, false) => {
             "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one; or write a \
              line `# heights in um` into it"

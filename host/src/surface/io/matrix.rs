@@ -190,9 +190,7 @@ impl<'a> Header<'a> {
         };
         match (self.unit, self.factor_um) {
             (None, um) => Ok(um),
-            (Some(unit), um) => {
-                length_um(unit).or(um).map(Some).ok_or_else(|| unsupported(unit))
-            }
+            (Some(unit), um) => length_um(unit).or(um).map(Some).ok_or_else(|| unsupported(unit)),
         }
     }
 }

@@ -73,8 +73,7 @@ impl OpenOptions {
         stated: Option<LengthUnit>,
         pixel_is_missing: bool,
     ) -> Result<Scale, MapFault> {
-        let unknown =
-            MapFault::NoUnits { format, xy: false, z: true, pixel: pixel_is_missing };
+        let unknown = MapFault::NoUnits { format, xy: false, z: true, pixel: pixel_is_missing };
         self.vertical(format, stated)?.ok_or(unknown)
     }
 

@@ -49,7 +49,9 @@ fn looks_like_a_profile(text: &str) -> Option<bool> {
     Some(match (columns, count) {
         (1, count) => count > 2,
         (columns, 1) => columns > 2,
-        (2, count) => count > 2 && is_monotone(values.iter().step_by(2)),
+        (2, count) => {
+            count > 2 && is_monotone(&values.iter().step_by(2).copied().collect::<Vec<_>>())
+        }
         _ => false,
     })
 }
@@ -59,19 +61,27 @@ fn looks_like_a_profile(text: &str) -> Option<bool> {
 /// `values` row by row, `nx` columns.
 pub(super) fn refuse(format: &'static str, values: &[f64], nx: usize) -> Result<(), MapFault> {
     let ny = values.len() / nx.max(1);
-    let column = |k: usize| values.iter().skip(k).step_by(nx.max(1));
+    let column =
+        |k: usize| -> Vec<f64> { values.iter().skip(k).step_by(nx.max(1)).copied().collect() };
     if nx == 1 || ny == 1 {
         return Err(of(format, "it has one line of heights"));
     }
-    if nx == 2 && ny > 2 && is_monotone(column(0)) {
-        return Err(of(format, "its first column rises or falls steadily, as positions do"));
+    if nx == 2 && ny > 2 {
+        let (first, second) = (column(0), column(1));
+        let repeats = ny >= LEAST_ROWS && (is_ordered(&first) || is_ordered(&second));
+        if repeats || is_monotone(&first) {
+            return Err(of(
+                format,
+                "one of its two columns rises or falls steadily, as positions do",
+            ));
+        }
     }
     let row = |k: usize| values.get(k * nx..(k + 1) * nx).unwrap_or_default();
     if ny == 2 && nx >= LEAST_ROWS && is_even(row(0)) {
         return Err(of(format, "its first row is evenly spaced, as positions are"));
     }
     let long = nx <= MOST_COLUMNS && ny >= LEAST_ROWS.max(2 * nx);
-    if long && is_even(&column(0).copied().collect::<Vec<_>>()) {
+    if long && is_even(&column(0)) {
         return Err(of(format, "its first column is evenly spaced, as positions are"));
     }
     let points = |what: &str, remedy| MapFault::Unsupported {
@@ -89,9 +99,16 @@ pub(super) fn refuse(format: &'static str, values: &[f64], nx: usize) -> Result<
 }
 
 /// Whether numbers only rise, or only fall.
-fn is_monotone<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> bool {
-    let pairs = || values.clone().zip(values.clone().skip(1));
-    pairs().all(|(a, b)| b > a) || pairs().all(|(a, b)| b < a)
+fn is_monotone(values: &[f64]) -> bool {
+    let all = |further: fn(&f64, &f64) -> bool| values.is_sorted_by(further);
+    all(|a, b| a < b) || all(|a, b| a > b)
+}
+
+/// Whether numbers never fall, or never rise, and are not all the same.
+fn is_ordered(values: &[f64]) -> bool {
+    let all = |further: fn(&f64, &f64) -> bool| values.is_sorted_by(further);
+    let same = all(|a, b| a <= b) && all(|a, b| a >= b);
+    !same && (all(|a, b| a <= b) || all(|a, b| a >= b))
 }
 
 /// Whether numbers are equally far apart.
@@ -125,11 +142,8 @@ mod tests {
     use super::super::{OpenOptions, parse};
 
     fn fault(text: &str) -> String {
-        let options = OpenOptions {
-            pixel_um: Some(1.0),
-            z_um: Some(1.0),
-            ..OpenOptions::default()
-        };
+        let options =
+            OpenOptions { pixel_um: Some(1.0), z_um: Some(1.0), ..OpenOptions::default() };
         parse(text.as_bytes(), &options).map_or_else(|e| e.to_string(), |_| "read".into())
     }
 
@@ -143,13 +157,16 @@ mod tests {
         for text in [
             rows(64, |k| format!("{:.4} {:.4}", 0.5 * k, z(k))),
             rows(64, |k| format!("{:.4};{:.4}", 32.0 - 0.5 * k * k, z(k))),
+            rows(64, |k| format!("{:.4} {:.4}", z(k), 0.1 * (k / 3.0).floor())),
             rows(64, |k| format!("{:.4}\t{:.4}\t{:.4}", 0.5 * k, z(k), z(k + 1.0))),
             format!("# x [um], z [um]\n{}", rows(9, |k| format!("{k}, {}", z(k)))),
             format!("Dektak\nx,z\n{}", rows(9, |k| format!("{k},{}", z(k)))),
             format!("x [um]\tz [nm]\n{}", rows(9, |k| format!("{k}\t{}", z(k)))),
             rows(64, |k| format!("{:.4}", z(k))),
             rows(64, z_and_blank).replace('\n', " "),
-            rows(2, |row| rows(9, |k| format!("{}", if row > 0.5 { z(k) } else { k })).replace('\n', " ")),
+            rows(2, |row| {
+                rows(9, |k| format!("{}", if row > 0.5 { z(k) } else { k })).replace('\n', " ")
+            }),
             rows(9, |k| format!("{k} 0 {}", z(k))),
         ] {
             let fault = fault(&text);
@@ -164,7 +181,9 @@ mod tests {
     fn a_map_is_not_taken_for_a_profile_and_points_are_not_taken_for_a_map() {
         let z = |k: f64| (0.4 * k * k).sin();
         for text in [
-            rows(64, |k| format!("{:.4} {:.4} {:.4} {:.4}", z(k), z(k + 1.0), z(k + 2.0), z(k + 3.0))),
+            rows(64, |k| {
+                format!("{:.4} {:.4} {:.4} {:.4}", z(k), z(k + 1.0), z(k + 2.0), z(k + 3.0))
+            }),
             rows(2, |k| format!("{} {}", z(k), z(k + 1.0))),
             rows(8, |row| rows(9, |k| format!("{}", row + k)).replace('\n', " ")),
         ] {

@@ -154,13 +154,13 @@ impl Said {
 /// The units of a line of nothing else.
 fn only_units(tokens: &[Token]) -> Option<Vec<LengthUnit>> {
     let tokens = tokens.iter().filter(|t| **t != Token::Comma);
-    let units: Option<Vec<_>> = tokens
-        .map(|t| if let Token::Unit { unit, .. } = t { Some(*unit) } else { None })
-        .collect();
+    let units: Option<Vec<_>> =
+        tokens.map(|t| if let Token::Unit { unit, .. } = t { Some(*unit) } else { None }).collect();
     units.filter(|units| !units.is_empty())
 }
 
 /// A line on its way.
+#[expect(clippy::struct_excessive_bools, reason = "each says what stood before in the line")]
 struct Line<'a> {
     said: &'a mut Said,
     /// What was named since the last unit.
@@ -207,7 +207,11 @@ impl<'a> Line<'a> {
                 Token::Unit { unit, bracketed } => {
                     let more = run(rest);
                     if self.numbers.is_empty() && !more.is_empty() {
-                        rest = rest.iter().position(not_listed).and_then(|k| rest.get(k..)).unwrap_or_default();
+                        rest = rest
+                            .iter()
+                            .position(not_listed)
+                            .and_then(|k| rest.get(k..))
+                            .unwrap_or_default();
                         self.list(&[&[*unit], more.as_slice()].concat());
                     } else if self.numbers.is_empty() {
                         let values = values_behind(rest);
@@ -381,7 +385,9 @@ fn not_listed(token: &Token) -> bool {
 /// The units that follow at once, commas apart.
 fn run(rest: &[Token]) -> Vec<LengthUnit> {
     let listed = rest.iter().take_while(|t| !not_listed(t));
-    listed.filter_map(|t| if let Token::Unit { unit, .. } = t { Some(*unit) } else { None }).collect()
+    listed
+        .filter_map(|t| if let Token::Unit { unit, .. } = t { Some(*unit) } else { None })
+        .collect()
 }
 
 /// The numbers that follow at once, behind a sign or none, commas apart.
@@ -401,19 +407,77 @@ const LINKS: [&str; 10] =
 const SIZES: [&str; 7] = ["size", "sizes", "spacing", "distance", "width", "pitch", "groesse"];
 /// Names that are such a size by themselves.
 const SIZED: [&str; 14] = [
-    "pixelsize", "pixelsizes", "pixelspacing", "pixelwidth", "pitch", "spacing", "dx", "dy", "stepsize",
-    "pixelpitch", "xstep", "ystep", "xspacing", "yspacing",
+    "pixelsize",
+    "pixelsizes",
+    "pixelspacing",
+    "pixelwidth",
+    "pitch",
+    "spacing",
+    "dx",
+    "dy",
+    "stepsize",
+    "pixelpitch",
+    "xstep",
+    "ystep",
+    "xspacing",
+    "yspacing",
 ];
 /// Words that change nothing.
 const FILL: [&str; 21] = [
-    "of", "the", "and", "axis", "axes", "coordinate", "coordinates", "position", "positions", "column", "columns",
-    "map", "surface", "sample", "these", "here", "for", "this", "file", "to", "both",
+    "of",
+    "the",
+    "and",
+    "axis",
+    "axes",
+    "coordinate",
+    "coordinates",
+    "position",
+    "positions",
+    "column",
+    "columns",
+    "map",
+    "surface",
+    "sample",
+    "these",
+    "here",
+    "for",
+    "this",
+    "file",
+    "to",
+    "both",
 ];
 /// Words of a number about the map, such as its largest height.
 const ONE_NUMBER: [&str; 30] = [
-    "max", "maximum", "min", "minimum", "mean", "average", "rms", "range", "std", "sigma", "peak", "valley", "full",
-    "total", "ra", "rq", "rz", "sa", "sq", "sz", "offset", "reference", "resolution", "noise", "error", "accuracy",
-    "working", "focal", "cutoff", "filter",
+    "max",
+    "maximum",
+    "min",
+    "minimum",
+    "mean",
+    "average",
+    "rms",
+    "range",
+    "std",
+    "sigma",
+    "peak",
+    "valley",
+    "full",
+    "total",
+    "ra",
+    "rq",
+    "rz",
+    "sa",
+    "sq",
+    "sz",
+    "offset",
+    "reference",
+    "resolution",
+    "noise",
+    "error",
+    "accuracy",
+    "working",
+    "focal",
+    "cutoff",
+    "filter",
 ];
 /// Units that are no length.
 const OTHER_UNITS: [&str; 12] =
@@ -423,18 +487,25 @@ const PER_PIXEL: [&str; 8] = ["pixel", "px", "pix", "pixels", "point", "pt", "sa
 
 fn name(text: &str) -> Option<Name> {
     Some(match text {
-        "x" | "xaxis" | "xpos" | "xposition" | "xcoordinate" | "xcoord" | "xunit" | "xunits" => Name::X,
-        "y" | "yaxis" | "ypos" | "yposition" | "ycoordinate" | "ycoord" | "yunit" | "yunits" => Name::Y,
+        "x" | "xaxis" | "xpos" | "xposition" | "xcoordinate" | "xcoord" | "xunit" | "xunits" => {
+            Name::X
+        }
+        "y" | "yaxis" | "ypos" | "yposition" | "ycoordinate" | "ycoord" | "yunit" | "yunits" => {
+            Name::Y
+        }
         "xy" | "lateral" | "laterally" | "horizontal" | "xyunit" | "xyunits" | "lateralunit"
         | "lateralunits" => Name::Lateral,
-        "z" | "zaxis" | "zpos" | "zposition" | "zcoordinate" | "zcoord" | "zunit" | "zunits" | "height" | "heights"
-        | "heightunit" | "heightunits" | "value" | "values" | "valueunit" | "valueunits" | "depth" | "depths"
-        | "elevation" | "elevations" | "topography" | "data" | "dataunit" | "zvalue" | "zvalues" | "vertical"
-        | "h\u{f6}he" | "h\u{f6}hen" | "hoehe" | "hoehen" => Name::Z,
-        "unit" | "units" | "xyz" | "length" | "lengths" | "dimension" | "dimensions" | "numbers" | "all"
-        | "everything" => Name::All,
-        "pixel" | "px" | "pixelsize" | "pixelsizes" | "pixelspacing" | "pixelwidth" | "pixelpitch" | "pitch" | "spacing"
-        | "stepsize" | "step" | "increment" | "sampling" => Name::Pixel,
+        "z" | "zaxis" | "zpos" | "zposition" | "zcoordinate" | "zcoord" | "zunit" | "zunits"
+        | "height" | "heights" | "heightunit" | "heightunits" | "value" | "values"
+        | "valueunit" | "valueunits" | "depth" | "depths" | "elevation" | "elevations"
+        | "topography" | "data" | "dataunit" | "zvalue" | "zvalues" | "vertical" | "h\u{f6}he"
+        | "h\u{f6}hen" | "hoehe" | "hoehen" => Name::Z,
+        "unit" | "units" | "xyz" | "length" | "lengths" | "dimension" | "dimensions"
+        | "numbers" | "all" | "everything" => Name::All,
+        "pixel" | "px" | "pixelsize" | "pixelsizes" | "pixelspacing" | "pixelwidth"
+        | "pixelpitch" | "pitch" | "spacing" | "stepsize" | "step" | "increment" | "sampling" => {
+            Name::Pixel
+        }
         "dx" | "xstep" | "xspacing" => Name::PixelX,
         "dy" | "ystep" | "yspacing" | "pixelheight" => Name::PixelY,
         _ => return None,

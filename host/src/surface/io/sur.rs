@@ -11,8 +11,8 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 
 use super::bytes::{Cursor, most_inflated, pitch, points};
-use super::text::{decode, excerpt};
 use super::options::{Scales, Stated};
+use super::text::{decode, excerpt};
 use super::unit::LengthUnit;
 use super::{MapFault, OpenOptions, RawMap, Sources};
 

@@ -70,8 +70,7 @@ fn the_profilometer_gives_its_figures() {
     let Some(bytes) = data(name) else { return };
     assert!(xyz::detect(&bytes) && !matrix::detect(&bytes));
     let unit = |name: &str| name.parse().ok();
-    let options =
-        OpenOptions { xy_unit: unit("mm"), z_unit: unit("um"), ..OpenOptions::default() };
+    let options = OpenOptions { xy_unit: unit("mm"), z_unit: unit("um"), ..OpenOptions::default() };
     check(name, &xyz::read(&bytes, &options).unwrap());
     let fault = xyz::read(&bytes, &OpenOptions::default()).unwrap_err().to_string();
     assert!(fault.contains("--xy-unit and --z-unit"), "{fault}");

@@ -94,7 +94,9 @@ fn symbol(text: &str) -> Option<LengthUnit> {
         // letter u, micro sign, mu; the tilde of Nanoscope; UTF-8 that was read as Windows-1252
         "um" | "UM" | "uM" | "\u{b5}m" | "\u{b5}M" | "\u{3bc}m" | "~m" | "\u{c2}\u{b5}m"
         | "\u{ce}\u{bc}m" | "\u{39c}M" | "\u{39c}m" => LengthUnit::Micrometre,
-        "\u{c5}" | "\u{212b}" | "A\u{30a}" | "\u{c3}\u{85}" | "\u{c3}\u{2026}" => LengthUnit::Angstrom,
+        "\u{c5}" | "\u{212b}" | "A\u{30a}" | "\u{c3}\u{85}" | "\u{c3}\u{2026}" => {
+            LengthUnit::Angstrom
+        }
         "uin" | "\u{b5}in" | "\u{3bc}in" => LengthUnit::Microinch,
         _ => return None,
     })

@@ -56,8 +56,7 @@ pub(super) fn tokens(line: &str) -> Vec<Token> {
 }
 
 fn token(word: &str, bracketed: bool) -> Token {
-    let unit =
-        if bracketed { LengthUnit::parse_alone(word) } else { LengthUnit::parse(word) };
+    let unit = if bracketed { LengthUnit::parse_alone(word) } else { LengthUnit::parse(word) };
     match unit {
         Some(unit) => Token::Unit { unit, bracketed },
         None => Token::Word { text: word.to_lowercase(), bracketed },
@@ -110,9 +109,7 @@ fn word_length(text: &str) -> usize {
 
 /// Leaves out the sign between two quantities: `0.5 x 0.25 um`, `0.5 um x 0.25 um`.
 fn without_times(tokens: Vec<Token>) -> Vec<Token> {
-    let times = |token: &Token| {
-        matches!(token, Token::Word { text, .. } if ["x", "\u{d7}", "by"].contains(&text.as_str()))
-    };
+    let times = |token: &Token| matches!(token, Token::Word { text, .. } if ["x", "\u{d7}", "by"].contains(&text.as_str()));
     let mut kept: Vec<Token> = Vec::with_capacity(tokens.len());
     let mut rest = tokens.into_iter().peekable();
     let mut quantity = false;

@@ -54,7 +54,8 @@ fn is_names(line: &str) -> bool {
     };
     let mut numbers = Vec::new();
     let is_row = Layout::of(line).numbers(line, &mut numbers).is_ok();
-    !is_row && (tokens(line).iter().filter(|t| is_name(t)).count() == 3 || Said::default().take(line))
+    !is_row
+        && (tokens(line).iter().filter(|t| is_name(t)).count() == 3 || Said::default().take(line))
 }
 
 /// Reads the points and recovers their grid.
@@ -224,7 +225,9 @@ mod tests {
         // a pixel size says the lateral unit
         let pixel = OpenOptions { pixel_um: Some(2.0), ..units("", "nm") };
         let map = read(text.as_bytes(), &pixel).unwrap();
-        assert!((map.dx_um.unwrap() - 2.0).abs() < 1e-12 && (map.dy_um.unwrap() - 6.0).abs() < 0.01);
+        assert!(
+            (map.dx_um.unwrap() - 2.0).abs() < 1e-12 && (map.dy_um.unwrap() - 6.0).abs() < 0.01
+        );
         assert_eq!((map.sources.xy, map.sources.z), (Source::User, Source::User));
         // what the file says holds
         let said = format!("# x [um] y [um] z [nm]\n{text}");
