@@ -21,8 +21,10 @@ const SMALL: usize = 10_000;
 pub fn reader(name: &str, bytes: &[u8]) {
     let format = FORMATS.iter().find(|f| f.name() == name).expect("a format");
     format.detect(bytes);
-    for z_um_per_count in [None, Some(0.01)] {
-        let options = OpenOptions { z_um_per_count };
+    let none = OpenOptions::default();
+    let unit = "nm".parse().ok();
+    let all = OpenOptions { z_um: Some(0.01), xy_unit: unit, ignore_checksum: true, ..none };
+    for options in [none, all] {
         judge(bytes, PACKED.contains(&name), || format.read(bytes, &options));
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
-use crate::forward::{Rays, count_flux};
+use crate::forward::{Heeding, Rays, count_flux};
 use crate::kirchhoff::{Beam, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders};
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -69,7 +69,9 @@ pub fn balances(
     if let Boundary::Wave(wave) = boundary {
         return of_waves(wave, incidences, stop, progress);
     }
-    one_by_one(incidences, stop, progress, |side, deg| balance(boundary, side, deg, rays))
+    one_by_one(incidences, stop, progress, |side, deg| {
+        balance_until(boundary, side, deg, rays, stop)
+    })
 }
 
 /// Where waves may be trusted for light of these incidences, from both sides, and what of it they lose: the balance is that of
@@ -121,7 +123,8 @@ fn one_by_one(
         found.push(of(side, deg));
         progress(k + 1, incidences.len());
     }
-    Some(found)
+    // the last one may have been cut short
+    (!stop.load(Ordering::Relaxed)).then_some(found)
 }
 
 fn of_waves(
@@ -163,7 +166,8 @@ fn of_orders(
         .map(|(beam, weight)| {
             let (mut all, mut coherent) = (0.0, 0.0);
             for order in beam.iter() {
-                let share = weight * wave.unshadowed(beam.beam().wi, order.wo, beam.beam().wavelength_um);
+                let share =
+                    weight * wave.unshadowed(beam.beam().wi, order.wo, beam.beam().wavelength_um);
                 all += share * order.power;
                 if order.is_specular() {
                     coherent = share * beam.coherent().unwrap_or(order.power);
@@ -197,6 +201,17 @@ fn of_orders(
 /// Closed forms: a lattice rule over the facets, error about 1e-5. Waves: the mean law, ring by ring, 5e-4. Traced boundaries:
 /// rays are counted, one standard error is at most `0.5 / sqrt(count)`.
 pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) -> Energy {
+    balance_until(boundary, side, incidence_deg, rays, &AtomicBool::new(false))
+}
+
+/// The same; once `stop` is set rays are lost, and the balance is none.
+fn balance_until(
+    boundary: &Boundary,
+    side: Side,
+    incidence_deg: f64,
+    rays: Rays,
+    stop: &AtomicBool,
+) -> Energy {
     if let Boundary::Wave(wave) = boundary {
         return of_mean_law(wave, side, incidence_deg);
     }
@@ -209,7 +224,7 @@ pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) 
         (reflected, transmitted, 1.0 - reflected - transmitted)
     },
     traced t => {
-        let flux = count_flux(t, wi, rays);
+        let flux = count_flux(&Heeding { boundary: t, stop }, wi, rays);
         (flux.reflected, flux.transmitted, flux.lost)
     });
     Energy {

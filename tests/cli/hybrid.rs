@@ -13,7 +13,8 @@ fn isotropic(rq_um: f64) -> String {
     let height = |x: i32, y: i32| all.iter().enumerate().map(|w| wave(w, x, y)).sum::<f64>();
     let unit = rq_um / (0.5 * all.len() as f64).sqrt();
     let row = |y| (0..64).map(|x| format!("{:.9}", unit * height(x, y))).collect::<Vec<_>>();
-    (0..64).map(|y| row(y).join(" ")).collect::<Vec<_>>().join("\n")
+    let rows = (0..64).map(|y| row(y).join(" ")).collect::<Vec<_>>().join("\n");
+    format!("# heights in um\n{rows}")
 }
 
 const MAP: &str = "--map map.txt --pixel-um 1 --wavelength-nm 550";
@@ -53,7 +54,7 @@ fn a_map_of_rays_and_waves_is_scanned_fitted_and_evaluated() {
 fn what_it_cannot_do_is_refused() {
     let map = isotropic(0.5);
     let line = (0..16).map(|y| (0..16).map(|_| format!("{}", y % 4)).collect::<Vec<_>>().join(" "));
-    let line = line.collect::<Vec<_>>().join("\n");
+    let line = format!("# heights in um\n{}", line.collect::<Vec<_>>().join("\n"));
     let with = |line: &str, says: &[&'static str], map: &str| case(line, says).file("map.txt", map);
     let scan = "scan --map map.txt --pixel-um 1 --ior 1.49 --method hybrid";
     refused(vec![

@@ -17,6 +17,8 @@
 //! | `map_files` | height maps of all formats, made here |
 //! | `extreme_maps` | maps at the edge of what is one |
 //! | `endless_inputs` | devices, folders and pipes given as files |
+//! | `units` | units of height maps: read, or asked for |
+//! | `doubtful_maps` | maps too steep, hardly measured, of pixels that no map has |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
 //! | `interrupt` | Ctrl-C |
@@ -45,6 +47,8 @@ mod malformed_maps;
 mod extreme_maps;
 #[cfg(unix)]
 mod endless_inputs;
+mod units;
+mod doubtful_maps;
 mod no;
 mod determinism;
 #[cfg(unix)]

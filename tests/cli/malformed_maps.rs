@@ -82,7 +82,7 @@ fn maps_without_figures() {
     refused(
         "--pixel-um 1",
         vec![
-            ("lost.txt", b"nan nan\nnan nan\n".to_vec(), "no point of the map"),
+            ("lost.txt", b"# heights in um\nnan nan\nnan nan\n".to_vec(), "no point of the map"),
             ("lost.npy", nan, "no point of the map"),
             ("one.npy", one, "one point"),
             ("giant.npy", npy(&array("<f8", false, "(1, 2)"), &giant), "too large to compute"),

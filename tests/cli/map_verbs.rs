@@ -11,7 +11,8 @@ pub(crate) fn waves(height: f64) -> String {
         height * ((2.0 * u).sin() + (3.0 * v + 0.3).cos() + 0.5 * (u + 2.0 * v).sin())
     };
     let row = |y| (0..48).map(|x| format!("{:.9}", at(x, y))).collect::<Vec<_>>().join(" ");
-    (0..40).map(row).collect::<Vec<_>>().join("\n")
+    let rows = (0..40).map(row).collect::<Vec<_>>().join("\n");
+    format!("# heights in um\n{rows}")
 }
 
 /// Makes a scan of `map.txt`.

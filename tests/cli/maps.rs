@@ -11,7 +11,8 @@ fn matrix(height: impl Fn(f64, f64) -> f64) -> String {
         let heights = (0..48).map(|x| format!("{:.9}", height(f64::from(x), f64::from(y))));
         heights.collect::<Vec<_>>().join(" ")
     };
-    (0..40).map(row).collect::<Vec<_>>().join("\n")
+    let rows = (0..40).map(row).collect::<Vec<_>>().join("\n");
+    format!("# heights in um\n{rows}")
 }
 
 fn wavy(x: f64, y: f64) -> f64 {

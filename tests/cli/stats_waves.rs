@@ -12,7 +12,7 @@ fn waves(height: f64) -> String {
         let heights = (0..64).map(|x| format!("{:.9}", height * (wave(x) + wave(y))));
         heights.collect::<Vec<_>>().join(" ")
     };
-    (0..64).map(row).collect::<Vec<_>>().join("\n")
+    format!("# heights in um\n{}", (0..64).map(row).collect::<Vec<_>>().join("\n"))
 }
 
 #[test]

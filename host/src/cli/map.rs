@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use crate::surface::io::LengthUnit;
 use crate::surface::{Crop, Edges, Fill, Form, Preparation, Prepared, Purpose};
 
 /// What is subtracted, as a flag.
@@ -69,9 +70,21 @@ pub(super) struct MapFlags {
     /// Pixel size, for files that give none
     #[arg(long, value_name = "UM", allow_negative_numbers = true)]
     pixel_um: Option<f64>,
-    /// Height of one grey level, for images
+    /// Height of a step of one, for images and for numbers without a unit
     #[arg(long, value_name = "UM", allow_negative_numbers = true)]
     z_um: Option<f64>,
+    /// Unit of x and y, for files that do not say it: um, nm, mm, m, ...
+    #[arg(long, value_name = "UNIT")]
+    xy_unit: Option<LengthUnit>,
+    /// Unit of the heights, for files that do not say it: um, nm, mm, m, ... [arrays and float TIFF: um]
+    #[arg(long, value_name = "UNIT", conflicts_with = "z_um")]
+    z_unit: Option<LengthUnit>,
+    /// Read an x3p file whose description was corrected without its checksum
+    #[arg(long)]
+    ignore_checksum: bool,
+    /// Take a map with an rms slope above 30, as heights in a wrong unit have
+    #[arg(long)]
+    allow_steep: bool,
     /// Use this rectangle of points only, ends not included
     #[arg(long, value_name = "X0:X1,Y0:Y1")]
     crop: Option<Crop>,
@@ -92,6 +105,10 @@ impl MapFlags {
         Preparation {
             pixel_um: self.pixel_um,
             z_um: self.z_um,
+            xy_unit: self.xy_unit,
+            z_unit: self.z_unit,
+            ignore_checksum: self.ignore_checksum,
+            allow_steep: self.allow_steep,
             crop: self.crop.clone(),
             fill: self.fill.map(Fill::from),
             form: self.form.map(Form::from),
@@ -111,6 +128,9 @@ impl MapFlags {
         let prepared = self.preparation().load(path, purpose).map_err(Failure::Bad)?;
         if prepared.has_pixel_size && self.pixel_um.is_some() {
             eprintln!("note: the file gives its own pixel size; --pixel-um is not used");
+        }
+        for warning in &prepared.warnings {
+            eprintln!("note: {}: {warning}", path.display());
         }
         Ok(prepared)
     }

@@ -13,7 +13,12 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 /// Print the roughness figures of a height map
 ///
 /// Reads x3p, SDF, Alicona al3d, Wyko opd, Bruker/DI, Digital Surf sur, Gwyddion gwy and text, matrix text,
-/// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Figures are those of the paper's eqs 12-17,
+/// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Units are those that the file says, in a line such as
+/// "# x [um] y [um] z [nm]" or "# heights in nm, pixel size 0.5 um"; what it does not say --xy-unit, --z-unit and
+/// --pixel-um must. Arrays of floats are in um unless --z-unit says otherwise.
+///
+/// Figures are those of the paper's eqs 12-17 (Rz5 is of single points, as there), the ten-point height Rz JIS of JIS B 0601
+/// (five peaks and valleys of each sampling length, a fifth of a row or column),
 /// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e. The anisotropy is 0
 /// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
 /// A periodic map is taken with its tilt there, in the spectrum and for waves: to subtract it would tear the borders open.
@@ -120,6 +125,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
 }
 
+/// `RzJIS` and its sampling length.
+fn ten_point(r: &Roughness) -> String {
+    match (r.rz_jis_um, r.rz_jis_length_um) {
+        (Some(height), Some(length)) => {
+            format!("{height:.6} um (five peaks and valleys, sampling length {length:.6} um)")
+        }
+        _ => "- (no five peaks and valleys a line)".to_owned(),
+    }
+}
+
 fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> String {
     let or_none = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.6}"));
     let direction = match anisotropy {
@@ -138,7 +153,8 @@ fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> St
          Rv          {:.6} um\n\
          Rp          {:.6} um\n\
          Rz          {:.6} um\n\
-         Rz5         {:.6} um\n\
+         Rz5         {:.6} um (five highest and five deepest points)\n\
+         Rz JIS      {}\n\
          Rsk         {:.6}\n\
          Rku         {:.6}\n\
          rms slope   {} (x), {} (y)\n\
@@ -158,6 +174,7 @@ fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> St
         r.rp_um,
         r.rz_um,
         r.rz5_um,
+        ten_point(r),
         r.rsk,
         r.rku,
         or_none(r.rms_slope_x),

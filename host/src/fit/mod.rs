@@ -18,6 +18,7 @@ pub use profile::{Profile, Side};
 pub use verdict::{IncidenceError, MISFIT_PERCENT};
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use std::time::Instant;
 
 use asperity_core::metric::rmsd_percent;
@@ -321,19 +322,18 @@ fn last_readings(
         return problem.simulate(values, Effort::Full);
     }
     let stop = problem.stop();
-    let never = AtomicBool::new(false);
     let seed = options.rays.seed.wrapping_add(1);
     let with = |count, stop: &AtomicBool| problem.simulate_last(values, Rays { count, seed }, stop);
     if stop.load(Ordering::Relaxed) {
         // The best values so far deserve figures, however noisy.
-        return with(options.rays.draft, &never);
+        return soon(|late| with(options.rays.draft, late));
     }
     if let Some(count) = options.rays.last {
         return with(count, stop);
     }
     let count = problem.full_rays();
     let Some(first) = with(count, stop)? else {
-        return with(options.rays.draft, &never);
+        return soon(|late| with(options.rays.draft, late));
     };
     let noise = noise_percent(&first, measurement).unwrap_or(0.0);
     if noise <= FitRays::NOISE_PERCENT {
@@ -341,6 +341,27 @@ fn last_readings(
     }
     let count = FitRays::for_noise(count, noise, FitRays::NOISE_PERCENT).min(FitRays::MOST);
     Ok(with(count as u64, stop)?.or(Some(first)))
+}
+
+/// How long a user who has asked to stop waits for the figures of the best values.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// What `work` gives, if it is done before the flag that it looks at is set, soon.
+fn soon<T>(work: impl FnOnce(&AtomicBool) -> T) -> T {
+    let late = AtomicBool::new(false);
+    let (done, ended) = std::sync::mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        let late = &late;
+        scope.spawn(move || {
+            // an error means that the time is over: a sender that is gone is an error too, and harmless
+            if ended.recv_timeout(PATIENCE).is_err() {
+                late.store(true, Ordering::Relaxed);
+            }
+        });
+        let found = work(late);
+        done.send(()).ok();
+        found
+    })
 }
 
 /// Rays of the fit: as given, or as many as the noise of the draft at its best values calls for.

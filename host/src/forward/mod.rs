@@ -12,11 +12,13 @@ mod inside;
 mod internal;
 mod quadrature;
 mod rays;
+mod heeding;
 mod monte_carlo;
 mod coherent;
 mod wave;
 mod simulate;
 
+pub(crate) use heeding::Heeding;
 pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
 pub use rays::Rays;

@@ -9,6 +9,7 @@ use asperity_core::gonio::{Goniophotometer, incidence};
 use asperity_core::plate::{Outcome, Plate};
 use rayon::prelude::*;
 
+use super::heeding::Heeding;
 use super::rays::{Rays, Tiles};
 use super::{Incidence, Sample, Setup, solid_angle};
 use crate::measurement::Quantity;
@@ -46,8 +47,9 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
     progress: &(impl Fn(u64) + Sync + ?Sized),
 ) -> Option<MonteCarlo> {
     let tiles = rays.tiles(angles.sigma_deg);
+    let heeding = Heeding { boundary, stop };
     let one = |number: u64| {
-        let done = Tile::trace(boundary, setup, angles, tiles, number);
+        let done = Tile::trace(&heeding, setup, angles, tiles, number);
         progress(u64::from(tiles.rays_each()));
         done
     };

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::measured::{Knobs, MeasuredMap};
-use super::{BuildError, Method, Parameter, Surface};
+use super::{BuildError, Method, Parameter, Surface, wave_job};
 use crate::boundary::Boundary;
 use crate::kirchhoff::{MeanSpectra, WaveBoundary, WaveOptions};
 use crate::surface::{Edges, HeightMap, Incomplete};
@@ -70,6 +70,7 @@ impl Method for MeasuredWaveMethod {
         let eta = surface.eta()?;
         let knobs = self.measured.knobs(values)?;
         let map = Arc::new(self.measured.modified(knobs)?);
+        wave_job::check(&map, eta, &self.options)?;
         let spectra = (self.spectra(knobs.cutoff_um)?, knobs.scale);
         let edges = self.measured.edges;
         let boundary = WaveBoundary::new(map, edges, spectra, eta, &self.options);

@@ -14,6 +14,7 @@ pub mod ggx;
 pub mod normals;
 pub mod heights;
 mod measured;
+mod wave_job;
 pub mod measured_ray;
 pub mod measured_wave;
 pub mod measured_hybrid;

@@ -2,6 +2,7 @@
 
 pub mod heightmap;
 pub mod form;
+mod ten_point;
 pub mod roughness;
 pub mod edges;
 mod nearest;
@@ -17,6 +18,7 @@ pub mod spectrum;
 pub mod split;
 pub mod structure;
 pub mod io;
+pub mod sanity;
 pub mod prepare;
 pub mod random;
 

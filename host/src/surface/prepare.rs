@@ -4,7 +4,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::io::{OpenOptions, open};
+use super::io::{LengthUnit, OpenOptions, Source, open};
+use super::sanity::Sanity;
 use super::{Crop, Edges, Fill, Form, HeightMap};
 use crate::provenance::InputFile;
 
@@ -15,9 +16,21 @@ pub struct Preparation {
     /// Pixel size in um, for files that give none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pixel_um: Option<f64>,
-    /// Height of one grey level in um, for images.
+    /// Height of a step of one in um, for images and for numbers without a unit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub z_um: Option<f64>,
+    /// Unit of lateral numbers, for files that do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub xy_unit: Option<LengthUnit>,
+    /// Unit of the heights, for files that do not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub z_unit: Option<LengthUnit>,
+    /// Whether the checksum of the description of an x3p file does not matter.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub ignore_checksum: bool,
+    /// Whether slopes that no surface has are taken for right.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub allow_steep: bool,
     /// The rectangle that is used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crop: Option<Crop>,
@@ -30,6 +43,11 @@ pub struct Preparation {
     /// How the map goes on; found out if not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edges: Option<Edges>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 /// What a map is prepared for.
@@ -62,14 +80,21 @@ pub struct Prepared {
     pub has_pixel_size: bool,
     /// Fraction of the points that were missing before they were filled.
     pub missing_fraction: f64,
+    /// What the user should know of the file or should doubt.
+    pub warnings: Vec<String>,
 }
+
+/// How far two pixel sizes of the same map may differ, as a share: the user's is rounded.
+const SAME_PIXEL: f64 = 0.01;
+/// Share of filled points above which it is said.
+const MOST_FILLED: f64 = 0.5;
 
 impl Preparation {
     /// Reads a map and prepares it.
     ///
     /// # Errors
-    /// A file that is no map, choices that do not fit it, and for [`Purpose::Light`] missing points; the text
-    /// names the file and the remedy.
+    /// A file that is no map, choices that do not fit it, slopes that no surface has, and for [`Purpose::Light`] missing
+    /// points; the text names the file and the remedy.
     pub fn load(&self, path: &Path, purpose: Purpose) -> Result<Prepared, String> {
         for (flag, value) in [("--pixel-um", self.pixel_um), ("--z-um", self.z_um)] {
             if let Some(bad) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
@@ -77,10 +102,29 @@ impl Preparation {
             }
         }
         let of_file = |what: &dyn std::fmt::Display| format!("{}: {what}", path.display());
-        let options = OpenOptions { z_um_per_count: self.z_um };
+        let options = OpenOptions {
+            pixel_um: self.pixel_um,
+            xy_unit: self.xy_unit,
+            z_unit: self.z_unit,
+            z_um: self.z_um,
+            ignore_checksum: self.ignore_checksum,
+        };
         let (raw, bytes) = open(path, &options).map_err(|e| e.to_string())?;
         let (format, instrument) = (raw.format, raw.instrument.clone());
-        let has_pixel_size = raw.dx_um.is_some();
+        let has_pixel_size = raw.dx_um.is_some() && raw.sources.xy == Source::File;
+        if let (Some(found), Some(given), false) = (raw.dx_um, self.pixel_um, has_pixel_size)
+            && (found / given - 1.0).abs() > SAME_PIXEL
+        {
+            return Err(of_file(&format!(
+                "--xy-unit makes its pixels {found} um, --pixel-um {given}: leave one of them out"
+            )));
+        }
+        let mut warnings: Vec<String> = raw.note.iter().cloned().collect();
+        if raw.sources.z == Source::Documentation {
+            warnings.push(format!(
+                "{format} says no unit: its heights are taken as um, as documented; --z-unit says another"
+            ));
+        }
         let mut map = raw.into_map(self.pixel_um).map_err(|e| of_file(&e))?;
         if let Some(crop) = &self.crop {
             map = crop.of(&map).map_err(|e| format!("--crop: {e}"))?;
@@ -98,6 +142,17 @@ impl Preparation {
             (None, Purpose::Light, Edges::Periodic) => Form::Mean,
             (None, ..) => Form::Plane,
         };
+        let with_form = map;
+        let map = form.removed(&with_form);
+        let sanity = Sanity::of(&map);
+        sanity.check(purpose == Purpose::Light, self.allow_steep).map_err(|e| of_file(&e))?;
+        warnings.extend(sanity.warnings());
+        if self.fill.is_some() && missing_fraction > MOST_FILLED {
+            let percent = 100.0 * missing_fraction;
+            warnings.push(format!(
+                "{percent:.0} % of the points are filled, not measured: the map is mostly invented"
+            ));
+        }
         let preparation = Self {
             pixel_um: self.pixel_um.filter(|_| !has_pixel_size),
             form: Some(form),
@@ -105,8 +160,8 @@ impl Preparation {
             ..self.clone()
         };
         Ok(Prepared {
-            map: form.removed(&map),
-            with_form: map,
+            map,
+            with_form,
             edges,
             preparation,
             input: InputFile::of_bytes(path, &bytes),
@@ -114,6 +169,7 @@ impl Preparation {
             instrument,
             has_pixel_size,
             missing_fraction,
+            warnings,
         })
     }
 }
@@ -124,7 +180,7 @@ mod tests {
     use crate::surface::{Edges, Fill};
 
     fn pixel() -> Preparation {
-        Preparation { pixel_um: Some(1.0), ..Preparation::default() }
+        Preparation { pixel_um: Some(1.0), z_um: Some(1.0), ..Preparation::default() }
     }
 
     fn matrix(height: impl Fn(f64, f64) -> f64) -> tempfile::NamedTempFile {

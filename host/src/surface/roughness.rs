@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use super::HeightMap;
+use super::{HeightMap, ten_point};
 
 /// Figures of a map, um unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,8 +20,14 @@ pub struct Roughness {
     pub rp_um: f64,
     /// `Rv + Rp`.
     pub rz_um: f64,
-    /// Mean of the five highest points less that of the five deepest.
+    /// Mean of the five highest points of the map less that of the five deepest: points, as in the paper's table, where
+    /// the standard's ten-point height has peaks and valleys of profiles.
     pub rz5_um: f64,
+    /// Ten-point height of JIS B 0601: five peaks and five valleys of each sampling length of the profiles; `None` if they
+    /// have not so many.
+    pub rz_jis_um: Option<f64>,
+    /// The sampling length of it: a fifth of a row or column, or the whole.
+    pub rz_jis_length_um: Option<f64>,
     /// Skewness, dimensionless; 0 for a flat map.
     pub rsk: f64,
     /// Kurtosis, dimensionless, 3 for Gaussian heights; 0 for a flat map.
@@ -61,6 +67,8 @@ impl Roughness {
             highest.iter().copied().fold(0.0, f64::max),
         );
         let shape = |k: i32| if rq > 0.0 { moment(k) / rq.powi(k) } else { 0.0 };
+        let [rms_slope_x, rms_slope_y] = rms_slopes(map);
+        let ten_point = ten_point::of(map);
         let along = [(1, 0, map.dx_um()), (0, 1, map.dy_um())];
         let lags: Vec<f64> = along
             .iter()
@@ -73,10 +81,12 @@ impl Roughness {
             rp_um: rp,
             rz_um: rv + rp,
             rz5_um: rz5,
+            rz_jis_um: ten_point.map(|t| t.height_um),
+            rz_jis_length_um: ten_point.map(|t| t.length_um),
             rsk: shape(3),
             rku: shape(4),
-            rms_slope_x: rms_slope(map, (1, 0), map.dx_um()),
-            rms_slope_y: rms_slope(map, (0, 1), map.dy_um()),
+            rms_slope_x,
+            rms_slope_y,
             acl_um: (!lags.is_empty()).then(|| lags.iter().sum::<f64>() / lags.len() as f64),
             missing_fraction: map.missing_fraction(),
         }
@@ -101,6 +111,11 @@ fn smallest(values: impl Iterator<Item = f64>) -> Vec<f64> {
 fn pairs(map: &HeightMap, step: (usize, usize)) -> impl Iterator<Item = (f64, f64)> + '_ {
     map.points()
         .filter_map(move |(col, row, h)| Some((h, map.height_um(col + step.0, row + step.1)?)))
+}
+
+/// Rms slopes between neighbours along x and y; `None` without neighbours.
+pub(super) fn rms_slopes(map: &HeightMap) -> [Option<f64>; 2] {
+    [rms_slope(map, (1, 0), map.dx_um()), rms_slope(map, (0, 1), map.dy_um())]
 }
 
 fn rms_slope(map: &HeightMap, step: (usize, usize), pitch: f64) -> Option<f64> {

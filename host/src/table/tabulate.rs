@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::bins::{BinnedLobe, Estimate, Partition};
 use super::plan::{Azimuth, TablePlan, side_index};
 use super::{BsdfTable, SideTable};
-use crate::forward::{Rays, Tiles, mix};
+use crate::forward::{Heeding, Rays, Tiles, mix};
 
 /// Tiles that are in memory at once.
 const GROUP: u64 = 64;
@@ -32,7 +32,8 @@ pub fn tabulate<S: Scatter<f64> + Sync>(
     stop: &AtomicBool,
     progress: &(impl Fn(u64) + Sync + ?Sized),
 ) -> Option<BsdfTable> {
-    let work = Work { boundary, plan, stop, progress };
+    let heeding = Heeding { boundary, stop };
+    let work = Work { boundary: &heeding, plan, stop, progress };
     let azimuths: Vec<Option<f64>> = match &plan.azimuth {
         Azimuth::Isotropic => vec![None],
         Azimuth::Fixed(degrees) => degrees.iter().copied().map(Some).collect(),

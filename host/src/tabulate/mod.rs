@@ -32,7 +32,7 @@ use rayon::prelude::*;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES, OPAQUE, Rest, Values};
-use crate::forward::Rays;
+use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
 use grid::LobeGrid;
 
@@ -210,6 +210,7 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Lobes, f64), NoTable> {
+    let boundary = &Heeding { boundary, stop };
     let mut lobes: Lobes = [const { None }; 4];
     let sides = [Side::Air, Side::Dielectric];
     let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
@@ -238,7 +239,10 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             progress(step.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
         };
         let both = [reflection.as_mut(), transmission.as_mut()];
-        let fluxes = rays::fill(boundary, both, plan.rays, stop, &tick).ok_or(NoTable::Stopped)?;
+        let fluxes = rays::fill(boundary, both, plan.rays, stop, &tick);
+        // the last incidence may have been cut short
+        let fluxes = fluxes.filter(|_| !stop.load(std::sync::atomic::Ordering::Relaxed));
+        let fluxes = fluxes.ok_or(NoTable::Stopped)?;
         done += usize::from(incidences);
         for (k, grid) in [reflection, transmission].into_iter().enumerate() {
             if let Some(mut grid) = grid {

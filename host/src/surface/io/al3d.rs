@@ -51,13 +51,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     };
     let application = tags.find("CreatingApplication").filter(|name| !name.is_empty());
     Ok(RawMap {
-        format: FORMAT,
-        nx,
-        ny,
         dx_um: size("PixelSizeXMeter")?,
         dy_um: size("PixelSizeYMeter")?,
-        heights_um,
         instrument: Some(application.map_or("Alicona".to_owned(), |a| format!("Alicona, {a}"))),
+        ..RawMap::new(FORMAT, (nx, ny), heights_um)
     })
 }
 

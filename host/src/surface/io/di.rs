@@ -1,6 +1,6 @@
 //! Nanoscope atomic force microscopes of Digital Instruments, Veeco and Bruker, version 4.3 on.
 //!
-//! A text header `\*File list` of sections `\*Name` with `\key: value` lines; each `image list`
+//! A text header `\*File list`, or `\*EC File list`, of sections `\*Name` with `\key: value` lines; each `image list`
 //! section is a channel of signed integers, line by line, the bottom line first. Its scale,
 //! `\@2:Z scale: V [Sens. S] (a V/LSB) b V`, says that the full range of the integer is `b`, to be
 //! multiplied by `\@Sens. S: V c nm/V`. The map is the first channel that gives a length so.
@@ -10,7 +10,8 @@ use super::text::windows_1252;
 use super::{MapFault, RawMap};
 
 const FORMAT: &str = "Nanoscope";
-const START: &str = r"\*File list";
+/// How files begin; the second is of a microscope in an electrochemical cell.
+const STARTS: [&str; 2] = [r"\*File list", r"\*EC File list"];
 const END: &str = r"\*File list end";
 /// Headers are tens of kilobytes.
 const LONGEST_HEADER: usize = 1 << 20;
@@ -21,13 +22,15 @@ const WIDE_SINCE: u32 = 0x0920_0000;
 
 /// Whether the bytes begin like a Nanoscope file.
 pub(super) fn detect(bytes: &[u8]) -> bool {
-    bytes.get(..START.len()).is_some_and(|b| b.eq_ignore_ascii_case(START.as_bytes()))
+    let begins =
+        |s: &str| bytes.get(..s.len()).is_some_and(|b| b.eq_ignore_ascii_case(s.as_bytes()));
+    STARTS.into_iter().any(begins)
 }
 
 /// Reads the height channel of a Nanoscope file.
 pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     if !detect(bytes) {
-        return Err(damaged(format!("the first bytes are not {START}")));
+        return Err(damaged(format!("the first bytes are not {}", STARTS[0])));
     }
     let header = windows_1252(bytes.get(..bytes.len().min(LONGEST_HEADER)).unwrap_or_default());
     let sections = sections(&header)?;
@@ -193,7 +196,7 @@ fn map(
     let equipment = |key| all.iter().find_map(|s| s.find(key)).filter(|name| !name.is_empty());
     let equipment = equipment("Microscope").or_else(|| equipment("Description"));
     let instrument = equipment.map(str::to_owned);
-    Ok(RawMap { format: FORMAT, nx, ny, dx_um, dy_um, heights_um, instrument })
+    Ok(RawMap { dx_um, dy_um, instrument, ..RawMap::new(FORMAT, (nx, ny), heights_um) })
 }
 
 /// The pixel sizes from `Scan Size: 10 10 ~m`, or `10000 nm` for the width alone.

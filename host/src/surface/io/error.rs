@@ -74,12 +74,79 @@ pub enum MapFault {
         /// Most bytes allowed for a file of this size.
         most: u64,
     },
+    /// A checksum of what describes the map, not of its points, is not right.
+    #[error(
+        "{format}: {}; export the map again, or give --ignore-checksum if only the description was corrected",
+        shown(what)
+    )]
+    Checksum {
+        /// The format.
+        format: &'static str,
+        /// Which and how.
+        what: String,
+    },
+    /// Heights over one line only.
+    #[error("{format}: this is a profile, not a map: {}; give heights over x and y", shown(what))]
+    Profile {
+        /// The format.
+        format: &'static str,
+        /// How it shows.
+        what: String,
+    },
+    /// Nobody says in which units the numbers are.
+    #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(*xy, *z, *pixel))]
+    NoUnits {
+        /// The format.
+        format: &'static str,
+        /// Whether that of x and y is missing.
+        xy: bool,
+        /// Whether that of heights is missing.
+        z: bool,
+        /// Whether the pixel size is missing too.
+        pixel: bool,
+    },
+    /// A flag says another unit than the file.
+    #[error("{format}: {says} {flag} contradicts it; leave the flag out")]
+    Contradicts {
+        /// The format.
+        format: &'static str,
+        /// What is said already.
+        says: String,
+        /// The flag.
+        flag: String,
+    },
     /// The file gives no pixel size.
     #[error("the file gives no pixel size; give --pixel-um")]
     NoPixelSize,
     /// The numbers make no map.
     #[error("{0}; check the file")]
     Map(#[from] HeightMapError),
+}
+
+fn unsaid(xy: bool, z: bool, pixel: bool) -> &'static str {
+    match (xy, z, pixel) {
+        (true, true, _) => "the units of x and y and of its heights",
+        (true, false, _) => "the unit of x and y",
+        (false, _, true) => "the unit of its heights, nor its pixel size",
+        (false, _, false) => "the unit of its heights",
+    }
+}
+
+fn unit_flags(xy: bool, z: bool, pixel: bool) -> &'static str {
+    match (xy, z, pixel) {
+        (true, true, _) => {
+            "give --xy-unit and --z-unit, such as --xy-unit mm --z-unit um, or write a line \
+             `# x [mm] y [mm] z [um]` into it"
+        }
+        (true, false, _) => "give --xy-unit, such as --xy-unit mm",
+        (false, _, true) => {
+            "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one, and --pixel-um"
+        }
+        (false, _, false) => {
+            "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one; or write a \
+             line `# heights in um` into it"
+        }
+    }
 }
 
 /// Most points of a map that is read: 16384 x 16384.

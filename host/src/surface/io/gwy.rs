@@ -5,8 +5,9 @@
 //! applied: the file does not say whether one marks missing points or grains.
 
 use super::bytes::{Cursor, pitch, points};
-use super::text::{decode, excerpt, length_um};
-use super::{MapFault, RawMap};
+use super::text::{decode, excerpt};
+use super::unit::{LengthUnit, length_um};
+use super::{MapFault, OpenOptions, RawMap, Source, Sources};
 
 const FORMAT: &str = "Gwyddion";
 
@@ -16,7 +17,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 /// Reads the first channel of heights.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     let mut cursor = Cursor::new(FORMAT, bytes);
     if cursor.bytes(4)? != b"GWYP" {
         return Err(damaged("the first word is not GWYP"));
@@ -49,7 +50,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         });
     };
     let instrument = metas.into_iter().find(|(n, _)| n == number).and_then(|(_, name)| name);
-    Ok(RawMap { instrument, ..channel.map()? })
+    Ok(RawMap { instrument, ..channel.map(options)? })
 }
 
 fn damaged(what: &str) -> MapFault {
@@ -185,7 +186,7 @@ impl<'a> Channel<'a> {
         Ok(channel)
     }
 
-    fn map(&self) -> Result<RawMap, MapFault> {
+    fn map(&self, options: &OpenOptions) -> Result<RawMap, MapFault> {
         let count = |n: i32| u64::try_from(n).map_err(|_| damaged("a negative number of pixels"));
         let n = points(FORMAT, count(self.nx)?, count(self.ny)?)?;
         let values = self.data.as_chunks::<8>().0;
@@ -193,29 +194,37 @@ impl<'a> Channel<'a> {
             let (nx, ny, found) = (self.nx, self.ny, values.len());
             return Err(damaged(&format!("{found} values do not fill {nx} x {ny} pixels")));
         }
+        let lateral = options.lateral(FORMAT, self.lateral_unit()?)?;
         let distance = |size: Option<f64>, n: i32| {
-            let (Some(size), false) = (size, self.xy_unit.is_empty()) else { return Ok(None) };
-            let um = length_um(&self.xy_unit).ok_or_else(|| MapFault::Unsupported {
+            let (Some(size), Some(scale)) = (size, lateral) else { return Ok(None) };
+            pitch(FORMAT, "its size", size * scale.um / f64::from(n)).map(Some)
+        };
+        let (dx_um, dy_um) = (distance(self.width, self.nx)?, distance(self.height, self.ny)?);
+        if dx_um.is_none() {
+            options.no_lateral_numbers(FORMAT)?;
+        }
+        let pixel_is_missing = dx_um.is_none() && options.pixel_um.is_none();
+        let z = options.heights(FORMAT, LengthUnit::parse(&self.z_unit), pixel_is_missing)?;
+        let heights = values.iter().map(|b| f64::from_le_bytes(*b) * z.um);
+        let heights_um = heights.map(|h| if h.is_finite() { h } else { f64::NAN }).collect();
+        let sources =
+            Sources { xy: lateral.map_or(Source::default(), |scale| scale.source), z: z.source };
+        let size = (self.nx as usize, self.ny as usize);
+        Ok(RawMap { dx_um, dy_um, sources, ..RawMap::new(FORMAT, size, heights_um) })
+    }
+
+    fn lateral_unit(&self) -> Result<Option<LengthUnit>, MapFault> {
+        if self.xy_unit.is_empty() || self.width.is_none() {
+            return Ok(None);
+        }
+        match LengthUnit::parse(&self.xy_unit) {
+            Some(unit) => Ok(Some(unit)),
+            None => Err(MapFault::Unsupported {
                 format: FORMAT,
                 what: format!("the lateral unit `{}`", excerpt(&self.xy_unit)),
                 remedy: "save a channel of heights over lengths",
-            })?;
-            pitch(FORMAT, "its size", size * um / f64::from(n)).map(Some)
-        };
-        let z_um = length_um(&self.z_unit).unwrap_or(1.0);
-        Ok(RawMap {
-            format: FORMAT,
-            nx: self.nx as usize,
-            ny: self.ny as usize,
-            dx_um: distance(self.width, self.nx)?,
-            dy_um: distance(self.height, self.ny)?,
-            heights_um: values
-                .iter()
-                .map(|b| f64::from_le_bytes(*b) * z_um)
-                .map(|h| if h.is_finite() { h } else { f64::NAN })
-                .collect(),
-            instrument: None,
-        })
+            }),
+        }
     }
 }
 

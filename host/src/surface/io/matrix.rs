@@ -1,7 +1,8 @@
 //! A plain matrix of heights: a line a row, separated by blanks, tabs, commas or semicolons.
 //!
-//! Without a header the heights are in um and the file says no pixel size. Comments begin with `#`,
-//! `%` or `//`. The text files of digital holographic microscopes (Koala) have this header:
+//! Comments, which begin with `#`, `%` or `//`, and lines of words in front of the numbers may say the unit of the
+//! heights and the pixel size (`said.rs`); what they do not say the user must. The text files of digital holographic
+//! microscopes (Koala) have this header:
 //! ```text
 //! h=305 w=75
 //! pixel size=3.69862e-007 m
@@ -10,10 +11,15 @@
 //! ```
 
 use super::bytes::pitch;
-use super::text::{Layout, comment, decode, excerpt, head, length_um, lines, matrix, quantity_um};
-use super::{MapFault, RawMap, gwyddion_text, xyz};
+use super::options::Scale;
+use super::said::Said;
+use super::text::{Layout, comment, decode, excerpt, head, lines, matrix};
+use super::unit::{LengthUnit, length_um, quantity_um};
+use super::{MapFault, OpenOptions, RawMap, Source, gwyddion_text, profile, xyz};
 
 const FORMAT: &str = "matrix text";
+/// Most lines of words in front of the numbers.
+const MOST_WORDS: usize = 100;
 
 /// Whether the first rows have the same number of columns, at least two, and nothing else claims
 /// the file.
@@ -24,37 +30,111 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 fn looks_like_rows(text: &str) -> bool {
-    let mut rows = lines(text)
-        .filter(|(_, line)| comment(line).is_none())
-        .skip_while(|(_, line)| Header::is_line(line))
-        .take(8)
-        .peekable();
-    let Some(mut layout) = rows.peek().map(|(_, line)| Layout::of(line)) else { return false };
+    let rest = lines(text).filter(|(_, line)| comment(line).is_none());
+    let rest = rest.skip_while(|(_, line)| Header::is_line(line));
+    let mut rest = rest.map(|(_, line)| line).peekable();
+    let (mut words, mut understood) = (0, false);
+    // words are a header if they say something of the map
+    while let Some(line) = rest.next_if(|line| words < MOST_WORDS && is_words(line)) {
+        words += 1;
+        understood |= Said::default().take(line);
+    }
+    if words > 0 && !understood {
+        return false;
+    }
+    let mut rows = rest.take(8).peekable();
+    let Some(mut layout) = rows.peek().map(|line| Layout::of(line)) else { return false };
     let mut values = Vec::new();
-    let counts: Vec<_> = rows.map(|(_, line)| layout.numbers(line, &mut values).ok()).collect();
+    let counts: Vec<_> = rows.map(|line| layout.numbers(line, &mut values).ok()).collect();
     let first = counts.first().copied().flatten().unwrap_or(0);
     counts.len() >= 2 && first >= 2 && counts.iter().all(|n| *n == Some(first))
 }
 
+/// Whether a line is no row of numbers and holds a letter.
+fn is_words(line: &str) -> bool {
+    let is_row = Layout::of(line).numbers(line, &mut Vec::new()).is_ok();
+    !is_row && line.contains(char::is_alphabetic)
+}
+
 /// Reads the map.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     let text = decode(bytes);
-    let mut header = Header::default();
-    let mut rows = lines(&text).peekable();
-    while let Some((number, line)) = rows.next_if(|(_, line)| Header::is_line(line)) {
-        header.take(line).ok_or_else(|| {
-            damaged(format!("line {number}: `{}` cannot be understood", excerpt(line)))
-        })?;
+    let (mut header, mut said) = (Header::default(), Said::default());
+    for comment in lines(&text).filter_map(|(_, line)| comment(line)) {
+        said.take(comment);
     }
-    let map = matrix(FORMAT, rows, header.um()?)?;
+    let mut rows = lines(&text).peekable();
+    let is_header = |(_, line): &(usize, &str)| {
+        Header::is_line(line) || comment(line).is_some() || is_words(line)
+    };
+    let mut left = MOST_WORDS;
+    while let Some((number, line)) = rows.next_if(|row| left > 0 && is_header(row)) {
+        if Header::is_line(line) {
+            header.take(line).ok_or_else(|| {
+                damaged(format!("line {number}: `{}` cannot be understood", excerpt(line)))
+            })?;
+        } else if comment(line).is_none() {
+            left -= 1;
+            said.take(line);
+        }
+    }
+    let pixel_um = pixel_um(&header, &said, options)?;
+    let no_pixel = pixel_um.is_none();
+    if no_pixel {
+        options.no_lateral_numbers(FORMAT)?;
+    }
+    let scale = scale(&header, &said, options, no_pixel && options.pixel_um.is_none());
+    // that it is a profile goes before the question for its units
+    let numbers = Scale { um: 1.0, source: Source::User };
+    let map = matrix(FORMAT, rows, scale.as_ref().map_or(numbers, |scale| *scale))?;
+    profile::refuse(FORMAT, &map.heights_um, map.nx)?;
+    scale?;
     for (said, found, what) in [(header.columns, map.nx, "columns"), (header.rows, map.ny, "rows")]
     {
         if let Some(said) = said.filter(|said| *said != found) {
             return Err(damaged(format!("the header says {said} {what}, the file has {found}")));
         }
     }
-    let pixel_um = header.pixel_um.map(|um| pitch(FORMAT, "the header", um)).transpose()?;
-    Ok(RawMap { dx_um: pixel_um, dy_um: pixel_um, ..map })
+    let [dx_um, dy_um] = pixel_um.map_or([None; 2], |um| um.map(Some));
+    Ok(RawMap { dx_um, dy_um, ..map })
+}
+
+/// The scale of the heights.
+fn scale(
+    header: &Header,
+    said: &Said,
+    options: &OpenOptions,
+    pixel_is_missing: bool,
+) -> Result<Scale, MapFault> {
+    let unit = header.unit.and_then(LengthUnit::parse);
+    match header.um()?.filter(|_| unit.is_none()) {
+        // a microscope's own scale
+        Some(um) => {
+            options.agree(RawMap::new(FORMAT, (0, 0), Vec::new()), None)?;
+            Ok(Scale { um, source: Source::File })
+        }
+        None => options
+            .heights(FORMAT, unit.or(said.units().z), pixel_is_missing)
+            .map_err(|fault| said.explain(fault)),
+    }
+}
+
+/// The pixel sizes that the header or a comment says.
+fn pixel_um(
+    header: &Header,
+    said: &Said,
+    options: &OpenOptions,
+) -> Result<Option<[f64; 2]>, MapFault> {
+    if let Some(um) = header.pixel_um {
+        options.lateral(FORMAT, Some(LengthUnit::Metre))?;
+        return pitch(FORMAT, "the header", um).map(|um| Some([um; 2]));
+    }
+    let [Some(dx), Some(dy)] = said.pitch() else { return Ok(None) };
+    let of = |size: super::said::Pitch| {
+        let scale = options.lateral(FORMAT, size.unit.or(said.units().x))?;
+        scale.map(|s| pitch(FORMAT, "its text", size.value * s.um)).transpose()
+    };
+    Ok(of(dx)?.zip(of(dy)?).map(|(dx, dy)| [dx, dy]))
 }
 
 fn damaged(what: String) -> MapFault {
@@ -101,24 +181,67 @@ impl<'a> Header<'a> {
         Some(())
     }
 
-    /// Micrometres of the numbers.
-    fn um(&self) -> Result<f64, MapFault> {
+    /// Micrometres of the numbers, if the header says any.
+    fn um(&self) -> Result<Option<f64>, MapFault> {
         let unsupported = |unit: &str| MapFault::Unsupported {
             format: FORMAT,
             what: format!("the unit `{}` without a factor to heights", excerpt(unit)),
             remedy: "export heights, not phases",
         };
         match (self.unit, self.factor_um) {
-            (None, None) => Ok(1.0),
-            (None, Some(um)) => Ok(um),
-            (Some(unit), um) => length_um(unit).or(um).ok_or_else(|| unsupported(unit)),
+            (None, um) => Ok(um),
+            (Some(unit), um) => length_um(unit).or(um).map(Some).ok_or_else(|| unsupported(unit)),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{detect, read, xyz};
+    use super::super::OpenOptions;
+    use super::{detect, xyz};
+
+    /// Reads numbers without a unit as um.
+    fn read(bytes: &[u8]) -> Result<super::RawMap, super::MapFault> {
+        let none = OpenOptions::default();
+        match super::read(bytes, &none) {
+            Err(super::MapFault::NoUnits { xy: false, .. }) => {
+                super::read(bytes, &OpenOptions { z_um: Some(1.0), ..none })
+            }
+            done => done,
+        }
+    }
+
+    #[test]
+    fn words_say_the_unit_and_the_pixel_size() {
+        for (text, z, dx) in [
+            ("# heights in nm, pixel 1.634 um\n1 2\n3 4\n", 4e-3, Some(1.634)),
+            ("Heights in mm\nPixel size: 500 nm\n1 2\n3 4\n", 4e3, Some(0.5)),
+            ("% unit: um\n% pixel size: 2\n1 2\n3 4\n", 4.0, Some(2.0)),
+            ("\"Height [\u{c5}]\"\n1,2\n3,4\n", 4e-4, None),
+            ("1 2\n3 4\n# heights in nm\n", 4e-3, None),
+        ] {
+            assert!(detect(text.as_bytes()), "{text}");
+            let map = super::read(text.as_bytes(), &OpenOptions::default()).unwrap();
+            assert!((map.heights_um[3] / z - 1.0).abs() < 1e-12, "{text}");
+            assert_eq!(map.dx_um, dx, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_unit_that_nobody_says_is_asked_for() {
+        let fault = |text: &str, options| super::read(text.as_bytes(), &options).unwrap_err();
+        let none = OpenOptions::default();
+        let both = fault("1 2\n3 4\n", none).to_string();
+        assert!(both.contains("--z-unit") && both.contains("--pixel-um"), "{both}");
+        let twice = fault("# heights in nm\n# heights in um\n1 2\n3 4\n", none).to_string();
+        assert!(twice.contains("once nm and once um"), "{twice}");
+        let nm = OpenOptions { z_um: Some(1e-3), ..none };
+        assert!(super::read(b"# heights in nm\n1 2\n3 4\n", &nm).is_ok());
+        let against = fault("# heights in um\n1 2\n3 4\n", nm).to_string();
+        assert!(against.contains("--z-um 0.001 contradicts"), "{against}");
+        let lateral = OpenOptions { xy_unit: "um".parse().ok(), ..nm };
+        assert!(fault("1 2\n3 4\n", lateral).to_string().contains("--pixel-um"));
+    }
 
     #[test]
     fn rows_are_read_in_all_separators() {

@@ -1,5 +1,9 @@
 //! Files of profilometers, one reader a format, told apart by content and never by name.
 
+mod unit;
+mod words;
+mod options;
+mod said;
 mod bytes;
 mod text;
 mod error;
@@ -11,6 +15,7 @@ mod x3p;
 mod sur;
 mod gwy;
 mod gwyddion_text;
+mod profile;
 mod xyz;
 mod matrix;
 mod npy;
@@ -30,7 +35,9 @@ mod samples;
 mod tests_mutation;
 
 pub use error::{MapError, MapFault};
-pub use open::{FORMATS, Format, OpenOptions, open, parse};
+pub use open::{FORMATS, Format, open, parse};
+pub use options::{OpenOptions, Source, Sources};
+pub use unit::{LengthUnit, NoLengthUnit};
 pub use write::sdf_text;
 
 use super::HeightMap;
@@ -52,9 +59,28 @@ pub struct RawMap {
     pub heights_um: Vec<f64>,
     /// The instrument, as the file names it.
     pub instrument: Option<String>,
+    /// Who says the units.
+    pub sources: Sources,
+    /// What a reader of the map should know, such as a checksum that was not heeded.
+    pub note: Option<String>,
 }
 
 impl RawMap {
+    /// A map whose units the file says, without a pixel size.
+    fn new(format: &'static str, (nx, ny): (usize, usize), heights_um: Vec<f64>) -> Self {
+        Self {
+            format,
+            nx,
+            ny,
+            dx_um: None,
+            dy_um: None,
+            heights_um,
+            instrument: None,
+            sources: Sources::default(),
+            note: None,
+        }
+    }
+
     /// The map, with a pixel size from elsewhere where the file has none.
     ///
     /// # Errors

@@ -60,7 +60,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         None => (None, None),
     };
     let (nx, ny, heights_um) = heights(block, unit_um)?;
-    Ok(RawMap { format: FORMAT, nx, ny, dx_um, dy_um, heights_um, instrument: None })
+    Ok(RawMap { dx_um, dy_um, ..RawMap::new(FORMAT, (nx, ny), heights_um) })
 }
 
 fn damaged(what: String) -> MapFault {

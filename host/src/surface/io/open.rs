@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{MapError, MapFault, RawMap};
+use super::text::as_utf8;
+use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
     al3d, di, gwy, gwyddion_text, matrix, npy, opd, png16, sdf, sur, tiff_float, x3p, xyz,
 };
@@ -10,14 +11,6 @@ use crate::input::read_file;
 
 /// Largest file that is read, bytes: text of the largest map takes no more.
 const MOST_BYTES: u64 = 4 << 30;
-
-/// What a file may not say and the user can. Limits are no options: 2^28 points, files of 4 GiB, and
-/// of what is packed 64 MiB and 256 times the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OpenOptions {
-    /// Height of one grey level of an image, um.
-    pub z_um_per_count: Option<f64>,
-}
 
 /// A format: its name, whether bytes are of it, and its reader.
 #[derive(Clone, Copy, Debug)]
@@ -49,23 +42,31 @@ impl Format {
 
 /// Told apart by content, in this order: those with a signature first, plain numbers last.
 pub const FORMATS: [Format; 13] = [
-    Format { name: "x3p", detect: x3p::detect, read: |b, _| x3p::read(b) },
-    Format { name: "SDF", detect: sdf::detect, read: |b, _| sdf::read(b) },
-    Format { name: "Alicona al3d", detect: al3d::detect, read: |b, _| al3d::read(b) },
-    Format { name: "Wyko opd", detect: opd::detect, read: |b, _| opd::read(b) },
-    Format { name: "Bruker/DI", detect: di::detect, read: |b, _| di::read(b) },
-    Format { name: "Digital Surf sur", detect: sur::detect, read: |b, _| sur::read(b) },
-    Format { name: "Gwyddion gwy", detect: gwy::detect, read: |b, _| gwy::read(b) },
-    Format { name: "npy/npz", detect: npy::detect, read: |b, _| npy::read(b) },
-    Format { name: "PNG", detect: png16::detect, read: |b, o| png16::read(b, o.z_um_per_count) },
-    Format { name: "TIFF", detect: tiff_float::detect, read: |b, _| tiff_float::read(b) },
     Format {
-        name: "Gwyddion text",
-        detect: gwyddion_text::detect,
-        read: |b, _| gwyddion_text::read(b),
+        name: "x3p",
+        detect: x3p::detect,
+        read: |b, o| o.agree(x3p::read(b, o.ignore_checksum)?, Some(LengthUnit::Metre)),
     },
-    Format { name: "xyz", detect: xyz::detect, read: |b, _| xyz::read(b) },
-    Format { name: "matrix text", detect: matrix::detect, read: |b, _| matrix::read(b) },
+    Format {
+        name: "SDF",
+        detect: sdf::detect,
+        read: |b, o| o.agree(sdf::read(b)?, Some(LengthUnit::Metre)),
+    },
+    Format {
+        name: "Alicona al3d",
+        detect: al3d::detect,
+        read: |b, o| o.agree(al3d::read(b)?, Some(LengthUnit::Metre)),
+    },
+    Format { name: "Wyko opd", detect: opd::detect, read: |b, o| o.agree(opd::read(b)?, None) },
+    Format { name: "Bruker/DI", detect: di::detect, read: |b, o| o.agree(di::read(b)?, None) },
+    Format { name: "Digital Surf sur", detect: sur::detect, read: sur::read },
+    Format { name: "Gwyddion gwy", detect: gwy::detect, read: gwy::read },
+    Format { name: "npy/npz", detect: npy::detect, read: npy::read },
+    Format { name: "PNG", detect: png16::detect, read: png16::read },
+    Format { name: "TIFF", detect: tiff_float::detect, read: tiff_float::read },
+    Format { name: "Gwyddion text", detect: gwyddion_text::detect, read: gwyddion_text::read },
+    Format { name: "xyz", detect: xyz::detect, read: xyz::read },
+    Format { name: "matrix text", detect: matrix::detect, read: matrix::read },
 ];
 
 /// Reads a height-map file of any known format; also returns its bytes, for the provenance.
@@ -87,15 +88,18 @@ pub fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if bytes.is_empty() {
         return Err(MapFault::Empty);
     }
+    let bytes = &*as_utf8(bytes);
     match FORMATS.iter().find(|f| f.detect(bytes)) {
         Some(format) => format.read(bytes, options),
+        None if profile::detect(bytes) => Err(profile::fault()),
         None => Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{FORMATS, OpenOptions, parse};
+    use super::super::OpenOptions;
+    use super::{FORMATS, parse};
 
     #[test]
     fn garbage_is_of_no_format_and_the_message_names_those_known() {

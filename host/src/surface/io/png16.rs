@@ -1,7 +1,7 @@
 //! Heights as grey of 16 bits in a PNG.
 //!
-//! The height of one count comes from the user, else from a linear `pCAL` chunk with a unit of
-//! length; without either there are no heights. An `sCAL` chunk in metres gives the pixel size;
+//! The height of one count comes from a linear `pCAL` chunk with a unit of length, else from the user; without
+//! either there are no heights. An `sCAL` chunk in metres gives the pixel size;
 //! `pHYs` is the resolution of a print and says nothing.
 
 use std::io::Cursor;
@@ -9,8 +9,9 @@ use std::io::Cursor;
 use png::{BitDepth, ColorType, Decoder};
 
 use super::bytes::{most_inflated, pitch, points};
-use super::text::{decode, length_um};
-use super::{MapFault, RawMap};
+use super::text::decode;
+use super::unit::{LengthUnit, length_um};
+use super::{MapFault, OpenOptions, RawMap, Source, Sources};
 
 const FORMAT: &str = "PNG";
 const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -20,8 +21,8 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// Reads the map; `z_um_per_count` is the height of one count and goes before what the file says.
-pub(super) fn read(bytes: &[u8], z_um_per_count: Option<f64>) -> Result<RawMap, MapFault> {
+/// Reads the map.
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     let broken = |e: png::DecodingError| damaged(e.to_string());
     let mut decoder = Decoder::new(Cursor::new(bytes));
     decoder.set_ignore_text_chunk(true);
@@ -40,14 +41,7 @@ pub(super) fn read(bytes: &[u8], z_um_per_count: Option<f64>) -> Result<RawMap, 
     if n as u64 * 2 > most {
         return Err(MapFault::Inflates { format: FORMAT, what: "the image".into(), most });
     }
-    let [z_um, offset_um] = match z_um_per_count {
-        Some(z_um) => [z_um, 0.0],
-        None => pcal(bytes)?.ok_or_else(|| MapFault::Unsupported {
-            format: FORMAT,
-            what: "a file without the height of a count (pCAL)".into(),
-            remedy: "export heights as x3p, SDF, float TIFF or text",
-        })?,
-    };
+    let ([z_um, offset_um], z) = scale(bytes, options)?;
     if !(z_um.is_finite() && z_um != 0.0 && offset_um.is_finite()) {
         return Err(damaged("the height of a count is not a number above zero".into()));
     }
@@ -58,20 +52,46 @@ pub(super) fn read(bytes: &[u8], z_um_per_count: Option<f64>) -> Result<RawMap, 
     }
     reader.next_frame(&mut counts).map_err(broken)?;
     let [dx_um, dy_um] = scal(bytes)?.map_or([None; 2], |pitch| pitch.map(Some));
+    let counts = counts.as_chunks::<2>().0.iter().map(|b| f64::from(u16::from_be_bytes(*b)));
+    let heights_um = counts.map(|count| count * z_um + offset_um).collect();
     Ok(RawMap {
-        format: FORMAT,
-        nx: nx as usize,
-        ny: ny as usize,
         dx_um,
         dy_um,
-        heights_um: counts
-            .as_chunks::<2>()
-            .0
-            .iter()
-            .map(|b| f64::from(u16::from_be_bytes(*b)) * z_um + offset_um)
-            .collect(),
-        instrument: None,
+        sources: Sources { z, ..Sources::default() },
+        ..RawMap::new(FORMAT, (nx as usize, ny as usize), heights_um)
     })
+}
+
+/// Heights of a count and of the count zero in um, and who says so.
+fn scale(bytes: &[u8], options: &OpenOptions) -> Result<([f64; 2], Source), MapFault> {
+    if chunk(bytes, *b"sCAL").is_some() {
+        options.lateral(FORMAT, Some(LengthUnit::Metre))?;
+    } else {
+        options.no_lateral_numbers(FORMAT)?;
+    }
+    let given = options.z_um.or(options.z_unit.map(LengthUnit::um));
+    // the user's word goes before a chunk that is not understood, not before one that is
+    let stated = match (pcal(bytes), given) {
+        (Err(_), Some(_)) => None,
+        (found, _) => found?,
+    };
+    match (stated, given) {
+        (Some(scale), None) => Ok((scale, Source::File)),
+        (Some(scale), Some(um)) if (scale[0] - um).abs() <= 1e-6 * um.abs() => {
+            Ok((scale, Source::File))
+        }
+        (Some([um, _]), Some(given)) => Err(MapFault::Contradicts {
+            format: FORMAT,
+            says: format!("the file says that a count is {um} um;"),
+            flag: format!("a height of {given} um"),
+        }),
+        (None, Some(um)) => Ok(([um, 0.0], Source::User)),
+        (None, None) => Err(MapFault::Unsupported {
+            format: FORMAT,
+            what: "a file without the height of a count (pCAL)".into(),
+            remedy: "give it by --z-um, or export heights as x3p, SDF, float TIFF or text",
+        }),
+    }
 }
 
 fn damaged(what: String) -> MapFault {
@@ -129,8 +149,13 @@ fn scal(bytes: &[u8]) -> Result<Option<[f64; 2]>, MapFault> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::{detect, read};
+    use super::super::OpenOptions;
+    use super::detect;
     use png::{BitDepth, ColorType};
+
+    fn read(bytes: &[u8], z_um: Option<f64>) -> Result<super::RawMap, super::MapFault> {
+        super::read(bytes, &OpenOptions { z_um, ..OpenOptions::default() })
+    }
 
     fn image(
         nx: u32,
@@ -176,7 +201,9 @@ pub(super) mod tests {
         assert!(
             (map.dx_um.unwrap() - 2.0).abs() < 1e-12 && (map.dy_um.unwrap() - 1.0).abs() < 1e-12
         );
-        assert!((read(&file, Some(1.0)).unwrap().heights_um[4] - 4660.0).abs() < 1e-9);
+        let fault = read(&file, Some(1.0)).unwrap_err().to_string();
+        assert!(fault.contains("contradicts"), "{fault}");
+        assert!(read(&file, Some(1e-3)).is_ok());
     }
 
     #[test]

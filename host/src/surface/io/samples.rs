@@ -42,7 +42,7 @@ pub(super) fn samples() -> Vec<Sample> {
         ("gwy", "Gwyddion gwy", tests_gwy::sample()),
         ("gwyddion text", "Gwyddion text", GWYDDION.into()),
         ("dhm", "matrix text", DHM.into()),
-        ("matrix", "matrix text", "1,5;2;3\n4;5;6,5\n".into()),
+        ("matrix", "matrix text", "# heights in um\n1,5;2;3\n4;5;6,5\n".into()),
         ("xyz", "xyz", POINTS.into()),
         ("npy", "npy/npz", npy::tests::sample()),
         ("npz", "npy/npz", npz(false)),

@@ -73,13 +73,10 @@ impl Header {
         let [x, y, _] = self.scales;
         let instrument = self.instrument.trim_matches(['\0', ' ']);
         Ok(RawMap {
-            format: FORMAT,
-            nx: self.nx as usize,
-            ny: self.ny as usize,
             dx_um: Some(pitch(FORMAT, "Xscale", 1e6 * x)?),
             dy_um: Some(pitch(FORMAT, "Yscale", 1e6 * y)?),
-            heights_um,
             instrument: (!instrument.is_empty()).then(|| instrument.to_owned()),
+            ..RawMap::new(FORMAT, (self.nx as usize, self.ny as usize), heights_um)
         })
     }
 }

@@ -4,15 +4,17 @@
 //! display; readers disagree whether to multiply or to divide by it, and here it is not used.
 //! A missing point is two below the smallest height. In `DSCOMPRESSED` files the points are zlib
 //! streams behind a list of their lengths. Only the first object of a file is read, and what its
-//! flags say was done to it (inversion, levelling) is not undone.
+//! flags say was done to it (inversion, levelling) is not undone. An axis without a unit needs one from the user.
 
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
 use super::bytes::{Cursor, most_inflated, pitch, points};
-use super::text::{decode, excerpt, length_um};
-use super::{MapFault, RawMap};
+use super::options::{Scales, Stated};
+use super::text::{decode, excerpt};
+use super::unit::LengthUnit;
+use super::{MapFault, OpenOptions, RawMap, Sources};
 
 const FORMAT: &str = "Digital Surf";
 
@@ -22,7 +24,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 /// Reads the first surface.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     let mut cursor = Cursor::new(FORMAT, bytes);
     let compressed = match cursor.bytes(12)? {
         b"DIGITAL SURF" => false,
@@ -30,6 +32,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         _ => return Err(damaged("the first word is neither of the two".into())),
     };
     let header = Header::read(&mut cursor)?;
+    let scales = options.points(FORMAT, header.units, header.dx)?;
+    let [dx_um, dy_um] = header.pitches(scales)?;
     let n = points(FORMAT, header.nx.into(), header.ny.into())?;
     let length = n * header.point_bytes;
     let inflated;
@@ -45,7 +49,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     };
     let height = |value: i32| match i64::from(value) {
         v if header.missing == Some(v) => f64::NAN,
-        v => (v as f64 * header.dz + header.z_offset) * header.z_um,
+        v => (v as f64 * header.dz + header.z_offset) * scales.z.um,
     };
     let (long, short) = (raw.as_chunks::<4>().0, raw.as_chunks::<2>().0);
     let heights_um: Vec<f64> = if header.point_bytes == 4 {
@@ -54,13 +58,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         short.iter().map(|b| height(i16::from_le_bytes(*b).into())).collect()
     };
     Ok(RawMap {
-        format: FORMAT,
-        nx: header.nx as usize,
-        ny: header.ny as usize,
-        dx_um: Some(header.dx_um),
-        dy_um: Some(header.dy_um),
-        heights_um,
+        dx_um: Some(dx_um),
+        dy_um: Some(dy_um),
         instrument: header.instrument.map(Into::into),
+        sources: Sources { xy: scales.x.source, z: scales.z.source },
+        ..RawMap::new(FORMAT, (header.nx as usize, header.ny as usize), heights_um)
     })
 }
 
@@ -77,11 +79,12 @@ struct Header {
     point_bytes: usize,
     nx: u32,
     ny: u32,
-    dx_um: f64,
-    dy_um: f64,
+    /// Spacings in the units of the axes.
+    dx: f64,
+    dy: f64,
     dz: f64,
     z_offset: f64,
-    z_um: f64,
+    units: Stated,
     missing: Option<i64>,
     instrument: Option<&'static str>,
 }
@@ -118,7 +121,7 @@ impl Header {
         }
         let [dx, dy, dz] = [cursor.f32()?.into(), cursor.f32()?.into(), f64::from(cursor.f32()?)];
         cursor.skip(3 * 16)?; // names of the axes
-        let [x_um, y_um, z_um] = [unit(cursor)?, unit(cursor)?, unit(cursor)?];
+        let units = Stated { x: unit(cursor)?, y: unit(cursor)?, z: unit(cursor)? };
         cursor.skip(3 * 16 + 3 * 4 + 3 * 2)?; // display: units and ratios; flags
         cursor.skip(12 + 7 * 2 + 4 + 10)?; // date and duration, size of the compressed points
         let comments = usize::from(cursor.u16()?) + usize::from(cursor.u16()?);
@@ -126,23 +129,31 @@ impl Header {
         let z_offset = f64::from(cursor.f32()?);
         cursor.skip(34)?; // the axis of a series
         cursor.skip(comments)?;
-        let dx_um = pitch(FORMAT, "the spacing of x", dx * x_um)?;
-        let dy_um = pitch(FORMAT, "the spacing of y", dy * y_um)?;
         if !(dz.is_finite() && z_offset.is_finite()) {
             return Err(damaged(format!("the spacing of z is {dz}, its offset {z_offset}")));
         }
         let missing = special.then_some(lowest - 2);
-        Ok(Self { point_bytes, nx, ny, dx_um, dy_um, dz, z_offset, z_um, missing, instrument })
+        Ok(Self { point_bytes, nx, ny, dx, dy, dz, z_offset, units, missing, instrument })
+    }
+
+    fn pitches(&self, scales: Scales) -> Result<[f64; 2], MapFault> {
+        Ok([
+            pitch(FORMAT, "the spacing of x", self.dx * scales.x.um)?,
+            pitch(FORMAT, "the spacing of y", self.dy * scales.y.um)?,
+        ])
     }
 }
 
-/// Reads a unit of length; without one it is um.
-fn unit(cursor: &mut Cursor) -> Result<f64, MapFault> {
+/// Reads a unit of length, if there is one.
+fn unit(cursor: &mut Cursor) -> Result<Option<LengthUnit>, MapFault> {
     let text = decode(cursor.bytes(16)?);
     let name = text.split('\0').next().unwrap_or_default().trim();
     match name {
-        "" => Ok(1.0),
-        _ => length_um(name).ok_or_else(|| unsupported(format!("the unit `{}`", excerpt(name)))),
+        "" => Ok(None),
+        _ => match LengthUnit::parse(name) {
+            Some(unit) => Ok(Some(unit)),
+            None => Err(unsupported(format!("the unit `{}`", excerpt(name)))),
+        },
     }
 }
 
@@ -195,7 +206,12 @@ pub(super) mod tests {
 
     use flate2::{Compression, write::ZlibEncoder};
 
-    use super::{detect, read};
+    use super::super::OpenOptions;
+    use super::detect;
+
+    fn read(bytes: &[u8]) -> Result<super::RawMap, super::MapFault> {
+        super::read(bytes, &OpenOptions::default())
+    }
 
     /// A file of 3 x 2 points, pitch 0.5 and 0.25 um, heights 1.5 + 0.5 v nm, the last missing.
     pub(in crate::surface::io) fn sample(compressed: bool, bits: i16) -> Vec<u8> {
@@ -296,6 +312,7 @@ pub(super) mod tests {
             (with(124, &f32::NAN.to_le_bytes()), "pixel size NaN um"),
             (with(128, &f32::INFINITY.to_le_bytes()), "spacing of z"),
             (with(180, b"V\0"), "unit"),
+            (with(180, b"\0\0"), "--xy-unit"),
             (with(518, &[255; 4]), "ends early"),
             (with(522, &[255; 4]), "more than 24"),
             (with(522, &[12]), "does not hold its 12"),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{RawMap, gwyddion_text, matrix, npy, xyz};
+use super::{OpenOptions, RawMap, gwyddion_text, matrix, npy, xyz};
 
 /// A file of the shared data; says so and gives `None` where there is none.
 #[expect(clippy::print_stderr, reason = "a skipped test must not pass in silence")]
@@ -61,7 +61,7 @@ fn the_holographic_microscope_gives_its_figures() {
     let name = "topography/SurfaceTopography/matrix-4.txt";
     let Some(bytes) = data(name) else { return };
     assert!(matrix::detect(&bytes) && !xyz::detect(&bytes) && !gwyddion_text::detect(&bytes));
-    check(name, &matrix::read(&bytes).unwrap());
+    check(name, &matrix::read(&bytes, &OpenOptions::default()).unwrap());
 }
 
 #[test]
@@ -69,14 +69,18 @@ fn the_profilometer_gives_its_figures() {
     let name = "topography/nanovea-roughness/test1.txt";
     let Some(bytes) = data(name) else { return };
     assert!(xyz::detect(&bytes) && !matrix::detect(&bytes));
-    check(name, &xyz::read(&bytes).unwrap());
+    let unit = |name: &str| name.parse().ok();
+    let options = OpenOptions { xy_unit: unit("mm"), z_unit: unit("um"), ..OpenOptions::default() };
+    check(name, &xyz::read(&bytes, &options).unwrap());
+    let fault = xyz::read(&bytes, &OpenOptions::default()).unwrap_err().to_string();
+    assert!(fault.contains("--xy-unit and --z-unit"), "{fault}");
 }
 
 #[test]
 fn a_sample_of_numpy_is_read() {
     let Some(bytes) = data("samples/sample5.npy") else { return };
     assert!(npy::detect(&bytes));
-    let map = npy::read(&bytes).unwrap();
+    let map = npy::read(&bytes, &OpenOptions::default()).unwrap();
     assert_eq!((map.nx, map.ny), (1024, 1024));
     assert!(map.heights_um.iter().all(|h| h.is_finite()));
 }

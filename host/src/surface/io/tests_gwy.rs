@@ -1,6 +1,11 @@
 //! Tests of the reader of Gwyddion files, on files built here.
 
-use super::gwy::{detect, read};
+use super::gwy::{self, detect};
+use super::{MapFault, OpenOptions, RawMap};
+
+fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+    gwy::read(bytes, &OpenOptions::default())
+}
 
 fn component(key: &str, kind: char, value: &[u8]) -> Vec<u8> {
     [key.as_bytes(), &[0, kind as u8], value].concat()
@@ -69,9 +74,17 @@ fn the_first_channel_of_heights_is_read() {
 
 #[test]
 fn without_units_nothing_is_guessed() {
-    let map = read(&file(&[channel("/0/data", "", "", 1.0)])).unwrap();
+    let file = file(&[channel("/0/data", "", "", 1.0)]);
+    let fault = read(&file).unwrap_err().to_string();
+    assert!(fault.contains("--z-unit") && fault.contains("--pixel-um"), "{fault}");
+    let nm = OpenOptions { z_unit: "nm".parse().ok(), ..OpenOptions::default() };
+    let map = gwy::read(&file, &nm).unwrap();
     assert_eq!((map.dx_um, map.dy_um), (None, None));
-    assert!((map.heights_um[5] - 5.0).abs() < 1e-12);
+    assert!((map.heights_um[5] - 5e-3).abs() < 1e-12);
+    // the sizes are numbers that wait for their unit
+    let metres = OpenOptions { xy_unit: "m".parse().ok(), ..nm };
+    let map = gwy::read(&file, &metres).unwrap();
+    assert!((map.dx_um.unwrap() - 2.0).abs() < 1e-12 && (map.dy_um.unwrap() - 1.0).abs() < 1e-12);
 }
 
 #[test]

@@ -15,7 +15,7 @@ const READERS: [(Detect, Read); 5] = [
     (di::detect, di::read),
     (opd::detect, opd::read),
     (sdf::detect, sdf::read),
-    (x3p::detect, x3p::read),
+    (x3p::detect, |bytes| x3p::read(bytes, false)),
 ];
 
 /// A file of the shared measured surfaces; `None`, and a line that says so, without them.

@@ -4,7 +4,22 @@ use std::borrow::Cow;
 
 use super::bytes::points;
 use super::error::MOST_POINTS;
-use super::{MapFault, RawMap};
+use super::options::Scale;
+use super::{MapFault, RawMap, Sources};
+
+/// A file with its byte order mark taken off: UTF-16 of either order becomes UTF-8, all else stays.
+pub(super) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let (rest, unit): (_, fn([u8; 2]) -> u16) = match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] => return Cow::Borrowed(rest),
+        [0xff, 0xfe, rest @ ..] => (rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => (rest, u16::from_be_bytes),
+        _ => return Cow::Borrowed(bytes),
+    };
+    let units = rest.as_chunks().0.iter().map(|pair| unit(*pair));
+    let text: String =
+        char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+    Cow::Owned(text.into_bytes())
+}
 
 /// The text of a file: UTF-8 with or without byte order mark, else Windows-1252.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
@@ -67,35 +82,6 @@ pub(super) fn shown(message: &str) -> String {
         shown.push_str("...");
     }
     shown
-}
-
-/// Micrometres of a unit of length; `None` if it is not one.
-pub(super) fn length_um(unit: &str) -> Option<f64> {
-    Some(match unit.trim().trim_end_matches('\0') {
-        "m" => 1e6,
-        "dm" => 1e5,
-        "cm" => 1e4,
-        "mm" => 1e3,
-        // the micro sign, and mu
-        "um" | "\u{b5}m" | "\u{3bc}m" => 1.0,
-        "nm" => 1e-3,
-        "\u{c5}" | "\u{212b}" => 1e-4,
-        "pm" => 1e-6,
-        other => match other.to_ascii_lowercase().as_str() {
-            "meter" | "metre" | "meters" | "metres" => 1e6,
-            "micron" | "microns" | "micrometer" | "micrometre" => 1.0,
-            "nanometer" | "nanometre" => 1e-3,
-            "angstrom" => 1e-4,
-            _ => return None,
-        },
-    })
-}
-
-/// A number with its unit of length, such as `2.0 um`, in um.
-pub(super) fn quantity_um(text: &str) -> Option<f64> {
-    let (number, unit) = text.trim().split_once(char::is_whitespace)?;
-    let value: f64 = number.trim().parse().ok()?;
-    Some(value * length_um(unit)?)
 }
 
 /// How the columns of a text are written; learnt from its first lines.
@@ -177,11 +163,11 @@ fn missing(field: &str) -> Option<f64> {
 
 /// Reads rows of numbers, all of the same length; comments are left out.
 ///
-/// The map has no pixel size, and its heights are the numbers times `um`.
+/// The map has no pixel size, and its heights are the numbers in the scale.
 pub(super) fn matrix<'a>(
     format: &'static str,
     lines: impl Iterator<Item = (usize, &'a str)>,
-    um: f64,
+    scale: Scale,
 ) -> Result<RawMap, MapFault> {
     let damaged = |what| MapFault::Damaged { format, what };
     let (mut heights_um, mut layout, mut nx, mut ny) = (Vec::new(), None, 0, 0);
@@ -201,22 +187,16 @@ pub(super) fn matrix<'a>(
     }
     points(format, nx as u64, ny)?;
     for h in &mut heights_um {
-        *h *= um;
+        *h *= scale.um;
     }
-    Ok(RawMap {
-        format,
-        nx,
-        ny: ny as usize,
-        dx_um: None,
-        dy_um: None,
-        heights_um,
-        instrument: None,
-    })
+    let sources = Sources { z: scale.source, ..Sources::default() };
+    Ok(RawMap { sources, ..RawMap::new(format, (nx, ny as usize), heights_um) })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Layout, decode, head, length_um, quantity_um, shown};
+    use super::super::unit::quantity_um;
+    use super::{Layout, as_utf8, decode, head, shown};
 
     fn numbers(line: &str) -> Option<Vec<f64>> {
         let mut values = Vec::new();
@@ -245,8 +225,22 @@ mod tests {
         {
             assert_eq!(quantity_um(&decode(bytes)), Some(2.0));
         }
-        assert_eq!(length_um("V"), None);
         assert!(head(b"1 2\n\0").is_none() && head(b"").is_none());
+    }
+
+    #[test]
+    fn a_byte_order_mark_says_how_a_text_is_written() {
+        let text = "# z in \u{b5}m\n1 2\n\u{1f600}";
+        let utf16 = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(bytes).collect()
+        };
+        let utf8 = [b"\xef\xbb\xbf", text.as_bytes()].concat();
+        for file in [utf16(u16::to_le_bytes), utf16(u16::to_be_bytes), utf8, text.into()] {
+            assert_eq!(&*as_utf8(&file), text.as_bytes());
+        }
+        // half a character at the end, and half a pair
+        assert_eq!(&*as_utf8(b"\xff\xfea\0b"), b"a");
+        assert_eq!(&*as_utf8(b"\xfe\xff\xd8\0\0a"), "\u{fffd}a".as_bytes());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Heights as floats of 32 or 64 bits in a TIFF, `GeoTIFF` among them.
 //!
 //! `ModelPixelScale` (33550) gives the pixel size; such a file is in metres, the heights too, unless
-//! its keys name another unit, which is refused. Without it the heights are in um and there is no
+//! its keys name another unit, which is refused. Without it the heights are in um unless the user says another unit, and there is no
 //! pixel size: the resolution in a plain TIFF is that of a print. Points equal to `GDAL_NODATA`
 //! (42113) and numbers that are not finite are missing. Only the first image is read.
 
@@ -14,8 +14,9 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use super::bytes::{most_inflated, pitch, points};
+use super::options::Scale;
 use super::text::excerpt;
-use super::{MapFault, RawMap};
+use super::{LengthUnit, MapFault, OpenOptions, RawMap, Source, Sources};
 
 const FORMAT: &str = "TIFF";
 
@@ -29,7 +30,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 /// Reads the first image.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(broken)?;
     let (nx, ny) = decoder.dimensions().map_err(broken)?;
     let n = points(FORMAT, nx.into(), ny.into())?;
@@ -47,14 +48,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     if size as u64 > most {
         return Err(MapFault::Inflates { format: FORMAT, what: "the image".into(), most });
     }
-    let scale = Scale::of(&mut decoder)?;
+    let scale = Scaling::of(&mut decoder, options)?;
     let nodata = nodata(&mut decoder)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = size;
     limits.intermediate_buffer_size = size.max(1 << 16);
     let mut decoder = decoder.with_limits(limits);
     let height =
-        |v: f64, lost: bool| if lost || !v.is_finite() { f64::NAN } else { v * scale.z_um };
+        |v: f64, lost: bool| if lost || !v.is_finite() { f64::NAN } else { v * scale.z.um };
     let heights_um: Vec<f64> = match decoder.read_image().map_err(broken)? {
         DecodingResult::F32(values) => {
             let lost = nodata.map(|v| v as f32);
@@ -72,13 +73,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         return Err(damaged(format!("{} pixels instead of {nx} x {ny}", heights_um.len())));
     }
     Ok(RawMap {
-        format: FORMAT,
-        nx: nx as usize,
-        ny: ny as usize,
         dx_um: scale.pixel_um.map(|[dx, _]| dx),
         dy_um: scale.pixel_um.map(|[_, dy]| dy),
-        heights_um,
-        instrument: None,
+        sources: Sources { z: scale.z.source, ..Sources::default() },
+        ..RawMap::new(FORMAT, (nx as usize, ny as usize), heights_um)
     })
 }
 
@@ -114,15 +112,16 @@ fn is_float(decoder: &mut File) -> Result<bool, MapFault> {
 }
 
 /// Micrometres of pixels and heights.
-struct Scale {
+struct Scaling {
     pixel_um: Option<[f64; 2]>,
-    z_um: f64,
+    z: Scale,
 }
 
-impl Scale {
-    fn of(decoder: &mut File) -> Result<Self, MapFault> {
+impl Scaling {
+    fn of(decoder: &mut File, options: &OpenOptions) -> Result<Self, MapFault> {
         let Some(scale) = decoder.find_tag(PIXEL_SCALE).map_err(broken)? else {
-            return Ok(Self { pixel_um: None, z_um: 1.0 });
+            options.no_lateral_numbers(FORMAT)?;
+            return Ok(Self { pixel_um: None, z: options.heights_or_um(FORMAT)? });
         };
         let &[dx, dy, z] = scale.into_f64_vec().map_err(broken)?.as_slice() else {
             return Err(damaged("ModelPixelScale has not three numbers".into()));
@@ -144,7 +143,10 @@ impl Scale {
         }
         // a third scale of zero means none
         let z = if z.abs() > 0.0 { z } else { 1.0 };
-        Ok(Self { pixel_um: Some([dx_um?, dy_um?]), z_um: z * 1e6 })
+        options.lateral(FORMAT, Some(LengthUnit::Metre))?;
+        options.heights(FORMAT, Some(LengthUnit::Metre), false)?;
+        let z = Scale { um: z * 1e6, source: Source::File };
+        Ok(Self { pixel_um: Some([dx_um?, dy_um?]), z })
     }
 }
 
@@ -163,7 +165,12 @@ pub(super) mod tests {
     use tiff::encoder::{Compression, DeflateLevel, TiffEncoder, TiffValue, colortype};
     use tiff::tags::Tag;
 
-    use super::{GEO_KEYS, NODATA, PIXEL_SCALE, detect, read};
+    use super::super::OpenOptions;
+    use super::{GEO_KEYS, NODATA, PIXEL_SCALE, detect};
+
+    fn read(bytes: &[u8]) -> Result<super::RawMap, super::MapFault> {
+        super::read(bytes, &OpenOptions::default())
+    }
 
     type Tags<'a> = (Option<&'a [f64]>, Option<&'a [u16]>, Option<&'a str>);
 

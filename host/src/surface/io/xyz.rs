@@ -1,21 +1,23 @@
 //! Points `x y z`, one a line, on a rectangular grid.
 //!
-//! Nothing in such a file says its units unless comments (`# Lateral units: m`, `# Value units: m`,
-//! as Gwyddion writes) or a line of names (`x [mm];y [mm];z [um]`) do. Without them x and y are in
-//! mm and z in um, as optical profilometers export. The points may come in any order, rows run to
-//! larger y, and points of the grid that are not in the file are missing.
+//! Comments and lines of names say the units (`said.rs`); what they do not say the user must. The points may come in
+//! any order, rows run to larger y, and points of the grid that are not in the file are missing.
 
 use std::collections::HashSet;
 
 use super::bytes::points;
 use super::error::MOST_POINTS;
-use super::text::{Layout, comment, decode, excerpt, head, length_um, lines};
-use super::{MapFault, RawMap};
+use super::said::Said;
+use super::text::{Layout, comment, decode, excerpt, head, lines};
+use super::words::{Token, tokens};
+use super::{MapFault, OpenOptions, RawMap, Sources};
 
 const FORMAT: &str = "xyz text";
 
 /// Most lines that are looked at to recognise the format.
 const SAMPLE: usize = 2000;
+/// Most lines of names in front of the points.
+const MOST_NAMES: usize = 8;
 
 /// Whether the file has three columns of numbers, the first two of which lie on a grid: no point
 /// comes twice, and x or y takes less than half as many values as there are points.
@@ -25,9 +27,8 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 
 fn looks_like_points(text: &str) -> Option<bool> {
     let mut rows = lines(text).filter(|(_, line)| comment(line).is_none()).peekable();
-    let (_, first) = rows.peek()?;
-    if Units::of_names(first).is_some() {
-        rows.next();
+    for _ in 0..MOST_NAMES {
+        rows.next_if(|(_, line)| is_names(line));
     }
     let mut layout = Layout::of(rows.peek()?.1);
     let (mut xs, mut ys, mut both) = (HashSet::new(), HashSet::new(), HashSet::new());
@@ -45,19 +46,29 @@ fn looks_like_points(text: &str) -> Option<bool> {
     Some(both.len() >= 4 && 2 * xs.len().min(ys.len()) <= both.len())
 }
 
+/// Whether a line says units, or names three columns.
+fn is_names(line: &str) -> bool {
+    let is_name = |token: &Token| {
+        let names = ["x", "y", "z", "height"];
+        matches!(token, Token::Word { text, .. } if names.contains(&text.as_str()))
+    };
+    let mut numbers = Vec::new();
+    let is_row = Layout::of(line).numbers(line, &mut numbers).is_ok();
+    !is_row
+        && (tokens(line).iter().filter(|t| is_name(t)).count() == 3 || Said::default().take(line))
+}
+
 /// Reads the points and recovers their grid.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     let text = decode(bytes);
-    let (mut units, mut layout, mut xyz) = (Units::default(), None, Vec::new());
+    let (mut said, mut layout, mut xyz) = (Said::default(), None, Vec::new());
     for (number, line) in lines(&text) {
         if let Some(comment) = comment(line) {
-            units.take_comment(comment)?;
+            said.take(comment);
             continue;
         }
-        if layout.is_none()
-            && let Some(named) = Units::of_names(line)
-        {
-            units = named;
+        if layout.is_none() && is_names(line) {
+            said.take(line);
             continue;
         }
         let layout = layout.get_or_insert_with(|| Layout::of(line));
@@ -91,77 +102,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         if std::mem::replace(seen, true) {
             return Err(damaged(format!("the point {px}, {py} comes twice")));
         }
-        *height = z * units.z;
+        *height = z;
+    }
+    let scales =
+        options.points(FORMAT, said.units(), x.pitch).map_err(|fault| said.explain(fault))?;
+    for height in &mut heights_um {
+        *height *= scales.z.um;
     }
     Ok(RawMap {
-        format: FORMAT,
-        nx,
-        ny: y.count as usize,
-        dx_um: Some(x.pitch * units.x),
-        dy_um: Some(y.pitch * units.y),
-        heights_um,
-        instrument: None,
+        dx_um: Some(x.pitch * scales.x.um),
+        dy_um: Some(y.pitch * scales.y.um),
+        sources: Sources { xy: scales.x.source, z: scales.z.source },
+        ..RawMap::new(FORMAT, (nx, y.count as usize), heights_um)
     })
 }
 
 fn damaged(what: String) -> MapFault {
     MapFault::Damaged { format: FORMAT, what }
-}
-
-/// Micrometres of the three columns.
-struct Units {
-    x: f64,
-    y: f64,
-    z: f64,
-}
-
-impl Default for Units {
-    fn default() -> Self {
-        Self { x: 1e3, y: 1e3, z: 1.0 }
-    }
-}
-
-impl Units {
-    /// From a line of names, with or without units in brackets; `None` if the line is not one.
-    fn of_names(line: &str) -> Option<Self> {
-        let mut units = Self::default();
-        let mut fields = Layout::of(line).fields(line);
-        let columns = [("x", &mut units.x), ("y", &mut units.y), ("z", &mut units.z)];
-        for (name, um) in columns {
-            let field = fields.next()?.trim_matches('"');
-            let (word, unit) = match field.split_once(['[', '(']) {
-                Some((word, unit)) => (word, Some(unit.trim_end_matches([']', ')']))),
-                None => (field, None),
-            };
-            if !word.trim().eq_ignore_ascii_case(name) {
-                return None;
-            }
-            if let Some(unit) = unit {
-                *um = length_um(unit)?;
-            }
-        }
-        fields.next().is_none().then_some(units)
-    }
-
-    /// From a comment, if it names a unit.
-    fn take_comment(&mut self, comment: &str) -> Result<(), MapFault> {
-        let Some((key, unit)) = comment.split_once(':') else { return Ok(()) };
-        let lateral = key.trim().eq_ignore_ascii_case("lateral units");
-        if !(lateral || key.trim().eq_ignore_ascii_case("value units")) {
-            return Ok(());
-        }
-        let um = length_um(unit).ok_or_else(|| MapFault::Unsupported {
-            format: FORMAT,
-            what: format!("the unit `{}`", excerpt(unit)),
-            remedy: "export heights over lengths",
-        })?;
-        if lateral {
-            (self.x, self.y) = (um, um);
-        } else {
-            self.z = um;
-        }
-        Ok(())
-    }
 }
 
 /// An evenly divided axis.
@@ -192,7 +149,10 @@ fn axis<'a>(name: &str, values: impl Iterator<Item = &'a f64>) -> Result<Axis, M
     let same = 1e-6 * range;
     sorted.dedup_by(|b, a| *b - *a <= same);
     if !(range.is_finite() && range > 0.0 && sorted.len() > 1) {
-        return Err(damaged(format!("all points have the same {name}: this is a profile")));
+        return Err(MapFault::Profile {
+            format: FORMAT,
+            what: format!("all points have the same {name}"),
+        });
     }
     let steps = || sorted.windows(2).filter_map(|w| w.get(1).zip(w.first()).map(|(b, a)| b - a));
     let mean = range / (sorted.len() - 1) as f64;
@@ -217,7 +177,13 @@ fn axis<'a>(name: &str, values: impl Iterator<Item = &'a f64>) -> Result<Axis, M
 
 #[cfg(test)]
 mod tests {
+    use super::super::{LengthUnit, OpenOptions, Source};
     use super::{detect, read};
+
+    fn units(xy: &str, z: &str) -> OpenOptions {
+        let unit = |text: &str| text.parse::<LengthUnit>().ok();
+        OpenOptions { xy_unit: unit(xy), z_unit: unit(z), ..OpenOptions::default() }
+    }
 
     fn grid(order: impl Iterator<Item = usize>, head: &str) -> String {
         let point =
@@ -229,23 +195,48 @@ mod tests {
     fn the_grid_is_recovered_in_any_order() {
         for text in [grid(0..20, ""), grid((0..20).map(|k| k * 7 % 20), "x;y;z\n")] {
             assert!(detect(text.as_bytes()));
-            let map = read(text.as_bytes()).unwrap();
+            let map = read(text.as_bytes(), &units("mm", "um")).unwrap();
             assert_eq!((map.nx, map.ny), (5, 4));
             assert!((map.dx_um.unwrap() - 1e3 / 3.0).abs() < 0.5);
             assert!((map.dy_um.unwrap() - 1e3).abs() < 1e-9);
             assert!((map.heights_um[0] - 15.0).abs() < 1e-12, "row 0 has the smallest y");
         }
         let text = grid((0..20).filter(|k| *k % 5 != 3 && *k != 6), "X [um];Y [nm];Z(mm)\n");
-        let map = read(text.as_bytes()).unwrap();
+        let map = read(text.as_bytes(), &units("", "")).unwrap();
         assert_eq!((map.nx, map.ny), (5, 4));
         assert!((map.dx_um.unwrap() - 1.0 / 3.0).abs() < 1e-3 && map.heights_um[18].is_nan());
         assert!((map.dy_um.unwrap() - 1e-3).abs() < 1e-12);
         assert!((map.heights_um[2] - 17e3).abs() < 1e-9 && map.heights_um[11].is_nan());
         let text = grid(0..20, "# Lateral units: m\n# Value units: nm\n");
-        let map = read(text.as_bytes()).unwrap();
+        let map = read(text.as_bytes(), &units("", "")).unwrap();
         assert!(
             (map.dy_um.unwrap() - 1e6).abs() < 1e-3 && (map.heights_um[19] - 4e-3).abs() < 1e-12
         );
+    }
+
+    #[test]
+    fn units_that_nobody_says_are_asked_for() {
+        let text = grid(0..20, "");
+        let fault = |options: &OpenOptions| read(text.as_bytes(), options).unwrap_err().to_string();
+        let none = fault(&units("", ""));
+        assert!(none.contains("--xy-unit") && none.contains("--z-unit"), "{none}");
+        assert!(!fault(&units("um", "")).contains("--xy-unit"));
+        assert!(!fault(&units("", "um")).contains("--z-unit"));
+        // a pixel size says the lateral unit
+        let pixel = OpenOptions { pixel_um: Some(2.0), ..units("", "nm") };
+        let map = read(text.as_bytes(), &pixel).unwrap();
+        assert!(
+            (map.dx_um.unwrap() - 2.0).abs() < 1e-12 && (map.dy_um.unwrap() - 6.0).abs() < 0.01
+        );
+        assert_eq!((map.sources.xy, map.sources.z), (Source::User, Source::User));
+        // what the file says holds
+        let said = format!("# x [um] y [um] z [nm]\n{text}");
+        let map = read(said.as_bytes(), &units("um", "nm")).unwrap();
+        assert_eq!((map.sources.xy, map.sources.z), (Source::File, Source::File));
+        for options in [units("mm", ""), units("", "um")] {
+            let fault = read(said.as_bytes(), &options).unwrap_err().to_string();
+            assert!(fault.contains("contradicts"), "{fault}");
+        }
     }
 
     #[test]
@@ -260,13 +251,13 @@ mod tests {
             ("0 0 1\n1 0 1\n0 1 1\n1 0 2\n", "comes twice"),
             ("0 0 1\nnan 0 1\n0 1 1\n1 0 2\n", "has no x"),
             ("0 0 1\n1 0 1\n2.5 0 1\n0 1 1\n1 1 1\n", "uneven spacing of x near 1; resample"),
-            ("# Value units: V\n0 0 1\n", "`V`"),
+            ("# x, y [um]\n# Value units: V\n0 0 1\n1 0 2\n0 1 2\n", "`v`"),
             ("-1e308 0 1\n1e308 1 1\n", "same x"),
             ("0 0 1\n1e-5 1 1\n1 2 1\n", "100001 x 3"),
             (diagonal.as_str(), "do not fill a grid of 1000 x 1000"),
             ("", "no points"),
         ] {
-            let fault = read(text.as_bytes()).err().map(|f| f.to_string());
+            let fault = read(text.as_bytes(), &units("", "")).err().map(|f| f.to_string());
             assert!(
                 fault.as_ref().is_some_and(|f| f.replace(" is not supported", "").contains(word)),
                 "{text:.30}: {fault:?}"

@@ -1,7 +1,7 @@
 //! Arrays of `NumPy`: `.npy`, and `.npz` with one array of two dimensions.
 //!
-//! The array is `[row = y, col = x]`. It knows no units: heights are in um and there is no pixel
-//! size. Numbers that are not finite are missing points.
+//! The array is `[row = y, col = x]`. It knows no units and no pixel size: floats are heights in um unless the user
+//! says another unit, integers are counts whose height the user must say. Numbers that are not finite are missing points.
 
 mod header;
 
@@ -11,7 +11,7 @@ use zip::ZipArchive;
 
 use self::header::{Header, Kind, MAGIC};
 use super::bytes::{most_inflated, points};
-use super::{MapFault, RawMap};
+use super::{MapFault, OpenOptions, RawMap, Sources};
 
 const FORMAT: &str = "NumPy";
 /// Most files of a zip that are looked into.
@@ -32,12 +32,12 @@ fn first_name(bytes: &[u8]) -> Option<&[u8]> {
 }
 
 /// Reads the array.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if bytes.starts_with(MAGIC) {
         let mut file = bytes;
         let header = Header::read(&mut file)?;
         let length = file.len() as u64;
-        return map(&header, file, length);
+        return map(&header, file, length, options);
     }
     let broken = |e: zip::result::ZipError| damaged(format!("the zip is broken: {e}"));
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
@@ -67,7 +67,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
     let mut file = archive.by_index(k).map_err(broken)?;
     let header = Header::read(&mut file)?;
     let length = file.size().saturating_sub(header.length as u64);
-    map(&header, file, length)
+    map(&header, file, length, options)
 }
 
 fn damaged(what: String) -> MapFault {
@@ -80,7 +80,12 @@ fn unsupported(what: String) -> MapFault {
 }
 
 /// The map of the numbers that follow a header, `length` bytes at most.
-fn map(header: &Header, numbers: impl Read, length: u64) -> Result<RawMap, MapFault> {
+fn map(
+    header: &Header,
+    numbers: impl Read,
+    length: u64,
+    options: &OpenOptions,
+) -> Result<RawMap, MapFault> {
     let &[ny, nx] = header.shape.as_slice() else {
         return Err(unsupported(format!("an array of {} dimensions", header.shape.len())));
     };
@@ -91,13 +96,23 @@ fn map(header: &Header, numbers: impl Read, length: u64) -> Result<RawMap, MapFa
         return Err(damaged(what));
     }
     let (nx, ny) = (nx as usize, ny as usize);
+    options.no_lateral_numbers(FORMAT)?;
+    let scale = if header.kind.letter == 'f' {
+        options.heights_or_um(FORMAT)?
+    } else {
+        options.heights(FORMAT, None, options.pixel_um.is_none())?
+    };
     let values = values(header.kind, numbers, n)?;
-    let heights_um = if header.fortran {
+    let mut heights_um: Vec<f64> = if header.fortran {
         (0..ny).flat_map(|row| values.iter().skip(row).step_by(ny).copied()).collect()
     } else {
         values
     };
-    Ok(RawMap { format: FORMAT, nx, ny, dx_um: None, dy_um: None, heights_um, instrument: None })
+    for height in &mut heights_um {
+        *height *= scale.um;
+    }
+    let sources = Sources { z: scale.source, ..Sources::default() };
+    Ok(RawMap { sources, ..RawMap::new(FORMAT, (nx, ny), heights_um) })
 }
 
 /// The `n` numbers as they follow one another; NaN for those that are not finite.
@@ -148,7 +163,29 @@ pub(super) mod tests {
 
     use zip::write::SimpleFileOptions;
 
-    use super::{detect, read};
+    use super::super::{LengthUnit, OpenOptions, Source};
+    use super::detect;
+
+    /// Reads counts as um too.
+    fn read(bytes: &[u8]) -> Result<super::RawMap, super::MapFault> {
+        super::read(bytes, &OpenOptions { z_um: Some(1.0), ..OpenOptions::default() })
+    }
+
+    #[test]
+    fn floats_are_um_unless_the_user_says_otherwise_and_counts_need_a_unit() {
+        let none = OpenOptions::default();
+        let map = super::read(&sample(), &none).unwrap();
+        assert_eq!((map.sources.z, map.heights_um[5]), (Source::Documentation, 5.0));
+        let nm = OpenOptions { z_unit: "nm".parse::<LengthUnit>().ok(), ..none };
+        let map = super::read(&sample(), &nm).unwrap();
+        assert!(map.sources.z == Source::User && (map.heights_um[5] - 5e-3).abs() < 1e-15);
+        let counts = npy(1, &header("'<u2'", "False", "(2, 3)"), &[0; 12]);
+        let fault = super::read(&counts, &none).unwrap_err().to_string();
+        assert!(fault.contains("--z-um") && fault.contains("--pixel-um"), "{fault}");
+        let lateral = OpenOptions { xy_unit: nm.z_unit, ..none };
+        let fault = super::read(&sample(), &lateral).unwrap_err().to_string();
+        assert!(fault.contains("--xy-unit nm") && fault.contains("--pixel-um"), "{fault}");
+    }
 
     pub(in crate::surface::io) fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
         let mut file = [b"\x93NUMPY", &[version, 0][..]].concat();

@@ -35,13 +35,23 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 /// Reads an x3p file.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+///
+/// Programs that correct `main.xml` may leave its checksum as it was: with `ignore_checksum` such a file is read. The
+/// checksums of the points always hold.
+pub(super) fn read(bytes: &[u8], ignore_checksum: bool) -> Result<RawMap, MapFault> {
     let mut archive = Archive::open(bytes)?;
     let main = archive.main(MOST_XML)?;
     let mut record = Record::parse(&main)?;
     let sums = record.text("Record4/ChecksumFile").unwrap_or("md5checksum.hex");
-    if let Some(sum) = archive.find(sums, MOST_MD5)? {
-        check_md5("main.xml", &main, &String::from_utf8_lossy(&sum))?;
+    let mut note = None;
+    if let Some(sum) = archive.find(sums, MOST_MD5)?
+        && let Err(fault) = check_md5("main.xml", &main, &String::from_utf8_lossy(&sum))
+    {
+        let MapFault::Damaged { what, .. } = fault else { return Err(fault) };
+        if !ignore_checksum {
+            return Err(MapFault::Checksum { format: FORMAT, what });
+        }
+        note = Some(format!("{what}; it is read all the same"));
     }
     drop(main);
     let axes = [Axis::new(&record, "CX")?, Axis::new(&record, "CY")?, Axis::new(&record, "CZ")?];
@@ -59,13 +69,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
         *height = if um.is_finite() { um } else { f64::NAN };
     }
     Ok(RawMap {
-        format: FORMAT,
-        nx: grid.nx,
-        ny: grid.ny,
         dx_um: grid.dx_um,
         dy_um: grid.dy_um,
-        heights_um,
         instrument: instrument(&record),
+        note,
+        ..RawMap::new(FORMAT, (grid.nx, grid.ny), heights_um)
     })
 }
 

@@ -6,8 +6,12 @@ use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 use zip::write::SimpleFileOptions;
 
-use super::{archive::check_md5, detect, read};
+use super::{archive::check_md5, detect};
 use crate::surface::io::{MapFault, RawMap};
+
+fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+    super::read(bytes, false)
+}
 
 /// `main.xml` around the axes and `Record3`.
 fn xml(axes: [&str; 3], record3: &str) -> String {
