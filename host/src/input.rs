@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
+use crate::custody;
+
 /// All bytes of a file, `most` of them at most.
 ///
 /// # Errors
@@ -14,7 +16,7 @@ pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     if path.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
     }
-    let file = File::open(path)?;
+    let file = open(path)?;
     let length = file.metadata()?.len();
     if length > most {
         return Err(too_large(most));
@@ -22,6 +24,18 @@ pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(usize::try_from(length).unwrap_or(0))?;
     read(file, most, bytes)
+}
+
+/// Opens a file to be read.
+///
+/// # Errors
+/// Those of the system; of a file that this run is to write.
+pub(crate) fn open(path: &Path) -> Result<File> {
+    custody::reads(path).map_err(|output| {
+        let what = format!("it is to be written too, as {}", output.display());
+        Error::new(ErrorKind::ResourceBusy, what)
+    })?;
+    File::open(path)
 }
 
 /// All bytes of a reader, `most` of them at most.

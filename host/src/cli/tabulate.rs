@@ -11,10 +11,10 @@ use super::error::Failure;
 use super::source::parse_rays;
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
-use crate::embedded::{EmbeddedTable, c_header, rust_source, write};
+use crate::embedded::{EmbeddedTable, bytes, c_header, rust_source};
 use crate::forward::Rays;
 use crate::model::Model;
-use crate::output::AtomicFile;
+use crate::output::{AtomicFile, finish_all};
 use crate::tabulate::{Kept, NoTable, Plan, distance_percent, energy_error, lobes_of, tabulate};
 
 /// Sides of the boundary, as a flag.
@@ -140,13 +140,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Some(most) => smallest(args, &boundary, most)?,
     };
     let method = model.method;
-    write(output, &table, &method, distance)?;
-    if let Some(file) = rust {
-        file.finish(rust_source(&table, &method).as_bytes())?;
-    }
+    let mut files = vec![(output, bytes(&table, &method, distance))];
+    files.extend(rust.map(|file| (file, rust_source(&table, &method).into_bytes())));
     if let (Some(file), Some(path)) = (c, &args.c) {
         let name = path.file_stem().map_or_else(|| "table".into(), |s| s.to_string_lossy());
-        file.finish(c_header(&table, &method, &name).as_bytes())?;
+        files.push((file, c_header(&table, &method, &name).into_bytes()));
     }
     let header = table.header();
     let answer = Answer {
@@ -166,6 +164,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Rays { count: args.rays, seed: args.seed + 7 },
         ),
     };
+    finish_all(files)?;
     print(&if args.json {
         serde_json::to_string_pretty(&answer).map_err(Failure::bad)? + "\n"
     } else {

@@ -150,7 +150,7 @@ impl Record {
 }
 
 /// The bytes of a file.
-fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
+pub fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
     let mut bytes = serde_json::to_vec(record).unwrap_or_default();
     bytes.push(b'\n');
     for gain in &table.gains {
@@ -171,6 +171,11 @@ fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
     bytes
 }
 
+/// The content of a table's file.
+pub fn bytes(table: &EmbeddedTable, method: &str, distance_percent: Option<f64>) -> Vec<u8> {
+    to_bytes(table, &Record::of(table, method, distance_percent))
+}
+
 /// Writes a table to an open file and closes it.
 ///
 /// # Errors
@@ -181,7 +186,7 @@ pub fn write(
     method: &str,
     distance_percent: Option<f64>,
 ) -> Result<(), OutputError> {
-    file.finish(&to_bytes(table, &Record::of(table, method, distance_percent)))
+    file.finish(&bytes(table, method, distance_percent))
 }
 
 /// Reads a table.

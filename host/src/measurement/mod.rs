@@ -28,7 +28,7 @@ pub mod noise;
 mod malformed;
 
 pub use self::columns::ColumnMap;
-pub(crate) use self::error::excerpt;
+pub(crate) use crate::message::excerpt;
 pub use self::error::{ScanError, ScanFault};
 pub use self::import::{Import, RowCounts};
 pub use self::meta::{Metadata, Quantity};
