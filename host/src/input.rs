@@ -38,14 +38,6 @@ pub(crate) fn open(path: &Path) -> Result<File> {
     File::open(path)
 }
 
-/// All bytes of a reader, `most` of them at most.
-///
-/// # Errors
-/// As [`read_file`].
-pub(crate) fn read_all(reader: impl Read, most: u64) -> Result<Vec<u8>> {
-    read(reader, most, Vec::new())
-}
-
 /// A pipe has no length: the limit holds while reading too.
 fn read(reader: impl Read, most: u64, mut bytes: Vec<u8>) -> Result<Vec<u8>> {
     reader.take(most + 1).read_to_end(&mut bytes)?;
@@ -61,11 +53,11 @@ fn too_large(most: u64) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::read_all;
+    use super::read;
 
     #[test]
     fn an_endless_input_ends_at_its_limit() {
-        assert!(read_all(std::io::repeat(0), 1000).is_err());
-        assert_eq!(read_all(&[7_u8; 1000][..], 1000).unwrap().len(), 1000);
+        assert!(read(std::io::repeat(0), 1000, Vec::new()).is_err());
+        assert_eq!(read(&[7_u8; 1000][..], 1000, Vec::new()).unwrap().len(), 1000);
     }
 }

@@ -150,10 +150,8 @@ impl MadeFolders {
     /// # Errors
     /// Those of the system; nothing is left then.
     pub(crate) fn create(folder: &Path) -> io::Result<Self> {
-        let mut missing: Vec<&Path> = folder
-            .ancestors()
-            .take_while(|f| !f.as_os_str().is_empty() && !f.exists())
-            .collect();
+        let mut missing: Vec<&Path> =
+            folder.ancestors().take_while(|f| !f.as_os_str().is_empty() && !f.exists()).collect();
         missing.reverse();
         let mut made = Self(Vec::new());
         for folder in missing {

@@ -97,7 +97,11 @@ impl<'a> Sample<'a> {
                 Some(sigma) => report::figure_at(sigma, &self.title, scan, &entries, scale),
             };
             let open = || Ok(FigureFiles::create(folder, &stem)?);
-            match if failures.is_empty() { open().and_then(|f| f.write(&figure)) } else { Ok(vec![]) } {
+            match if failures.is_empty() {
+                open().and_then(|f| f.write(&figure))
+            } else {
+                Ok(vec![])
+            } {
                 Ok(_) => {}
                 Err(FigureError::Plot(e)) => {
                     eprintln!("warning: {stem} cannot be drawn: {e}");

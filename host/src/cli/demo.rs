@@ -22,9 +22,9 @@ use crate::measurement::{Measurement, Metadata, Quantity, write};
 use crate::method::{PAPER, Surface};
 use crate::output::{AtomicFile, ResultFolder, finish_all};
 use crate::provenance::InputFile;
+use crate::raytrace::{Field, TracedBoundary};
 use crate::report::Comparison;
 use crate::scratch::Scratch;
-use crate::raytrace::{Field, TracedBoundary};
 use crate::surface::io::sdf_text;
 use crate::surface::{GaussianSurface, Preparation, Prepared, Purpose};
 
@@ -163,7 +163,8 @@ fn make_map() -> Result<(Prepared, String), Failure> {
     let mut file = Scratch::create(tempfile::Builder::new().suffix(".sdf"), &std::env::temp_dir())
         .map_err(failed)?;
     file.write_all(text.as_bytes()).map_err(failed)?;
-    let prepared = Preparation::default().load(file.path(), Purpose::Light).map_err(Failure::Bad)?;
+    let prepared =
+        Preparation::default().load(file.path(), Purpose::Light).map_err(Failure::Bad)?;
     // The models lie beside it.
     let input = InputFile { path: "map.sdf".into(), ..prepared.input };
     Ok((Prepared { input, ..prepared }, text))

@@ -25,6 +25,7 @@ mod subject;
 mod partial;
 mod check;
 mod completions;
+mod pairs;
 mod eval;
 mod fitted;
 mod trial;

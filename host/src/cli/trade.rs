@@ -293,7 +293,7 @@ fn stopped() -> bool {
 /// Whether a file is a model: JSON begins with a brace.
 fn is_model(path: &Path) -> bool {
     let mut head = [0; 64];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut head));
+    let read = crate::input::open(path).and_then(|mut file| file.read(&mut head));
     let head = &head[..read.unwrap_or(0)];
     head.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{')
 }

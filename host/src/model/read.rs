@@ -70,7 +70,10 @@ impl Model {
     }
 
     /// The same for a file in a folder, where its map may be.
-    fn parse_in(
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_in(
         bytes: &[u8],
         folder: Option<&Path>,
     ) -> Result<(Self, Boundary), (Option<usize>, String)> {

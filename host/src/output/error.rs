@@ -45,7 +45,7 @@ pub enum OutputError {
         source: io::Error,
     },
     /// The file is an input of this run.
-    #[error("{}: is an input ({}) and would be overwritten; choose another name", path.display(), input.display())]
+    #[error("{}: is an input ({}) and would be overwritten; choose another file or choose another folder", path.display(), input.display())]
     Input {
         /// The path asked for.
         path: PathBuf,

@@ -13,8 +13,8 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, ErrorKind, Stdout, Write};
 use std::path::{Path, PathBuf};
 
-use crate::custody::{self, Claim, Conflict, destination};
 pub(crate) use crate::custody::folder_of;
+use crate::custody::{self, Claim, Conflict, destination};
 use crate::scratch::{MadeFolders, Scratch, persist_all};
 
 /// A file under construction: written beside its destination under a temporary name.
@@ -43,7 +43,10 @@ pub struct AtomicFile {
 
 #[derive(Debug)]
 enum Sink {
-    Temporary { file: BufWriter<Scratch>, target: PathBuf },
+    Temporary {
+        file: BufWriter<Scratch>,
+        target: PathBuf,
+    },
     InPlace(BufWriter<File>),
     /// Without a file once its reader has gone away, which is no failure.
     Stdout(Option<BufWriter<Stdout>>),
@@ -71,7 +74,11 @@ impl AtomicFile {
         };
         if STDOUT.iter().any(|name| path == Path::new(name)) {
             let claim = claim()?;
-            return Ok(Self { path, sink: Sink::Stdout(Some(BufWriter::new(io::stdout()))), claim });
+            return Ok(Self {
+                path,
+                sink: Sink::Stdout(Some(BufWriter::new(io::stdout()))),
+                claim,
+            });
         }
         let ends_as_folder = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
         let (Some(name), false) = (path.file_name(), ends_as_folder) else {
@@ -117,6 +124,14 @@ impl AtomicFile {
     /// [`OutputError::Write`], or those of [`commit`](Self::commit); the target is then as it was.
     pub fn finish(self, content: &[u8]) -> Result<(), OutputError> {
         finish_all(vec![(self, content.to_vec())])
+    }
+
+    /// Adds to the content.
+    ///
+    /// # Errors
+    /// [`OutputError::Write`].
+    pub fn put(&mut self, content: &[u8]) -> Result<(), OutputError> {
+        self.write_all(content).map_err(|source| self.failed(source))
     }
 
     /// The destination, as it was asked for.
@@ -196,9 +211,7 @@ fn unless_gone<T>(
 /// # Errors
 /// Those of [`commit_all`].
 pub fn finish_all(files: Vec<(AtomicFile, Vec<u8>)>) -> Result<(), OutputError> {
-    let write = |(mut file, content): (AtomicFile, Vec<u8>)| {
-        file.write_all(&content).map_err(|source| file.failed(source)).map(|()| file)
-    };
+    let write = |(mut file, content): (AtomicFile, Vec<u8>)| file.put(&content).map(|()| file);
     commit_all(files.into_iter().map(write).collect::<Result<_, _>>()?)
 }
 
@@ -214,10 +227,9 @@ pub fn commit_all(mut files: Vec<AtomicFile>) -> Result<(), OutputError> {
     let (mut scratch, mut paths, mut claims) = (Vec::new(), Vec::new(), Vec::new());
     for AtomicFile { path, sink, claim } in files {
         if let Sink::Temporary { file, target } = sink {
-            let file = file.into_inner().map_err(|e| OutputError::Write {
-                path: path.clone(),
-                source: e.into_error(),
-            })?;
+            let file = file
+                .into_inner()
+                .map_err(|e| OutputError::Write { path: path.clone(), source: e.into_error() })?;
             scratch.push((file, target));
             paths.push(path);
             claims.push(claim);

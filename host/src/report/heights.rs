@@ -59,7 +59,8 @@ impl MapFigureFiles {
         if let Some(figure) = figures.spectrum.and_then(|s| radial(figures.title, s)) {
             contents.push(drawn(&figure)?);
         }
-        let drawn: Vec<_> = self.0.into_iter().flatten().zip(contents.into_iter().flatten()).collect();
+        let drawn: Vec<_> =
+            self.0.into_iter().flatten().zip(contents.into_iter().flatten()).collect();
         let written = drawn.iter().map(|(file, _)| file.path().to_owned()).collect();
         finish_all(drawn)?;
         Ok(written)
