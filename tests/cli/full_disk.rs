@@ -94,7 +94,7 @@ fn a_full_device_is_exit_1() {
         "eval m.json --input p.csv -o /dev/full",
         "eval m.json --input p.csv > /dev/full",
         "check m.json > /dev/full",
-        "tabulate m.json --bytes 4096 -o t --c /dev/full",
+        "tabulate m.json --bytes 8192 -o t --c /dev/full",
         "trade m.json --table-kib 4 --csv /dev/full",
         "fit s.csv --method ggx -o /dev/full",
         "completions bash > /dev/full",

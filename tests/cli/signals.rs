@@ -97,7 +97,7 @@ const LINES: [&str; 11] = [
     "fit IN/s.csv --method ggx -o f.json --plot f",
     "compare IN/s.csv --methods ggx,heights --fit-rays 1e9 -o out",
     "scan IN/m.json --rays 1e9 --sigma 0,10 -o v.csv",
-    "tabulate IN/r.json --rays 1e9 -o t.bsdft --rust t.rs --c t.h",
+    "tabulate IN/r.json --rays 1e8 -o t.bsdft --rust t.rs --c t.h",
     "trade IN/s.csv --methods ggx,heights --fit-rays 1e9 --csv t.csv --plot t.svg",
     "stats IN/large.txt --pixel-um 0.5 --plot p",
     "check --map IN/map.txt --pixel-um 0.5 --ior 1.5 --rays 1e9",

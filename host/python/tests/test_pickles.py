@@ -56,7 +56,7 @@ def test_a_model_of_a_map_finds_it_again(program, tmp_path, monkeypatch):
 def test_tables_and_scans_are_the_same_after_a_pickle(program, tmp_path):
     model = tmp_path / "m.json"
     subprocess.run([program, *"model ggx --set alpha=0.2 --ior 1.49 -o".split(), model], check=True)
-    subprocess.run([program, "tabulate", model, "--bytes", "4096", "-o", tmp_path / "t.bsdft"], check=True)
+    subprocess.run([program, "tabulate", model, "--bytes", "8192", "-o", tmp_path / "t.bsdft"], check=True)
     table = asperity.Table.load(tmp_path / "t.bsdft")
     for other in again(table):
         assert other.eval(UP, OUT).tobytes() == table.eval(UP, OUT).tobytes()

@@ -96,12 +96,9 @@ impl<'a> Sample<'a> {
                 None => report::figure(&self.title, scan, &entries, scale),
                 Some(sigma) => report::figure_at(sigma, &self.title, scan, &entries, scale),
             };
-            let open = || Ok(FigureFiles::create(folder, &stem)?);
-            match if failures.is_empty() {
-                open().and_then(|f| f.write(&figure))
-            } else {
-                Ok(vec![])
-            } {
+            let write = || FigureFiles::create(folder, &stem)?.write(&figure);
+            let written = if failures.is_empty() { write() } else { Ok(Vec::new()) };
+            match written {
                 Ok(_) => {}
                 Err(FigureError::Plot(e)) => {
                     eprintln!("warning: {stem} cannot be drawn: {e}");

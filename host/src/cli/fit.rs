@@ -136,10 +136,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     })?;
     model.timing = model.timing.filter(|_| !args.no_timing);
     let text = model.to_json();
+    let is_stdout = output.as_ref().is_some_and(AtomicFile::is_stdout);
     // what took long first; a plot that fails must not cost it
     all([
         output.map_or(Ok(()), |file| Ok(file.finish(text.as_bytes())?)),
-        print(&if args.json { text } else { human(&entry, &job, !args.no_timing) }),
+        print(&match (is_stdout, args.json) {
+            (true, _) => String::new(),
+            (_, true) => text,
+            _ => human(&entry, &job, !args.no_timing),
+        }),
         plots.map_or(Ok(()), |files| args.draw(files, &measurement, &entry)),
         entry.refusal.clone().map_or(Ok(()), |why| Err(Failure::No(why))),
     ])

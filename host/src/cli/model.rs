@@ -150,8 +150,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let text = model.to_json();
     match output {
         Some(file) => {
+            let twice = args.json && !file.is_stdout();
             file.finish(text.as_bytes())?;
-            if args.json { print(&text) } else { Ok(()) }
+            if twice { print(&text) } else { Ok(()) }
         }
         None => print(&text),
     }

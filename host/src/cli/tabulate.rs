@@ -1,6 +1,7 @@
 //! `tabulate`: the table of a model for a microcontroller.
 
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -164,7 +165,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Rays { count: args.rays, seed: args.seed + 7 },
         ),
     };
+    let is_stdout = files.iter().any(|(file, _)| file.is_stdout());
     finish_all(files)?;
+    if is_stdout {
+        return Ok(());
+    }
     print(&if args.json {
         serde_json::to_string_pretty(&answer).map_err(Failure::bad)? + "\n"
     } else {
@@ -234,6 +239,9 @@ fn made(
         e => Failure::bad(e),
     })?;
     let distance = distance_percent(boundary, &table, STEP, rays, interrupt::flag());
+    if interrupt::flag().load(Ordering::SeqCst) {
+        return Err(Failure::No("interrupted before the table was compared with its model".into()));
+    }
     Ok((table, distance))
 }
 

@@ -147,6 +147,11 @@ impl AtomicFile {
         commit_all(vec![self])
     }
 
+    /// Whether this is stdout.
+    pub fn is_stdout(&self) -> bool {
+        matches!(self.sink, Sink::Stdout(_))
+    }
+
     /// Whether this is stdout and nobody reads it any more.
     pub fn is_in_vain(&self) -> bool {
         matches!(self.sink, Sink::Stdout(None))
