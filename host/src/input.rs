@@ -4,6 +4,8 @@ use std::fs::{File, Metadata};
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
 
+use crate::custody;
+
 /// Bytes that a device gives before it is taken for endless.
 const MOST_OF_A_DEVICE: u64 = 16 << 20;
 
@@ -17,7 +19,7 @@ pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     if path.is_dir() {
         return Err(Error::new(ErrorKind::IsADirectory, "it is a folder"));
     }
-    let file = File::open(path)?;
+    let file = open(path)?;
     let found = file.metadata()?;
     let length = found.len();
     if length > most {
@@ -49,7 +51,19 @@ fn is_device(_: &Metadata) -> bool {
     false
 }
 
-/// All bytes of a reader, `most` of them at most.
+/// Opens a file to be read.
+///
+/// # Errors
+/// Those of the system; of a file that this run is to write.
+pub(crate) fn open(path: &Path) -> Result<File> {
+    custody::reads(path).map_err(|output| {
+        let what = format!("it is to be written too, as {}", output.display());
+        Error::new(ErrorKind::ResourceBusy, what)
+    })?;
+    File::open(path)
+}
+
+/// All bytes of an open reader, `most` of them at most.
 ///
 /// # Errors
 /// As [`read_file`].
@@ -72,12 +86,12 @@ fn too_large(most: u64) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::{read_all, read_file};
+    use super::{read, read_file};
 
     #[test]
     fn an_endless_input_ends_at_its_limit() {
-        assert!(read_all(std::io::repeat(0), 1000).is_err());
-        assert_eq!(read_all(&[7_u8; 1000][..], 1000).unwrap().len(), 1000);
+        assert!(read(std::io::repeat(0), 1000, Vec::new()).is_err());
+        assert_eq!(read(&[7_u8; 1000][..], 1000, Vec::new()).unwrap().len(), 1000);
     }
 
     #[cfg(unix)]

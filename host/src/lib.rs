@@ -2,7 +2,10 @@
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 
+pub mod message;
 mod linear;
+mod custody;
+mod scratch;
 mod input;
 pub mod output;
 pub mod provenance;

@@ -120,6 +120,50 @@ fn unsafe_code_is_where_it_is_allowed_and_nowhere_else() {
     assert_none(&found);
 }
 
+/// Where the host may open files: the only reader, the only writer, and the journal of an acquisition.
+const MAY_OPEN: [&str; 6] = [
+    "host/src/input.rs",
+    "host/src/output/",
+    "host/src/scratch.rs",
+    "host/src/custody.rs",
+    "host/src/acquire/",
+    "host/src/cli/interrupt.rs",
+];
+
+/// What is read or written otherwise would escape the custody that keeps inputs from being overwritten.
+#[test]
+fn files_are_opened_where_they_are_accounted_for() {
+    let root = workspace();
+    let mut found = Vec::new();
+    for module in modules(&root.join("host/src/lib.rs")) {
+        let name = module.file.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
+        if MAY_OPEN.iter().any(|place| name.starts_with(place)) {
+            continue;
+        }
+        let text = |k: usize| module.code.get(k).map_or("", |t| &*t.text);
+        for (k, token) in module.code.iter().enumerate() {
+            let of_file =
+                token.text == "File" && ["open", "create", "options"].contains(&text(k + 2));
+            let words = [
+                "read",
+                "read_to_string",
+                "write",
+                "copy",
+                "rename",
+                "remove_file",
+                "create_dir_all",
+            ];
+            let of_fs = token.text == "fs" && words.contains(&text(k + 2));
+            if text(k + 1) == "::" && (of_file || of_fs)
+                || token.text == "OpenOptions" && text(k + 1) == "::"
+            {
+                found.push(format!("{name}:{}: opens a file by itself", token.line));
+            }
+        }
+    }
+    assert_none(&found);
+}
+
 #[test]
 fn core_and_device_need_neither_std_nor_an_allocator() {
     for member in ["core", "firmware-sim", "host/capi"] {

@@ -54,12 +54,50 @@ fn quadrature_and_fits_do_not_depend_on_the_number_of_threads() {
     folder.run("scan ggx.json --sigma 0,30,60 --step 1 --rays 2e5 -o noisy.csv").ok();
     for method in ["ggx --fit-gain", "normals --law cauchy --objective log"] {
         let fit = |threads| {
-            let line = format!("fit noisy.csv --json --max-misfit 100 --method {method}");
-            let mut model = with_threads(&folder, threads, &line).json();
-            // wall time is all that may differ
-            model["seconds"] = 0.into();
-            model.to_string()
+            let line = format!("fit noisy.csv --no-timing --max-misfit 100 --method {method}");
+            let text = with_threads(&folder, threads, &line).ok();
+            let mut model = with_threads(&folder, threads, &format!("{line} --json")).ok();
+            model.push_str(&text);
+            model
         };
         assert_eq!(fit("1"), fit("2"), "{method}");
     }
+}
+
+/// All files of a folder below another, by name.
+fn files(folder: &Folder, below: &str) -> Vec<(String, Vec<u8>)> {
+    let content = folder.content().into_iter();
+    let name = |path: &std::path::Path| path.display().to_string();
+    let inside = content.filter(|(path, _)| path.parent().is_some_and(|p| p.ends_with(below)));
+    inside.filter_map(|(path, bytes)| Some((name(path.file_name()?.as_ref()), bytes?))).collect()
+}
+
+#[test]
+fn a_report_without_timing_is_the_same_bytes_in_every_run() {
+    let folder = folder_with_models();
+    folder.run("scan ggx.json --sigma 0,30 --step 2 --aperture 2 -o s.csv").ok();
+    let runs = ["a", "b"].map(|to| {
+        let line = format!("compare s.csv --methods ggx,normals --no-timing -o {to}");
+        let printed = folder.run(&line).with_code(0);
+        (printed.out.replace(&format!("are in {to}\n"), ""), files(&folder, to))
+    });
+    assert!(runs[0] == runs[1], "two runs differ");
+    assert!(runs[0].1.len() > 10 && !runs[0].0.contains("seconds"), "{}", runs[0].0);
+    // with it, the same but for the key `timing`
+    folder.run("compare s.csv --methods ggx,normals -o c").ok();
+    for name in ["s-ggx.json", "compare.json"] {
+        let mut timed = folder.json(&format!("c/{name}"));
+        let quiet = folder.json(&format!("a/{name}"));
+        let mut found = 0;
+        without_timing(&mut timed, &mut found);
+        assert!(found > 0 && timed == quiet, "{name}");
+    }
+}
+
+fn without_timing(value: &mut serde_json::Value, found: &mut u32) {
+    if let Some(object) = value.as_object_mut() {
+        *found += u32::from(object.shift_remove("timing").is_some());
+        object.values_mut().for_each(|v| without_timing(v, found));
+    }
+    value.as_array_mut().into_iter().flatten().for_each(|v| without_timing(v, found));
 }

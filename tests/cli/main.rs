@@ -21,7 +21,10 @@
 //! | `doubtful_maps` | maps too steep, hardly measured, of pixels that no map has |
 //! | `no` | exit status 1: all went well and the answer is no |
 //! | `determinism` | the same seed gives the same bits, for any number of threads |
-//! | `interrupt` | Ctrl-C |
+//! | `custody` | no output is an input, or another output |
+//! | `full_disk` | full disks, streams that nobody reads |
+//! | `interrupt` | Ctrl-C keeps what is finished |
+//! | `signals` | signals at any moment of any verb |
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -51,5 +54,10 @@ mod units;
 mod doubtful_maps;
 mod no;
 mod determinism;
+mod custody;
+#[cfg(unix)]
+mod full_disk;
 #[cfg(unix)]
 mod interrupt;
+#[cfg(unix)]
+mod signals;

@@ -10,7 +10,7 @@ use asperity::forward::{
     Effort, Incidence, Plan as Angles, Rays, Sample, Setup, monte_carlo, quadrature,
 };
 use asperity::hybrid::HybridBoundary;
-use asperity::kirchhoff::{Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, Preparation, Prepared, Purpose};
@@ -43,7 +43,7 @@ fn traced(map: &HeightMap) -> Boundary {
 
 fn options() -> WaveOptions {
     let wavelengths = Wavelengths::single(550.0).unwrap();
-    WaveOptions { wavelengths, speckle: Speckle::Kept, shadowing: false }
+    WaveOptions { wavelengths, speckle: Speckle::Kept, shadowing: Shadowing::Off }
 }
 
 fn wave(map: &HeightMap) -> Boundary {

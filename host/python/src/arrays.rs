@@ -7,7 +7,7 @@ use numpy::{Element, PyArrayDescrMethods, PyArrayDyn, PyReadonlyArrayDyn, PyUnty
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use crate::error::bad;
+use crate::error::{bad, reserved};
 
 /// Rows that are worked on at once: six components of so many fit the first-level cache.
 pub(crate) const BLOCK: usize = 512;
@@ -166,12 +166,12 @@ impl<T: Number> Rows<'_, T> {
     }
 
     /// All rows that are directions; NaN is left out.
-    pub(crate) fn directions(&self) -> Result<Vec<Direction<T>>, String> {
+    pub(crate) fn directions(&self) -> PyResult<Vec<Direction<T>>> {
         let mut room = [[T::ZERO; BLOCK]; 3];
-        let mut found = Vec::with_capacity(self.view.nrows());
+        let mut found = reserved(self.view.nrows())?;
         for from in (0..self.view.nrows()).step_by(BLOCK) {
             let block = self.block(from, BLOCK.min(self.view.nrows() - from), &mut room);
-            self.check_lengths(from, block)?;
+            self.check_lengths(from, block).map_err(bad)?;
             let [x, y, z] = block;
             let rows =
                 x.iter().zip(y).zip(z).filter(|((x, y), z)| !(**x + **y + **z).to_f64().is_nan());

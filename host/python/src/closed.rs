@@ -5,11 +5,12 @@ use asperity::method::{GgxMethod, Method, NormalsMethod, Surface};
 use asperity_core::bsdf;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
-use asperity_core::quantity::Alpha;
+use asperity_core::quantity::{Alpha, RelativeIor};
 use pyo3::prelude::*;
 
 use crate::error::bad;
 use crate::pairs::{Each, GgxArs, What, values};
+use crate::pickled::{self, Reduced};
 use crate::rays::{Samples, samples};
 
 /// GGX facets on a clear dielectric.
@@ -49,6 +50,19 @@ impl Ggx {
             Boundary::Ggx(double) => Self::of(double),
             _ => Err(bad("the method ggx made no GGX boundary")),
         }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, (f64, f64)>> {
+        pickled::by(py, "restore_ggx", (self.alpha(), self.ior()))
+    }
+
+    /// It never changes, so it is its own copy.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     #[getter]
@@ -131,13 +145,7 @@ impl Normals {
     #[new]
     #[pyo3(signature = (delta_deg, n=2.0, theta0_deg=0.0, profile="gauss", *, ior))]
     fn new(delta_deg: f64, n: f64, theta0_deg: f64, profile: &str, ior: f64) -> PyResult<Self> {
-        let profile = match profile {
-            "gauss" => Profile::Gauss,
-            "cauchy" => Profile::Cauchy,
-            other => {
-                return Err(bad(format!("profile `{other}` is unknown; write gauss or cauchy")));
-            }
-        };
+        let profile = profile_of(profile)?;
         let method = NormalsMethod { profile, centre: true };
         let surface = Surface::Dielectric { ior };
         match method.boundary(&[delta_deg, n, theta0_deg], surface).map_err(bad)? {
@@ -183,12 +191,24 @@ impl Normals {
         samples(wi, u, &*self.single, &*self.double)
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, OfNormals>> {
+        let law = self.double.density.law();
+        let of_law = (word(law.profile()).to_owned(), law.delta(), law.n(), law.centre());
+        pickled::by(py, "restore_normals", (of_law.0, of_law.1, of_law.2, of_law.3, self.ior()))
+    }
+
+    /// It never changes, so it is its own copy.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
     fn __repr__(&self) -> String {
         let law = self.double.density.law();
-        let profile = match law.profile() {
-            Profile::Gauss => "gauss",
-            Profile::Cauchy => "cauchy",
-        };
+        let profile = word(law.profile());
         format!(
             "Normals(delta_deg={}, n={}, theta0_deg={}, profile='{profile}', ior={})",
             degrees(law.delta()),
@@ -197,6 +217,45 @@ impl Normals {
             self.ior()
         )
     }
+}
+
+/// What a law of normals is made of: its profile, delta, n, centre, and the index; angles in radians.
+type OfNormals = (String, f64, f64, f64, f64);
+
+fn word(profile: Profile) -> &'static str {
+    match profile {
+        Profile::Gauss => "gauss",
+        Profile::Cauchy => "cauchy",
+    }
+}
+
+fn profile_of(word: &str) -> PyResult<Profile> {
+    match word {
+        "gauss" => Ok(Profile::Gauss),
+        "cauchy" => Ok(Profile::Cauchy),
+        other => Err(bad(format!("profile `{other}` is unknown; write gauss or cauchy"))),
+    }
+}
+
+/// GGX from a pickle.
+#[pyfunction]
+pub(crate) fn restore_ggx(alpha: f64, ior: f64) -> PyResult<Ggx> {
+    let (alpha, eta) = (Alpha::new(alpha).map_err(bad)?, RelativeIor::new(ior).map_err(bad)?);
+    Ggx::of(bsdf::Ggx::new(alpha, eta))
+}
+
+/// Normals from a pickle; angles in radians, so that they are the same to the last bit.
+#[pyfunction]
+pub(crate) fn restore_normals(
+    profile: &str,
+    delta: f64,
+    n: f64,
+    centre: f64,
+    ior: f64,
+) -> PyResult<Normals> {
+    let law = Law::new(profile_of(profile)?, delta, n, centre).map_err(bad)?;
+    let eta = RelativeIor::new(ior).map_err(bad)?;
+    Normals::of(Box::new(bsdf::Normals::new(NormalDensity::new(law), eta)))
 }
 
 /// Degrees as they were written, but for the rounding there and back.

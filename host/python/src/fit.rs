@@ -6,7 +6,7 @@ use asperity::fit::{
 use asperity::forward::{Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity};
 use asperity::method::{Choice, METHODS, Method, Surface};
-use asperity::model::{self, IncidenceRecord};
+use asperity::model::{self, IncidenceRecord, Timing};
 use asperity::provenance::Provenance;
 use asperity_core::gonio::Geometry;
 use pyo3::prelude::*;
@@ -189,7 +189,7 @@ fn record(method: &dyn Method, fit: &Fit, scan: &Scan, options: &FitOptions) -> 
         .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
         .collect();
     made.evaluations = Some(fit.evaluations);
-    made.seconds = Some(fit.seconds);
+    made.timing = Some(Timing { seconds: fit.seconds });
     made.termination = Some(fit.termination.word().into());
     made.neglected_flux = Some(fit.neglected.flux);
     made.neglected_percent = Some(100.0 * fit.neglected.reading / measurement.largest_reading());

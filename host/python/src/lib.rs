@@ -4,6 +4,7 @@
 //! The order of the `mod` lines is the layer order, as in those.
 
 mod error;
+mod pickled;
 mod work;
 mod arrays;
 mod pairs;
@@ -26,6 +27,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scan::Scan>()?;
     module.add_class::<model::Model>()?;
     module.add_class::<table::Table>()?;
+    module.add_function(wrap_pyfunction!(closed::restore_ggx, module)?)?;
+    module.add_function(wrap_pyfunction!(closed::restore_normals, module)?)?;
+    module.add_function(wrap_pyfunction!(scan::restore_scan, module)?)?;
+    module.add_function(wrap_pyfunction!(model::restore_model, module)?)?;
+    module.add_function(wrap_pyfunction!(table::restore_table, module)?)?;
     module.add_function(wrap_pyfunction!(scan::read_scan, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)
 }

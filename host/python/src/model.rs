@@ -14,6 +14,7 @@ use crate::arrays::Argument;
 use crate::closed::{Ggx, Normals};
 use crate::error::{bad, of_file};
 use crate::pairs::{Each, What, values};
+use crate::pickled::{self, Reduced};
 use crate::precision::Rounded;
 use crate::rays::{Samples, samples};
 use crate::traced;
@@ -33,16 +34,26 @@ pub(crate) struct Model {
     record: model::Model,
     boundary: Boundary,
     law: Law,
+    /// Where its map may be.
+    folder: Option<PathBuf>,
 }
 
 impl Model {
     pub(crate) fn of(model: model::Model, boundary: Boundary) -> PyResult<Self> {
+        Self::in_folder(model, boundary, None)
+    }
+
+    fn in_folder(
+        model: model::Model,
+        boundary: Boundary,
+        folder: Option<PathBuf>,
+    ) -> PyResult<Self> {
         let law = match &boundary {
             Boundary::Ggx(ggx) => Law::Ggx(Ggx::of(*ggx)?),
             Boundary::Normals(normals) => Law::Normals(Normals::of(normals.clone())?),
             _ => Law::Other,
         };
-        Ok(Self { record: model, boundary, law })
+        Ok(Self { record: model, boundary, law, folder })
     }
 
     fn values<'py>(
@@ -66,7 +77,7 @@ impl Model {
         let held = Argument::new("wi", wi)?.hold::<f64>()?;
         // what is wrong with wo is said before the work
         Argument::new("wo", wo)?.hold::<f64>()?.rows()?.common(&held.rows()?)?;
-        let directions = held.rows()?.directions().map_err(bad)?;
+        let directions = held.rows()?.directions()?;
         let Some(table) = traced::table(wi.py(), &self.boundary, &directions, rays)? else {
             return Err(bad("interrupted before the table was made"));
         };
@@ -84,16 +95,29 @@ impl Model {
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let read = py.detach(|| model::Model::read(&path));
         let (model, boundary, _) = read.map_err(|e| of_file(&path, e))?;
-        Self::of(model, boundary)
+        let path = std::path::absolute(&path)?;
+        Self::in_folder(model, boundary, path.parent().map(PathBuf::from))
     }
 
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let parsed = py.detach(|| model::Model::parse(text.as_bytes()));
-        let (model, boundary) = parsed.map_err(|(line, what)| {
-            bad(line.map_or_else(|| what.clone(), |line| format!("line {line}: {what}")))
-        })?;
-        Self::of(model, boundary)
+        restore_model(py, text, None)
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Reduced<'py, (String, Option<PathBuf>)>> {
+        pickled::by(py, "restore_model", (self.to_json(), self.folder.clone()))
+    }
+
+    /// It never changes, so it is its own copy.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     fn to_json(&self) -> String {
@@ -206,4 +230,19 @@ impl Model {
         let parameters: Vec<String> = self.parameters().into_iter().map(one).collect();
         format!("<asperity.Model {} {}>", self.method(), parameters.join(" "))
     }
+}
+
+/// The model of a text, with its map in a folder.
+#[pyfunction]
+#[pyo3(signature = (text, folder=None))]
+pub(crate) fn restore_model(
+    py: Python<'_>,
+    text: &str,
+    folder: Option<PathBuf>,
+) -> PyResult<Model> {
+    let parsed = py.detach(|| model::Model::parse_in(text.as_bytes(), folder.as_deref()));
+    let (model, boundary) = parsed.map_err(|(line, what)| {
+        bad(line.map_or_else(|| what.clone(), |line| format!("line {line}: {what}")))
+    })?;
+    Model::in_folder(model, boundary, folder)
 }

@@ -7,7 +7,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 
 use crate::arrays::{Argument, BLOCK, Block, Held, Number};
-use crate::error::bad;
+use crate::error::{bad, room};
 
 /// Which of the three values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,8 +79,8 @@ fn of_precision<'py, T: Number>(
     let (wi, wo) = (held_i.rows()?, held_o.rows()?);
     let count = wi.common(&wo)?;
     let py = held_i.py();
-    let filled = py.detach(|| {
-        let mut out = vec![T::ZERO; count];
+    let mut out = room(count, T::ZERO)?;
+    let filled = py.detach(move || {
         let (mut room_i, mut room_o) = ([[T::ZERO; BLOCK]; 3], [[T::ZERO; BLOCK]; 3]);
         for (k, out) in out.chunks_mut(BLOCK).enumerate() {
             let (from, n) = (k * BLOCK, out.len());

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rand_pcg::Pcg64Mcg;
 
 use crate::arrays::{Argument, BLOCK, Held, Number};
-use crate::error::bad;
+use crate::error::{bad, room};
 
 /// Directions and weights as Python gets them.
 pub(crate) type Samples<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
@@ -36,8 +36,8 @@ fn of_precision<'py, T: Number>(
     let (wi, u) = (held_i.rows()?, held_u.rows()?);
     let count = wi.common(&u)?;
     let py = held_i.py();
-    let drawn = py.detach(|| {
-        let (mut out, mut weights) = (vec![T::NAN; 3 * count], vec![T::ZERO; count]);
+    let (mut out, mut weights) = (room(count.saturating_mul(3), T::NAN)?, room(count, T::ZERO)?);
+    let drawn = py.detach(move || {
         let (mut room_i, mut room_u) = ([[T::ZERO; BLOCK]; 3], [[T::ZERO; BLOCK]; 3]);
         for (k, weights) in weights.chunks_mut(BLOCK).enumerate() {
             let (from, n) = (k * BLOCK, weights.len());

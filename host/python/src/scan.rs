@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::error::{bad, of_io};
+use crate::pickled::{self, Reduced};
 
 /// A scan of one sample, sorted by incidence and then by observation angle.
 #[pyclass(frozen, module = "asperity")]
@@ -63,6 +64,22 @@ impl Scan {
         Ok(Self { measurement, input: None })
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, OfScan>> {
+        let all = |of: fn(&Reading) -> f64| self.measurement.readings().iter().map(of).collect();
+        let readings = [all(|r| r.sigma_deg), all(|r| r.theta_deg), all(|r| r.value)];
+        let input = self.input.clone().map(|input| (input.path, input.sha256));
+        pickled::by(py, "restore_scan", (readings, self.measurement.meta.entries(), input))
+    }
+
+    /// It never changes, so it is its own copy.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
     #[getter]
     fn sigma_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, |r| r.sigma_deg)
@@ -105,6 +122,29 @@ impl Scan {
         let incidences = self.measurement.incidences();
         format!("<asperity.Scan of {} readings at sigma {incidences:?} deg>", self.__len__())
     }
+}
+
+/// What a scan is made of: angles and readings, header, and the file it was read from with its digest.
+type OfScan = ([Vec<f64>; 3], Vec<(String, String)>, Option<(String, String)>);
+
+/// A scan from a pickle.
+#[pyfunction]
+#[pyo3(signature = (readings, header, input))]
+pub(crate) fn restore_scan(
+    readings: [Vec<f64>; 3],
+    header: Vec<(String, String)>,
+    input: Option<(String, String)>,
+) -> PyResult<Scan> {
+    let mut meta = Metadata::default();
+    for (key, value) in &header {
+        meta.set(key, value).map_err(bad)?;
+    }
+    let [sigma, theta, value] = readings;
+    let rows = sigma.into_iter().zip(theta).zip(value);
+    let reading = |((sigma_deg, theta_deg), value)| Reading { sigma_deg, theta_deg, value };
+    let measurement = Measurement::new(meta, rows.map(reading).collect()).map_err(bad)?;
+    let input = input.map(|(path, sha256)| InputFile { path, sha256 });
+    Ok(Scan { measurement, input })
 }
 
 /// Reads a standard scan file.

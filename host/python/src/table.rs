@@ -1,12 +1,14 @@
 //! Tables made by `asperity tabulate`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use asperity::embedded::{EmbeddedTable, Record, read};
+use asperity::embedded::{EmbeddedTable, Record, of_bytes, read, to_bytes};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
-use crate::error::of_file;
+use crate::error::{bad, of_file};
 use crate::pairs::{Each, What, values};
+use crate::pickled::{self, Reduced};
 use crate::precision::Rounded;
 use crate::rays::{Samples, samples};
 
@@ -36,6 +38,20 @@ impl Table {
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let (table, record) = py.detach(|| read(&path)).map_err(|e| of_file(&path, e))?;
         Ok(Self { table, record })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Reduced<'py, (Bound<'py, PyBytes>,)>> {
+        let bytes = to_bytes(&self.table, &self.record);
+        pickled::by(py, "restore_table", (PyBytes::new(py, &bytes),))
+    }
+
+    /// It never changes, so it is its own copy.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     #[getter]
@@ -95,4 +111,11 @@ impl Table {
         let (method, storage) = (self.method(), self.storage());
         format!("<asperity.Table of {method}, {} bytes, {storage}>", self.nbytes())
     }
+}
+
+/// A table from the content of its file.
+#[pyfunction]
+pub(crate) fn restore_table(bytes: &[u8]) -> PyResult<Table> {
+    let (table, record) = of_bytes(Path::new("pickled table"), bytes).map_err(bad)?;
+    Ok(Table { table, record })
 }

@@ -229,7 +229,7 @@ impl Draft {
             let Some(value) = value else { continue };
             let known = match key {
                 "geometry" => "write transmission or reflection",
-                "ior" => "give the index relative to air, 0.2 to 10",
+                "ior" => "give the index relative to air, 0.1 to 10",
                 "rough_side" => "write source or detector",
                 _ => "give one wavelength in nm, 10 to 1e6",
             };
@@ -328,7 +328,7 @@ mod tests {
             ("range = \"fine\"", "range fine"),
             ("calibrate = \"never\"", "once or per-sigma"),
             ("geometry = \"up\"", "transmission or reflection"),
-            ("ior = 0.1", "0.2 to 10"),
+            ("ior = 0.09", "0.1 to 10"),
             ("sample = \"a\\nb\"", "one line"),
             ("wavelength_nm = 0.55", "in nm"),
         ] {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::comparing::{Sample, Work, verdict};
+use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::print;
 use super::sample::{Loaded, SampleFlags, methods};
@@ -43,6 +43,9 @@ pub(super) struct Args {
     /// Print the results as JSON
     #[arg(long)]
     json: bool,
+    /// Leave out how long it took, the only part that differs from run to run
+    #[arg(long)]
+    no_timing: bool,
     #[command(flatten)]
     sample: SampleFlags,
 }
@@ -75,18 +78,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         what: samples_text(&names, &loaded),
         methods,
         samples,
+        timing: !args.no_timing,
     };
-    let comparison = work.carry_out(&args.output)?;
-    if args.json {
-        print(&format!("{:#}\n", comparison.json()))?;
-    } else {
+    work.carry_out(&args.output, &|comparison| {
         let folder = args.output.display();
-        print(&format!(
-            "{}\nTables, models, plots and report.html are in {folder}\n",
-            comparison.text()
-        ))?;
-    }
-    verdict(&comparison)
+        print(&if args.json {
+            format!("{:#}\n", comparison.json())
+        } else {
+            let text = comparison.text();
+            format!("{text}\nTables, models, plots and report.html are in {folder}\n")
+        })
+    })
 }
 
 /// What the samples are, by their files and what these say.

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use super::error::Failure;
+use super::error::{Failure, all};
 use super::fitted::Job;
 use super::interrupt;
 use super::trial::Trial;
 use crate::measurement::noise;
-use crate::output::{AtomicFile, write_text};
+use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::plot::{self, Scale};
 use crate::report::{
     self, Attempt, Comparison, Entry, FigureError, FigureFiles, Picture, SampleResult,
@@ -53,20 +53,25 @@ impl<'a> Sample<'a> {
         std::iter::once((format!("{}-all", self.name), None)).chain(alone).collect()
     }
 
-    /// One method after the other; a fit is written as soon as it is found.
-    fn attempts(&self, folder: &Path, prefix: &str) -> Result<Vec<Attempt>, Failure> {
+    /// One method after the other; a fit is written as soon as it is found. What cannot be written is said at the end.
+    fn attempts(&self, work: &Work<'_>, to: (&Path, &mut Vec<Failure>)) -> Vec<Attempt> {
+        let (folder, failures) = to;
+        let alone = work.samples.len() == 1;
+        let prefix = &if alone { String::new() } else { format!("{}: ", self.name) };
         let mut attempts = Vec::new();
         for (method, plan) in &self.plan {
             let stopped = interrupt::flag().load(Ordering::SeqCst);
-            let result = match plan {
+            let mut result = match plan {
                 Err(why) => Err(why.clone()),
                 Ok(_) if stopped => Err("interrupted before it was begun".to_owned()),
                 Ok(methods) => self.job.run(methods, prefix).map_err(|e| e.to_string()),
             };
-            match &result {
+            match &mut result {
                 Ok((entry, model)) => {
                     let file = SampleResult::model_file(&self.name, method);
-                    write_text(folder.join(file), &model.to_json())?;
+                    model.timing = model.timing.filter(|_| work.timing);
+                    let written = write_text(folder.join(file), &model.to_json());
+                    failures.extend(written.err().map(Failure::from));
                     let (rmsd, seconds) = (entry.fit.rmsd_percent, entry.fit.seconds);
                     eprintln!("{prefix}{}: {rmsd:.3} % in {seconds:.2} s", entry.label);
                 }
@@ -74,11 +79,16 @@ impl<'a> Sample<'a> {
             }
             attempts.push(Attempt { method: method.clone(), result });
         }
-        Ok(attempts)
+        attempts
     }
 
-    /// Draws all plots; gives those with all incidences. What cannot be drawn is said and left out.
-    fn draw(&self, folder: &Path, attempts: &[Attempt]) -> Result<Vec<Picture>, Failure> {
+    /// Draws all plots; gives those with all incidences. What cannot be drawn is said and left out; after one that cannot
+    /// be written no other is.
+    fn draw(
+        &self,
+        attempts: &[Attempt],
+        (folder, failures): (&Path, &mut Vec<Failure>),
+    ) -> Vec<Picture> {
         let entries: Vec<&Entry> = attempts.iter().filter_map(Attempt::entry).collect();
         let scan = self.job.measurement;
         let mut pictures = Vec::new();
@@ -87,25 +97,28 @@ impl<'a> Sample<'a> {
                 None => report::figure(&self.title, scan, &entries, scale),
                 Some(sigma) => report::figure_at(sigma, &self.title, scan, &entries, scale),
             };
-            match FigureFiles::create(folder, &stem)?.write(&figure) {
+            let write = || FigureFiles::create(folder, &stem)?.write(&figure);
+            let written = if failures.is_empty() { write() } else { Ok(Vec::new()) };
+            match written {
                 Ok(_) => {}
                 Err(FigureError::Plot(e)) => {
                     eprintln!("warning: {stem} cannot be drawn: {e}");
                     continue;
                 }
-                Err(FigureError::Output(e)) => return Err(e.into()),
+                Err(FigureError::Output(e)) => failures.push(e.into()),
             }
             if sigma.is_none() {
                 for (scale, caption) in [
                     (Scale::Linear, "Measured and fitted readings, linear scale."),
                     (Scale::LOG, "The same, logarithmic."),
                 ] {
-                    let svg = plot::svg(&figure(scale)).map_err(Failure::bad)?;
-                    pictures.push(Picture { caption: caption.into(), svg });
+                    let caption = caption.into();
+                    let drawn = plot::svg(&figure(scale)).map(|svg| Picture { caption, svg });
+                    pictures.extend(drawn.ok());
                 }
             }
         }
-        Ok(pictures)
+        pictures
     }
 }
 
@@ -119,76 +132,73 @@ pub(super) struct Work<'a> {
     pub(super) methods: Vec<String>,
     /// The samples, in the order of the rows.
     pub(super) samples: Vec<Sample<'a>>,
+    /// Whether it is said how long it took.
+    pub(super) timing: bool,
 }
 
 /// The files over all samples.
 const SUMMARIES: [&str; 4] = ["compare.csv", "compare.md", "compare.json", "report.html"];
 
 impl Work<'_> {
-    /// Makes the folder, makes sure that everything can be written there and that nothing of it is read, fits, and writes.
-    pub(super) fn carry_out(&self, folder: &Path) -> Result<Comparison, Failure> {
-        make_folder(folder)?;
-        self.check(folder)?;
+    /// Makes the folder, makes sure that everything can be written there and that nothing of it is read, fits, writes, and
+    /// ends the verb. `say` prints the result, before the plots are drawn: they must not cost it.
+    pub(super) fn carry_out(
+        &self,
+        folder: &Path,
+        say: &dyn Fn(&Comparison) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let _made = ResultFolder::create(folder)?;
+        check_all(self.names(folder))?;
         let [csv, markdown, json, html] = SUMMARIES.map(|n| AtomicFile::create(folder.join(n)));
         let (csv, markdown, json, html) = (csv?, markdown?, json?, html?);
-        let mut results = Vec::new();
-        let mut plots = Vec::new();
-        for sample in &self.samples {
-            let alone = self.samples.len() == 1;
-            let prefix = if alone { String::new() } else { format!("{}: ", sample.name) };
-            let attempts = sample.attempts(folder, &prefix)?;
-            plots.push(sample.draw(folder, &attempts)?);
-            results.push(SampleResult {
+        let mut failures = Vec::new();
+        let result = |sample: &Sample<'_>| {
+            let attempts = sample.attempts(self, (folder, &mut failures));
+            SampleResult {
                 name: sample.name.clone(),
                 title: sample.title.clone(),
                 noise_floor_percent: SampleResult::floor_of(&attempts)
                     .or_else(|| noise::before_fit(sample.job.measurement)),
                 attempts,
-            });
-        }
+            }
+        };
         let comparison = Comparison {
             title: self.title.clone(),
             what: self.what.clone(),
             methods: self.methods.clone(),
-            samples: results,
+            samples: self.samples.iter().map(result).collect(),
+            timing: self.timing,
         };
-        csv.finish(comparison.csv().as_bytes())?;
-        markdown.finish(comparison.markdown().as_bytes())?;
-        json.finish(format!("{:#}\n", comparison.json()).as_bytes())?;
-        html.finish(report::page(&comparison, &plots).as_bytes())?;
-        Ok(comparison)
+        let tables = finish_all(vec![
+            (csv, comparison.csv().into_bytes()),
+            (markdown, comparison.markdown().into_bytes()),
+            (json, format!("{:#}\n", comparison.json()).into_bytes()),
+        ]);
+        failures.extend(tables.err().map(Failure::from));
+        failures.extend(say(&comparison).err());
+        let drawn = self.samples.iter().zip(&comparison.samples);
+        let plots: Vec<_> =
+            drawn.map(|(s, result)| s.draw(&result.attempts, (folder, &mut failures))).collect();
+        let page = html.finish(report::page(&comparison, &plots).as_bytes());
+        failures.extend(page.err().map(Failure::from));
+        all(failures.into_iter().map(Err).chain([verdict(&comparison)]))
     }
 
-    /// Makes sure, before the long work, that every file can be written, and that none of them is an input.
-    fn check(&self, folder: &Path) -> Result<(), Failure> {
-        let inputs: Vec<PathBuf> = self
-            .samples
-            .iter()
-            .flat_map(|s| std::iter::once(s.job.input).chain(s.job.map.map(|m| &m.input)))
-            .filter_map(|input| Path::new(&input.path).canonicalize().ok())
-            .collect();
-        let mut outputs: Vec<PathBuf> = SUMMARIES.iter().map(|name| folder.join(name)).collect();
+    /// All files that may be written.
+    fn names(&self, folder: &Path) -> Vec<PathBuf> {
+        let mut names: Vec<PathBuf> = SUMMARIES.iter().map(|name| folder.join(name)).collect();
         for sample in &self.samples {
             let models = self.methods.iter().map(|m| SampleResult::model_file(&sample.name, m));
-            outputs.extend(models.map(|name| folder.join(name)));
+            names.extend(models.map(|name| folder.join(name)));
             let figures = sample.figures();
-            outputs.extend(figures.iter().flat_map(|(stem, _)| FigureFiles::names(folder, stem)));
+            names.extend(figures.iter().flat_map(|(stem, _)| FigureFiles::names(folder, stem)));
         }
-        for output in outputs {
-            drop(AtomicFile::create(&output)?);
-            if output.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
-                return Err(Failure::bad(format!(
-                    "{}: is an input and would be overwritten; choose another folder",
-                    output.display()
-                )));
-            }
-        }
-        Ok(())
+        names
     }
 }
 
 /// The end of the verb: no if the user stopped it, or a sample has no description.
-pub(super) fn verdict(comparison: &Comparison) -> Result<(), Failure> {
+fn verdict(comparison: &Comparison) -> Result<(), Failure> {
     if interrupt::flag().load(Ordering::SeqCst) {
         return Err(Failure::No("interrupted; what was finished is written".into()));
     }
@@ -197,11 +207,4 @@ pub(super) fn verdict(comparison: &Comparison) -> Result<(), Failure> {
         return Ok(());
     }
     Err(Failure::No(format!("no method describes {}", titles.join(", "))))
-}
-
-/// Makes a folder for results.
-pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| {
-        Failure::bad(format!("{}: cannot be made ({e}); choose another folder", folder.display()))
-    })
 }

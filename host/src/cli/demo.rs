@@ -1,12 +1,13 @@
 //! `demo`: the whole job on built-in data.
 
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use asperity_core::gonio::{AngleGrid, Geometry};
 use asperity_core::plate::RoughSide;
 
-use super::comparing::{Sample, Work, make_folder, verdict};
+use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::fitted::Job;
 use super::light::Light;
@@ -19,9 +20,11 @@ use crate::forward::{self, Rays, Setup};
 use crate::kirchhoff::Wavelengths;
 use crate::measurement::{Measurement, Metadata, Quantity, write};
 use crate::method::{PAPER, Surface};
-use crate::output::AtomicFile;
+use crate::output::{AtomicFile, ResultFolder, finish_all};
 use crate::provenance::InputFile;
 use crate::raytrace::{Field, TracedBoundary};
+use crate::report::Comparison;
+use crate::scratch::Scratch;
 use crate::surface::io::sdf_text;
 use crate::surface::{GaussianSurface, Preparation, Prepared, Purpose};
 
@@ -41,6 +44,9 @@ pub(super) struct Args {
     /// Print the results as JSON
     #[arg(long)]
     json: bool,
+    /// Leave out how long it took, the only part that differs from run to run
+    #[arg(long)]
+    no_timing: bool,
 }
 
 /// The virtual surface: smooth beside the wavelength of light, with slopes of 0.12 along x and along y.
@@ -58,7 +64,9 @@ const SEED: u64 = 20_261_122;
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let folder = &args.output;
-    make_folder(folder)?;
+    let _made = ResultFolder::create(folder)?;
+    let [map_file, scan_file] = ["map.sdf", "scan.csv"].map(|n| AtomicFile::create(folder.join(n)));
+    let (map_file, scan_file) = (map_file?, scan_file?);
     let surface = Surface::Dielectric { ior: IOR };
     let eta = surface.eta().map_err(Failure::bad)?;
     let setup = Setup {
@@ -81,10 +89,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         args.rays
     );
     eprintln!("{what}");
-    let map = make_map(folder)?;
+    let (map, map_text) = make_map()?;
     let field = Field::new(&map.map, map.edges).map_err(Failure::bad)?;
     let truth = Boundary::Traced(TracedBoundary { field: Arc::new(field), eta });
-    let (measurement, input) = make_scan(folder, &truth, &setup, args.rays)?;
+    let (measurement, scan_text) = make_scan(&truth, &setup, args.rays)?;
+    let input = InputFile::of_bytes("scan.csv", &scan_text);
+    finish_all(vec![(map_file, map_text.into_bytes()), (scan_file, scan_text)])?;
     let job = Job {
         measurement: &measurement,
         setup,
@@ -114,9 +124,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         what,
         methods,
         samples: vec![sample],
+        timing: !args.no_timing,
     };
-    let comparison = work.carry_out(folder)?;
-    if args.json {
+    work.carry_out(folder, &|comparison| args.say(comparison))
+}
+
+impl Args {
+    fn say(&self, comparison: &Comparison) -> Result<(), Failure> {
+        if !self.json {
+            let (text, folder) = (comparison.text(), self.output.display());
+            return print(&format!(
+                "{text}\nAll data are virtual. Map, scan, models, tables, plots and report.html are in {folder}\n"
+            ));
+        }
         let attempts = comparison.samples.iter().flat_map(|s| &s.attempts);
         let fits: Vec<_> = attempts.filter_map(|a| Some(&a.result.as_ref().ok()?.1)).collect();
         let answer = serde_json::json!({
@@ -131,43 +151,37 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             },
             "fits": fits,
         });
-        print(&format!("{answer:#}\n"))?;
-    } else {
-        let folder = folder.display();
-        print(&format!(
-            "{}\nAll data are virtual. Map, scan, models, tables, plots and report.html are in {folder}\n",
-            comparison.text()
-        ))?;
+        print(&format!("{answer:#}\n"))
     }
-    verdict(&comparison)
 }
 
-/// Makes the height map and writes it, then reads it as any other.
-fn make_map(folder: &Path) -> Result<Prepared, Failure> {
-    let path = folder.join("map.sdf");
-    let file = AtomicFile::create(&path)?;
+/// Makes the height map, its text, and reads it as any other, from a temporary file.
+fn make_map() -> Result<(Prepared, String), Failure> {
     let map = SURFACE.map().ok_or_else(|| Failure::bad("the virtual surface has no waves"))?;
-    file.finish(sdf_text(&map, "asperity").as_bytes())?;
-    let prepared = Preparation::default().load(&path, Purpose::Light).map_err(Failure::Bad)?;
+    let text = sdf_text(&map, "asperity");
+    let failed = |e| Failure::Trouble(format!("a temporary file cannot be written: {e}"));
+    let mut file = Scratch::create(tempfile::Builder::new().suffix(".sdf"), &std::env::temp_dir())
+        .map_err(failed)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    let prepared =
+        Preparation::default().load(file.path(), Purpose::Light).map_err(Failure::Bad)?;
     // The models lie beside it.
     let input = InputFile { path: "map.sdf".into(), ..prepared.input };
-    Ok(Prepared { input, ..prepared })
+    Ok((Prepared { input, ..prepared }, text))
 }
 
-/// Traces the scan and writes it.
+/// Traces the scan; also gives the content of its file.
 fn make_scan(
-    folder: &Path,
     truth: &Boundary,
     setup: &Setup,
     rays: u64,
-) -> Result<(Measurement, InputFile), Failure> {
+) -> Result<(Measurement, Vec<u8>), Failure> {
     let mut meta = Metadata {
         sample: Some("virtual plate with random Gaussian heights (map.sdf)".into()),
         ior: Some(IOR),
         ..Metadata::default()
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
-    let file = AtomicFile::create(folder.join("scan.csv"))?;
     let rays = Some(Rays { count: rays, seed: SEED });
     let done = simulate(truth, setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
     if done.interrupted {
@@ -175,6 +189,5 @@ fn make_scan(
     }
     let mut bytes = Vec::new();
     write::write(&done.measurement, &mut bytes).map_err(Failure::bad)?;
-    file.finish(&bytes)?;
-    Ok((done.measurement, InputFile::of_bytes("scan.csv", &bytes)))
+    Ok((done.measurement, bytes))
 }

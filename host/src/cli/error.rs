@@ -7,7 +7,7 @@ use std::fmt::Display;
 pub(super) enum Failure {
     /// Exit 1: all went well and the answer is no.
     No(String),
-    /// Exit 1: the instrument, or the way to it, fails; the text says what, where and what to do.
+    /// Exit 1: the instrument, the way to it, or the disk fails; the text says what, where and what to do.
     Trouble(String),
     /// Exit 2: bad usage or bad input; the text says what, where and what to do.
     Bad(String),
@@ -20,9 +20,27 @@ impl Failure {
     }
 }
 
+/// All of these were done, whether the others failed or not: the first failure ends the verb, the others are said.
+pub(super) fn all(done: impl IntoIterator<Item = Result<(), Failure>>) -> Result<(), Failure> {
+    let mut failures = done.into_iter().filter_map(Result::err);
+    let first = failures.next().map_or(Ok(()), Err);
+    for Failure::No(what) | Failure::Trouble(what) | Failure::Bad(what) in failures {
+        eprintln!("error: {what}");
+    }
+    first
+}
+
 impl From<crate::output::OutputError> for Failure {
     fn from(e: crate::output::OutputError) -> Self {
-        Self::bad(e)
+        if e.is_trouble() { Self::Trouble(e.to_string()) } else { Self::bad(e) }
+    }
+}
+impl From<crate::report::FigureError> for Failure {
+    fn from(e: crate::report::FigureError) -> Self {
+        match e {
+            crate::report::FigureError::Output(e) => e.into(),
+            e @ crate::report::FigureError::Plot(_) => Self::Trouble(e.to_string()),
+        }
     }
 }
 impl From<crate::measurement::ScanError> for Failure {

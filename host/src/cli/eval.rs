@@ -1,30 +1,30 @@
 //! `eval`: values of the BSDF for pairs of directions.
 
-use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use asperity_core::bsdf::{Bsdf, Scatter};
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::error::Failure;
+use super::pairs::{Pair, Pairs};
 use super::source::parse_rays;
-use super::{interrupt, print, progress};
+use super::{interrupt, progress};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::EmbeddedTable;
 use crate::forward::Rays;
-use crate::input::{read_all, read_file};
 use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::law_file;
-use crate::measurement::excerpt;
 use crate::output::AtomicFile;
 use crate::surface::spectrum::Anisotropy;
 use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate, tabulate_orders};
 
 /// Evaluate the BSDF for pairs of directions
 ///
-/// Reads CSV from stdin with the columns wix,wiy,wiz,wox,woy,woz: unit vectors pointing away from the
+/// Reads CSV from stdin with the columns wix,wiy,wiz,wox,woy,woz, of any length: unit vectors pointing away from the
 /// surface, +z into the air. Writes the same rows with f (1/sr, without cosine), ars = f |cos theta_o|
 /// and pdf (1/sr) added. Flux transport: transmission carries no eta^2 of radiance. A height map is traced into
 /// a table first: at just the angles of incidence asked for if they are at most 40 a side, else at 5
@@ -53,12 +53,6 @@ pub(super) struct Args {
     seed: u64,
 }
 
-/// Largest list of pairs that is read.
-const MOST_BYTES: u64 = 1 << 30;
-const COLUMNS: &str = "wix,wiy,wiz,wox,woy,woz";
-/// Deviation of a length from 1 that is taken as rounding; more is taken as a mistake.
-const LENGTH: f64 = 1e-3;
-
 #[derive(Serialize)]
 struct Row {
     wi: [f64; 3],
@@ -76,77 +70,145 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(notice) = kind.notice() {
         eprintln!("warning: {}: {notice}", args.model.display());
     }
-    let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
-    let (name, text) = pairs_text(args.input.as_ref())?;
-    let pairs = parse(&name, &text)?;
+    let mut pairs = Pairs::open(args.input.as_deref())?;
+    let output = AtomicFile::create(args.output.as_deref().unwrap_or(Path::new("-")))?;
+    // all pairs are looked at before the first value is written: bad input gives no half of an answer
+    let is_tabulated = matches!(&boundary, Boundary::Wave(_)) || boundary.is_traced();
+    let (mut wi, mut count) = (Vec::new(), 0);
+    pairs.each(|some| {
+        count += some.len();
+        wi.extend(some.iter().filter(|_| is_tabulated).map(|pair| pair.1));
+        Ok(())
+    })?;
     let rays = Rays { count: args.rays, seed: args.seed };
-    let of_table =
-        |table: &BsdfTable| values(table, &pairs, |wi, wo| Some(table.std_error(wi, wo)));
-    let rows = match &boundary {
-        Boundary::Wave(wave) => of_table(&of_waves(wave, &pairs, rays)?),
+    let mut rows = Rows { output, json: args.json, is_empty: true };
+    let of_table = |table: &BsdfTable, rows: &mut Rows, pairs: &mut Pairs| {
+        pairs.each(|some| rows.add(some, |p| values(table, p, Some(table.std_error(p.1, p.2)))))
+    };
+    match &boundary {
+        Boundary::Wave(wave) => of_table(&of_waves(wave, &wi, rays)?, &mut rows, &mut pairs)?,
         Boundary::Table(table) => {
-            let name = args.model.display();
+            let name = args.model.display().to_string();
             eprintln!("note: {name} is a table {}", kind.table().unwrap_or_default());
-            of_embedded(&name.to_string(), table, &pairs)
+            of_embedded((&name, table), (&mut pairs, count), &mut rows)?;
         }
-        _ => with_boundary!(&boundary, b => values(b, &pairs, |_, _| None), traced t => {
-            of_table(&tabulated(t, t.eta(), t.anisotropy(), &pairs, rays)?)
+        _ => with_boundary!(&boundary, b => {
+            pairs.each(|some| rows.add(some, |p| values(b, p, None)))?
+        }, traced t => {
+            of_table(&tabulated(t, t.eta(), t.anisotropy(), &wi, rays)?, &mut rows, &mut pairs)?
         }),
-    };
-    let text = if args.json {
-        serde_json::to_string_pretty(&rows).map_err(Failure::bad)? + "\n"
-    } else {
-        let mut csv = format!("{COLUMNS},f,ars,pdf\n");
-        for ((kept, ..), Row { f, ars, pdf, .. }) in pairs.iter().zip(&rows) {
-            // Writing to a string cannot fail.
-            let _ = writeln!(csv, "{kept},{f:e},{ars:e},{pdf:e}");
-        }
-        csv
-    };
-    match output {
-        Some(file) => Ok(file.finish(text.as_bytes())?),
-        None => print(&text),
     }
+    rows.finish()
 }
 
-fn values<B: Bsdf<f64>>(
-    boundary: &B,
-    pairs: &[Pair],
-    std_error: impl Fn(Direction<f64>, Direction<f64>) -> Option<f64>,
-) -> Vec<Row> {
-    let row = |&(_, wi, wo): &Pair| Row {
+fn values<B: Bsdf<f64>>(boundary: &B, &(_, wi, wo): &Pair<'_>, f_std_error: Option<f64>) -> Row {
+    Row {
         wi: wi.xyz(),
         wo: wo.xyz(),
         f: boundary.eval(wi, wo),
         ars: boundary.ars(wi, wo),
         pdf: boundary.pdf(wi, wo),
-        f_std_error: std_error(wi, wo),
-    };
-    pairs.iter().map(row).collect()
+        f_std_error,
+    }
+}
+
+/// The answer as it grows.
+struct Rows {
+    output: AtomicFile,
+    json: bool,
+    is_empty: bool,
+}
+
+/// Rows that one thread works on at once.
+const BLOCK: usize = 1024;
+
+impl Rows {
+    /// Adds the rows of some pairs, in their order.
+    fn add(
+        &mut self,
+        pairs: &[Pair<'_>],
+        row: impl Fn(&Pair<'_>) -> Row + Sync,
+    ) -> Result<(), Failure> {
+        let json = self.json;
+        let block = |pairs: &[Pair<'_>]| {
+            let texts = pairs.iter().map(|pair| {
+                let row = row(pair);
+                if json { element(&row) } else { Ok(line(pair.0, &row)) }
+            });
+            let texts = texts.collect::<Result<Vec<_>, serde_json::Error>>()?;
+            Ok(texts.join(if json { ",\n  " } else { "" }))
+        };
+        let blocks: Vec<Result<String, serde_json::Error>> =
+            pairs.par_chunks(BLOCK).map(block).collect();
+        for block in blocks {
+            let between = match (json, self.is_empty) {
+                (true, true) => "[\n  ",
+                (true, false) => ",\n  ",
+                (false, true) => HEAD,
+                (false, false) => "",
+            };
+            self.output.put(between.as_bytes())?;
+            self.output.put(block.map_err(Failure::bad)?.as_bytes())?;
+            self.is_empty = false;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<(), Failure> {
+        let end = match (self.json, self.is_empty) {
+            (true, true) => "[]\n",
+            (true, false) => "\n]\n",
+            (false, true) => HEAD,
+            (false, false) => "",
+        };
+        self.output.put(end.as_bytes())?;
+        Ok(self.output.commit()?)
+    }
+}
+
+const HEAD: &str = "wix,wiy,wiz,wox,woy,woz,f,ars,pdf\n";
+
+/// A row of CSV: the pair as it was, and its values.
+fn line(kept: &str, Row { f, ars, pdf, .. }: &Row) -> String {
+    format!("{kept},{f:e},{ars:e},{pdf:e}\n")
+}
+
+/// An element of a list of JSON.
+fn element(row: &Row) -> Result<String, serde_json::Error> {
+    Ok(serde_json::to_string_pretty(row)?.replace('\n', "\n  "))
 }
 
 /// Values of a table from a file: not numbers where it was not told what there is. Says what is left out.
-fn of_embedded(name: &str, table: &EmbeddedTable, pairs: &[Pair]) -> Vec<Row> {
-    let mut rows = values(table, pairs, |_, _| None);
-    let (mut wanted, mut count) = ([false; 4], 0);
-    for (row, &(_, wi, wo)) in rows.iter_mut().zip(pairs) {
-        let lobe = EmbeddedTable::lobe_between(wi, wo);
+fn of_embedded(
+    (name, table): (&str, &EmbeddedTable),
+    (pairs, count): (&mut Pairs, usize),
+    rows: &mut Rows,
+) -> Result<(), Failure> {
+    let (wanted, lacking) = ([const { AtomicBool::new(false) }; 4], AtomicUsize::new(0));
+    let value = |pair: &Pair<'_>| {
+        let lobe = EmbeddedTable::lobe_between(pair.1, pair.2);
+        let mut row = values(table, pair, None);
         if table.missing(lobe).is_some() {
             (row.f, row.ars, row.pdf) = (f64::NAN, f64::NAN, f64::NAN);
-            wanted = std::array::from_fn(|k| wanted[k] || lobe[k]);
-            count += 1;
+            lacking.fetch_add(1, Ordering::Relaxed);
+            wanted.iter().zip(lobe).for_each(|(w, is)| {
+                w.fetch_or(is, Ordering::Relaxed);
+            });
         }
-    }
+        row
+    };
+    pairs.each(|some| rows.add(some, value))?;
+    let wanted = wanted.map(AtomicBool::into_inner);
     if let Some(missing) = table.missing(wanted) {
+        let lacking = lacking.into_inner();
         eprintln!(
-            "warning: {name}: the table holds no {missing}: no values for {count} of {} pairs",
-            pairs.len()
+            "warning: {name}: the table holds no {missing}: no values for {lacking} of {count} pairs"
         );
     }
     if table.is_coherent() {
         eprintln!("note: {name}: a part of the light is coherent, which has no values");
     }
-    rows
+    Ok(())
 }
 
 /// A traced boundary as a table, of the incidences that are asked for if they are few.
@@ -154,14 +216,13 @@ fn tabulated<S: Scatter<f64> + Sync>(
     boundary: &S,
     eta: RelativeIor<f64>,
     anisotropy: Option<Anisotropy>,
-    pairs: &[Pair],
+    wi: &[Direction<f64>],
     rays: Rays,
 ) -> Result<BsdfTable, Failure> {
-    let wi: Vec<Direction<f64>> = pairs.iter().map(|pair| pair.1).collect();
     let plan = TablePlan::new(eta, rays)
         .with_azimuth(Azimuth::of(anisotropy))
         .map_err(Failure::bad)?
-        .for_directions(&wi);
+        .for_directions(wi);
     let bar = progress::bar(plan.rays_in_all(), "tracing");
     let table = tabulate(boundary, &plan, interrupt::flag(), &|n| bar.inc(n));
     bar.finish_and_clear();
@@ -169,18 +230,17 @@ fn tabulated<S: Scatter<f64> + Sync>(
 }
 
 /// The table of waves: of the mean law, drawn as rays, or of the orders of this very map.
-fn of_waves(wave: &WaveBoundary, pairs: &[Pair], rays: Rays) -> Result<BsdfTable, Failure> {
-    let wi: Vec<Direction<f64>> = pairs.iter().map(|pair| pair.1).collect();
+fn of_waves(wave: &WaveBoundary, wi: &[Direction<f64>], rays: Rays) -> Result<BsdfTable, Failure> {
     let plan = TablePlan::new(wave.eta(), rays);
     let interrupted = || Failure::No("interrupted before the table was made".into());
     if wave.speckle() == Speckle::Averaged {
-        let plan = plan.for_directions(&wi);
+        let plan = plan.for_directions(wi);
         let bar = progress::bar(plan.rays_in_all(), "sampling");
         let table = tabulate(wave, &plan, interrupt::flag(), &|n| bar.inc(n));
         bar.finish_and_clear();
         return table.ok_or_else(interrupted);
     }
-    let plan = plan.with_azimuth(Azimuth::directional()).map_err(Failure::bad)?.for_directions(&wi);
+    let plan = plan.with_azimuth(Azimuth::directional()).map_err(Failure::bad)?.for_directions(wi);
     let bar = progress::bar(0, "transforming");
     let table = tabulate_orders(wave, &plan, interrupt::flag(), &|done, all| {
         bar.set_length(all as u64);
@@ -190,86 +250,12 @@ fn of_waves(wave: &WaveBoundary, pairs: &[Pair], rays: Rays) -> Result<BsdfTable
     table.ok_or_else(interrupted)
 }
 
-fn pairs_text(input: Option<&PathBuf>) -> Result<(String, String), Failure> {
-    let bytes;
-    let mut name = "stdin".to_owned();
-    if let Some(path) = input {
-        name = path.display().to_string();
-        bytes = read_file(path, MOST_BYTES)
-            .map_err(|e| Failure::bad(format!("{name}: cannot be read ({e}); check the path")))?;
-    } else {
-        bytes = read_all(std::io::stdin().lock(), MOST_BYTES)
-            .map_err(|e| Failure::bad(format!("stdin cannot be read: {e}; give fewer pairs")))?;
-    }
-    String::from_utf8(bytes).map(|text| (name.clone(), text)).map_err(|_| {
-        Failure::bad(format!("{name}: is not text; give CSV with the columns {COLUMNS}"))
-    })
-}
-
-type Pair<'a> = (&'a str, Direction<f64>, Direction<f64>);
-
-/// The rows with their directions; the text of a row is kept as it was.
-fn parse<'a>(name: &str, text: &'a str) -> Result<Vec<Pair<'a>>, Failure> {
-    let bad = |line: usize, what: String| Failure::bad(format!("{name}:{line}: {what}"));
-    let mut pairs = Vec::new();
-    let mut header = false;
-    for (n, line) in text.lines().enumerate() {
-        let line = line.trim().trim_start_matches('\u{feff}');
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        if !header {
-            let found: String = line.split(',').map(str::trim).collect::<Vec<_>>().join(",");
-            if found != COLUMNS {
-                return Err(bad(n + 1, format!("the first line must be `{COLUMNS}`")));
-            }
-            header = true;
-            continue;
-        }
-        let mut v = [0.0; 6];
-        let mut count = 0;
-        for field in line.split(',') {
-            let value = field.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-            let Some(value) = value else {
-                return Err(bad(
-                    n + 1,
-                    format!(
-                        "`{}` is not a finite number; write one like 0.5",
-                        excerpt(field.trim())
-                    ),
-                ));
-            };
-            if let Some(slot) = v.get_mut(count) {
-                *slot = value;
-            }
-            count += 1;
-        }
-        if count != 6 {
-            return Err(bad(n + 1, format!("{count} values; write six: {COLUMNS}")));
-        }
-        let direction = |which: &str, v: &[f64]| {
-            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            if (length - 1.0).abs() > LENGTH {
-                let what = format!("{which} has length {length}; give a unit vector");
-                return Err(bad(n + 1, what));
-            }
-            Direction::new(v[0], v[1], v[2])
-                .ok_or_else(|| bad(n + 1, format!("{which} is no direction")))
-        };
-        pairs.push((line, direction("wi", &v[..3])?, direction("wo", &v[3..])?));
-    }
-    if header {
-        Ok(pairs)
-    } else {
-        Err(bad(1, format!("there is nothing to read; the first line must be `{COLUMNS}`")))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
-    use super::{parse, tabulated, values};
+    use super::{tabulated, values};
+    use crate::cli::pairs::parse;
     use crate::forward::Rays;
     use crate::raytrace::{Field, TracedBoundary};
     use crate::surface::{Edges, HeightMap};
@@ -291,19 +277,21 @@ mod tests {
     #[test]
     fn a_traced_boundary_is_tabulated_where_it_is_asked_for() {
         let text = "wix,wiy,wiz,wox,woy,woz\n-0.6,0,0.8,0.4,0,-0.9165151\n0,-0.6,0.8,0,0.6,0.8\n";
-        let pairs = parse("pairs", text).unwrap();
+        let pairs = parse(text).unwrap();
+        let wi: Vec<_> = pairs.iter().map(|pair| pair.1).collect();
         let rays = Rays { count: 20_000, seed: 1 };
         let one = traced(false);
-        let table = tabulated(&one, one.eta(), one.anisotropy(), &pairs, rays).unwrap();
+        let table = tabulated(&one, one.eta(), one.anisotropy(), &wi, rays).unwrap();
         assert_eq!(table.azimuth(), &Azimuth::Isotropic);
         let incidences = table.incidences_deg(Side::Air);
         assert!(incidences.len() == 1 && table.incidences_deg(Side::Dielectric).is_empty());
-        for row in values(&table, &pairs, |wi, wo| Some(table.std_error(wi, wo))) {
-            let error = row.f_std_error.unwrap();
+        for pair in &pairs {
+            let row = values(&table, pair, None);
+            let error = table.std_error(pair.1, pair.2);
             assert!(error > 0.0 && error < row.f, "{} {error}", row.f);
         }
         let one = traced(true);
-        let table = tabulated(&one, one.eta(), one.anisotropy(), &pairs, rays).unwrap();
+        let table = tabulated(&one, one.eta(), one.anisotropy(), &wi, rays).unwrap();
         let Azimuth::Fixed(azimuths) = table.azimuth() else { panic!("{:?}", table.azimuth()) };
         assert!(azimuths.len() == 2 && (azimuths[1] - 90.0).abs() < 1e-9, "{azimuths:?}");
     }

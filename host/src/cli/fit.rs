@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::PathBuf;
 
-use super::error::Failure;
+use super::error::{Failure, all};
 use super::fitted::{Job, human};
 use super::light::LightFlags;
 use super::map::MapFlags;
@@ -12,9 +12,10 @@ use super::print;
 use super::source::{ReadFlags, SetupFlags};
 use super::trial::{EffortFlags, check_method, usually_asked};
 use crate::fit::{FitError, FitOptions};
+use crate::measurement::Measurement;
 use crate::method::{Choice, Surface};
 use crate::output::AtomicFile;
-use crate::report::{self, FigureFiles};
+use crate::report::{self, Entry, FigureFiles};
 
 /// Fit a model to a measured scan
 ///
@@ -85,6 +86,9 @@ pub(super) struct Args {
     /// Print the fit as JSON
     #[arg(long)]
     json: bool,
+    /// Leave out how long it took, the only part that differs from run to run
+    #[arg(long)]
+    no_timing: bool,
     #[command(flatten)]
     effort: EffortFlags,
     #[command(flatten)]
@@ -131,31 +135,37 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         .map_err(|what| Failure::Bad(of_scan(&what)))?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(open_plots).transpose()?;
-    let (entry, model) = job.run(&methods, "").map_err(|e| match e {
+    let (entry, mut model) = job.run(&methods, "").map_err(|e| match e {
         FitError::Interrupted => Failure::No(format!("{e}; no fit was written")),
         e => Failure::Bad(of_scan(&e)),
     })?;
+    model.timing = model.timing.filter(|_| !args.no_timing);
     let text = model.to_json();
-    if let Some(files) = plots {
-        let title = measurement.meta.sample.clone();
-        let title = title.unwrap_or_else(|| args.scan.display().to_string());
-        let figure = |scale| report::figure(&title, &measurement, &[&entry], scale);
-        for path in files.write(&figure).map_err(Failure::bad)? {
-            eprintln!("wrote {}", path.display());
-        }
-    }
-    if let Some(file) = output {
-        file.finish(text.as_bytes())?;
-    }
-    if args.json {
-        print(&text)?;
-    } else {
-        print(&human(&entry, &job))?;
-    }
-    entry.refusal.map_or(Ok(()), |why| Err(Failure::No(why)))
+    let is_stdout = output.as_ref().is_some_and(AtomicFile::is_stdout);
+    // what took long first; a plot that fails must not cost it
+    all([
+        output.map_or(Ok(()), |file| Ok(file.finish(text.as_bytes())?)),
+        print(&match (is_stdout, args.json) {
+            (true, _) => String::new(),
+            (_, true) => text,
+            _ => human(&entry, &job, !args.no_timing),
+        }),
+        plots.map_or(Ok(()), |files| args.draw(files, &measurement, &entry)),
+        entry.refusal.clone().map_or(Ok(()), |why| Err(Failure::No(why))),
+    ])
 }
 
 impl Args {
+    /// Draws measured and fitted readings.
+    fn draw(&self, files: FigureFiles, scan: &Measurement, entry: &Entry) -> Result<(), Failure> {
+        let title = scan.meta.sample.clone();
+        let title = title.unwrap_or_else(|| self.scan.display().to_string());
+        for path in files.write(&|scale| report::figure(&title, scan, &[entry], scale))? {
+            eprintln!("wrote {}", path.display());
+        }
+        Ok(())
+    }
+
     /// Whether an optional parameter of the method is to be fitted.
     fn asks_for(&self, name: &str) -> bool {
         match name {

@@ -6,7 +6,7 @@ use crate::fit::{Fit, FitOptions, Fitted, Objective, Termination};
 use crate::forward::Setup;
 use crate::measurement::Measurement;
 use crate::method::{Choice, Method, Surface};
-use crate::model::{IncidenceRecord, MapRecord, Model};
+use crate::model::{IncidenceRecord, MapRecord, Model, Timing};
 use crate::provenance::{InputFile, Provenance};
 use crate::report::{self, Entry};
 use crate::surface::Prepared;
@@ -48,7 +48,7 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model
         .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
         .collect();
     model.evaluations = Some(fit.evaluations);
-    model.seconds = Some(fit.seconds);
+    model.timing = Some(Timing { seconds: fit.seconds });
     model.termination = Some(fit.termination.word().into());
     model.neglected_flux = Some(fit.neglected.flux);
     model.neglected_percent =
@@ -68,8 +68,8 @@ fn warnings(fit: &Fit) -> Vec<String> {
     fit.parameters.iter().filter_map(Fitted::warning).collect()
 }
 
-/// The fit as text.
-pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
+/// The fit as text, with or without its time.
+pub(super) fn human(entry: &Entry, job: &Job<'_>, timing: bool) -> String {
     use std::fmt::Write;
     let fit = &entry.fit;
     let mut text = String::new();
@@ -110,10 +110,10 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>) -> String {
     }
     let _ = writeln!(
         text,
-        "{:12} {} evaluations, {:.3} s",
+        "{:12} {} evaluations{}",
         if fit.termination == Termination::Converged { "converged" } else { "ended" },
         fit.evaluations,
-        fit.seconds
+        if timing { format!(", {:.3} s", fit.seconds) } else { String::new() }
     );
     for warning in warnings(fit).iter().chain(&entry.warnings) {
         let _ = writeln!(text, "warning: {warning}");

@@ -1,11 +1,18 @@
 //! The command line: one file a verb. Only here is anything printed, timed or ended.
 //!
-//! Results go to stdout, all else to stderr. Exit 0: done. 1: the answer is no, or
-//! trouble with an instrument. 2: bad usage or input.
+//! Results go to stdout, all else to stderr. Exit 0: done. 1: the answer is no, or trouble with an instrument or
+//! a disk. 2: bad usage or input, and nothing is written. 128 + n: ended by a second signal n.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "this is the layer that prints")]
 #![allow(clippy::doc_markdown, reason = "the doc comments here are the plain text of --help")]
 #![allow(clippy::struct_excessive_bools, reason = "flags are bools")]
 #![allow(clippy::large_enum_variant, reason = "one verb lives at a time")]
+
+/// In place of the standard one, which ends the program where nobody reads stderr: see [`note`].
+macro_rules! eprintln {
+    ($($what:tt)*) => {
+        $crate::cli::note(format_args!($($what)*))
+    };
+}
 
 mod error;
 mod last_words;
@@ -19,6 +26,7 @@ mod subject;
 mod partial;
 mod check;
 mod completions;
+mod pairs;
 mod eval;
 mod fitted;
 mod trial;
@@ -46,6 +54,9 @@ use clap::{Parser, Subcommand};
 
 use error::Failure;
 
+use crate::custody;
+use crate::message::brief;
+
 /// Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
 ///
 /// A rough plate is measured on a goniophotometer; asperity finds the scattering law of its rough
@@ -71,8 +82,8 @@ Examples:
   asperity tabulate m.json --bytes 8192 -o m.bsdft     a table for a microcontroller
   asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
 
-Angles are in degrees. Exit status: 0 done, 1 the answer is no or the instrument fails,
-2 bad usage or bad input.";
+Angles are in degrees. Exit status: 0 done, 1 the answer is no, interrupted, or an instrument or a
+disk fails, 2 bad usage or bad input, 128 + n ended by a second signal n.";
 
 #[derive(Debug, Subcommand)]
 enum Verb {
@@ -93,14 +104,11 @@ enum Verb {
 
 /// Runs the program with its arguments, the first of which is its own name.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    interrupt::listen();
+    custody::watch();
     let cli = match Cli::try_parse_from(light::with_shadowing(arguments)) {
         Ok(cli) => cli,
-        Err(e) => {
-            // Help and version are answers, anything else is bad usage.
-            let code = u8::from(e.use_stderr()) * 2;
-            drop(e.print());
-            return ExitCode::from(code);
-        }
+        Err(e) => return usage(&e),
     };
     let done = match cli.verb {
         Verb::Demo(a) => demo::run(&a),
@@ -134,12 +142,29 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+/// What clap says: help and version are answers, anything else is bad usage.
+fn usage(e: &clap::Error) -> ExitCode {
+    let text = e.render().to_string();
+    if e.use_stderr() && brief(&text) != text {
+        note(format_args!("{}", text.trim_end()));
+    } else {
+        drop(e.print());
+    }
+    ExitCode::from(u8::from(e.use_stderr()) * 2)
+}
+
+/// Says something on stderr; if nobody can read it, that is no failure.
+fn note(what: std::fmt::Arguments<'_>) {
+    let text = what.to_string();
+    drop(writeln!(std::io::stderr().lock(), "{}", brief(&text)));
+}
+
 /// Prints a result to stdout; a reader that has gone away is no failure.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::bad(format!("stdout cannot be written: {e}")))
+            Err(Failure::Trouble(format!("stdout cannot be written: {e}; check the free space")))
         }
         _ => Ok(()),
     }

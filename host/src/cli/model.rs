@@ -11,7 +11,7 @@ use super::print;
 use crate::kirchhoff::Speckle;
 use crate::method::{Choice, Surface};
 use crate::model::{MapRecord, Model, Value};
-use crate::output::write_text;
+use crate::output::AtomicFile;
 use crate::provenance::Provenance;
 
 /// Shape of the normals' law, as a flag.
@@ -97,6 +97,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Some(path) => Some(args.map_flags.load_for_light(path)?),
         None => None,
     };
+    let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     if args.light.are_given() && !Choice::is_wave(&args.method) {
         return Err(Failure::bad(format!(
             "method {} sends no waves; leave --wavelength-nm, --speckle and --shadowing out",
@@ -147,10 +148,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
     model.provenance = Some(provenance);
     let text = model.to_json();
-    match &args.output {
-        Some(path) => {
-            write_text(path, &text)?;
-            if args.json { print(&text) } else { Ok(()) }
+    match output {
+        Some(file) => {
+            let twice = args.json && !file.is_stdout();
+            file.finish(text.as_bytes())?;
+            if twice { print(&text) } else { Ok(()) }
         }
         None => print(&text),
     }

@@ -58,6 +58,7 @@ impl From<AcquireError> for Failure {
     fn from(e: AcquireError) -> Self {
         match e {
             AcquireError::Link(e) => e.into(),
+            AcquireError::Output(e) => e.into(),
             AcquireError::Interrupted { .. } | AcquireError::NotBegun => Self::No(e.to_string()),
             AcquireError::OtherCalibration { .. }
             | AcquireError::FalseCalibration { .. }

@@ -125,8 +125,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     write::write(&done.measurement, &mut text).map_err(Failure::bad)?;
     match output {
         Some(file) => {
+            let is_stdout = file.is_stdout();
             file.finish(&text)?;
-            print(&summary(&done, args.json))?;
+            print(&if is_stdout { String::new() } else { summary(&done, args.json) })?;
         }
         None => print(&String::from_utf8_lossy(&text))?,
     }

@@ -1,6 +1,6 @@
 //! `stats`: roughness figures of a height map.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::error::Failure;
 use super::map::MapFlags;
@@ -81,18 +81,6 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
     let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
-    if let Some(files) = files {
-        if spectrum.is_none() {
-            eprintln!(
-                "note: no spectrum of a map with missing points is drawn; fill them with --fill"
-            );
-        }
-        let name = args.map.file_name().unwrap_or(args.map.as_os_str()).to_string_lossy();
-        let drawn = MapFigures { title: &name, map, spectrum: spectrum.as_ref() };
-        for path in files.write(&drawn).map_err(Failure::bad)? {
-            eprintln!("wrote {}", path.display());
-        }
-    }
     if args.json {
         let mut answer = serde_json::json!({
             "asperity": 1,
@@ -118,11 +106,28 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
             answer.insert("input".into(), input);
         }
-        print(&format!("{answer:#}\n"))
+        print(&format!("{answer:#}\n"))?;
     } else {
         let waves = verdict.as_ref().map(Verdict::human).unwrap_or_default();
-        print(&format!("{}{waves}", human(&loaded, &figures, anisotropy)))
+        print(&format!("{}{waves}", human(&loaded, &figures, anisotropy)))?;
     }
+    files.map_or(Ok(()), |files| draw(files, &args.map, &loaded, spectrum.as_ref()))
+}
+
+fn draw(
+    files: MapFigureFiles,
+    path: &Path,
+    loaded: &Prepared,
+    spectrum: Option<&Spectrum>,
+) -> Result<(), Failure> {
+    if spectrum.is_none() {
+        eprintln!("note: no spectrum of a map with missing points is drawn; fill them with --fill");
+    }
+    let title = &path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    for path in files.write(&MapFigures { title, map: &loaded.map, spectrum })? {
+        eprintln!("wrote {}", path.display());
+    }
+    Ok(())
 }
 
 /// `RzJIS` and its sampling length.

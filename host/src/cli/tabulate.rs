@@ -1,6 +1,7 @@
 //! `tabulate`: the table of a model for a microcontroller.
 
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -11,10 +12,10 @@ use super::error::Failure;
 use super::source::parse_rays;
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
-use crate::embedded::{EmbeddedTable, c_header, rust_source, write};
+use crate::embedded::{EmbeddedTable, bytes, c_header, rust_source};
 use crate::forward::Rays;
 use crate::model::Model;
-use crate::output::AtomicFile;
+use crate::output::{AtomicFile, finish_all};
 use crate::tabulate::{
     Distance, Kept, LobeDistance, NoTable, Plan, distance, energy_error, lobe_distances, lobes_of,
     tabulate,
@@ -174,13 +175,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Some(most) => smallest(args, &boundary, most)?,
     };
     let method = model.method;
-    write(output, &table, &method, distance.map(|d| d.percent))?;
-    if let Some(file) = rust {
-        file.finish(rust_source(&table, &method).as_bytes())?;
-    }
+    let mut files = vec![(output, bytes(&table, &method, distance.map(|d| d.percent)))];
+    files.extend(rust.map(|file| (file, rust_source(&table, &method).into_bytes())));
     if let (Some(file), Some(path)) = (c, &args.c) {
         let name = path.file_stem().map_or_else(|| "table".into(), |s| s.to_string_lossy());
-        file.finish(c_header(&table, &method, &name).as_bytes())?;
+        files.push((file, c_header(&table, &method, &name).into_bytes()));
     }
     let header = table.header();
     let answer = Answer {
@@ -206,6 +205,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Rays { count: args.rays, seed: args.seed + 7 },
         ),
     };
+    let is_stdout = files.iter().any(|(file, _)| file.is_stdout());
+    finish_all(files)?;
+    if is_stdout {
+        return Ok(());
+    }
     print(&if args.json {
         serde_json::to_string_pretty(&answer).map_err(Failure::bad)? + "\n"
     } else {
@@ -296,6 +300,9 @@ fn made(
         e => Failure::bad(e),
     })?;
     let distance = distance(boundary, &table, STEP, rays, interrupt::flag());
+    if interrupt::flag().load(Ordering::SeqCst) {
+        return Err(Failure::No("interrupted before the table was compared with its model".into()));
+    }
     Ok((table, distance))
 }
 

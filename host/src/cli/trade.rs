@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use super::error::Failure;
+use super::error::{Failure, all};
 use super::sample::{Loaded, SampleFlags, methods};
 use super::source::parse_rays;
 use super::trial::usually_asked;
@@ -93,9 +93,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Input::Models(args.models()?)
     };
     let names = methods(&args.methods)?;
+    let device = args.device()?;
     let csv = args.csv.as_ref().map(AtomicFile::create).transpose()?;
     let picture = args.plot.as_ref().map(AtomicFile::create).transpose()?;
-    let device = args.device()?;
     let mut trade = Trade { args, device, report: args.report(), nothing: Vec::new() };
     match &input {
         Input::Scan(loaded) => trade.fits(loaded, &names)?,
@@ -113,20 +113,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }));
     }
     choose(&mut report.rows, report.by_scan, args.max_error);
-    if let Some(file) = csv {
-        file.finish(report.csv().as_bytes())?;
-    }
-    if let (Some(file), Some(path)) = (picture, &args.plot) {
-        match drawn(&report, path) {
-            Ok(bytes) => file.finish(&bytes)?,
-            Err(why) => eprintln!("warning: the plot cannot be drawn: {why}"),
-        }
-    }
-    print(&if args.json { format!("{:#}\n", report.json()) } else { report.text() })?;
+    let done = [
+        csv.map_or(Ok(()), |file| Ok(file.finish(report.csv().as_bytes())?)),
+        print(&if args.json { format!("{:#}\n", report.json()) } else { report.text() }),
+        match (picture, &args.plot) {
+            (Some(file), Some(path)) => drawn(&report, path, file),
+            _ => Ok(()),
+        },
+        verdict(&report, args.max_error),
+    ];
     if let Err(remedy) = device {
         eprintln!("note: nothing was counted on the device: {remedy}");
     }
-    verdict(&report, args.max_error)
+    all(done)
 }
 
 /// What was given.
@@ -156,16 +155,6 @@ impl Args {
                 "{}: give a name that ends in .svg or .png",
                 path.display()
             )));
-        }
-        let inputs = self.files.iter().chain(&self.map).chain(&self.firmware);
-        let inputs: Vec<PathBuf> = inputs.filter_map(|path| path.canonicalize().ok()).collect();
-        for output in self.csv.iter().chain(&self.plot) {
-            if output.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
-                return Err(Failure::bad(format!(
-                    "{}: is an input and would be overwritten; choose another file",
-                    output.display()
-                )));
-            }
         }
         Ok(())
     }
@@ -268,7 +257,7 @@ impl Trade<'_> {
             method: &method,
             boundary,
             misfit_percent: model.rmsd_percent,
-            fit_seconds: model.seconds,
+            fit_seconds: model.timing.map(|t| t.seconds),
             scan: None,
         });
     }
@@ -308,17 +297,24 @@ fn is_model(path: &Path) -> bool {
         return false;
     }
     let mut head = [0; 64];
-    let read = std::fs::File::open(path).and_then(|mut file| file.read(&mut head));
+    let read = crate::input::open(path).and_then(|mut file| file.read(&mut head));
     let head = &head[..read.unwrap_or(0)];
     head.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{')
 }
 
-fn drawn(report: &TradeReport, path: &Path) -> Result<Vec<u8>, plot::PlotError> {
+fn drawn(report: &TradeReport, path: &Path, file: AtomicFile) -> Result<(), Failure> {
     let figure = report.figure();
-    if path.extension().is_some_and(|e| e == "png") {
+    let bytes = if path.extension().is_some_and(|e| e == "png") {
         plot::png(&figure)
     } else {
         plot::svg(&figure).map(String::into_bytes)
+    };
+    match bytes {
+        Ok(bytes) => Ok(file.finish(&bytes)?),
+        Err(why) => {
+            eprintln!("warning: the plot cannot be drawn: {why}");
+            Ok(())
+        }
     }
 }
 

@@ -203,7 +203,7 @@ fn digits(bytes: &[u8], place: &std::ops::Range<usize>) -> String {
 }
 
 /// The bytes of a file.
-fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
+pub fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
     let mut bytes = serde_json::to_vec(record).unwrap_or_default();
     let place = sum_place(&bytes);
     bytes.push(b'\n');
@@ -229,6 +229,11 @@ fn to_bytes(table: &EmbeddedTable, record: &Record) -> Vec<u8> {
     bytes
 }
 
+/// The content of a table's file.
+pub fn bytes(table: &EmbeddedTable, method: &str, distance_percent: Option<f64>) -> Vec<u8> {
+    to_bytes(table, &Record::of(table, method, distance_percent))
+}
+
 /// Writes a table to an open file and closes it.
 ///
 /// # Errors
@@ -239,7 +244,7 @@ pub fn write(
     method: &str,
     distance_percent: Option<f64>,
 ) -> Result<(), OutputError> {
-    file.finish(&to_bytes(table, &Record::of(table, method, distance_percent)))
+    file.finish(&bytes(table, method, distance_percent))
 }
 
 /// Reads a table.

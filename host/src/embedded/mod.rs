@@ -7,7 +7,7 @@ mod holds;
 mod file;
 mod generate;
 
-pub use file::{Record, TableFileError, is_table, of_bytes, read, write};
+pub use file::{Record, TableFileError, bytes, is_table, of_bytes, read, to_bytes, write};
 pub use generate::{c_header, rust_source};
 pub use holds::MissingLobes;
 pub(crate) use holds::{LOBES, OPAQUE};

@@ -148,7 +148,12 @@ impl WaveBoundary {
     }
 
     /// Smith's factor for a pair at a wavelength, 1 without shadowing.
-    pub(crate) fn unshadowed(&self, wi: Direction<f64>, wo: Direction<f64>, wavelength_um: f64) -> f64 {
+    pub(crate) fn unshadowed(
+        &self,
+        wi: Direction<f64>,
+        wo: Direction<f64>,
+        wavelength_um: f64,
+    ) -> f64 {
         self.shadowing.map_or(1.0, |s| s.factor(wi, wo, wavelength_um))
     }
 

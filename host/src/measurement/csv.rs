@@ -14,10 +14,11 @@
 use std::io::ErrorKind;
 use std::path::Path;
 
-use super::error::{MAX_BYTES, ScanError, ScanFault, excerpt};
+use super::error::{MAX_BYTES, ScanError, ScanFault};
 use super::meta::known_key;
 use super::{Measurement, Metadata, Reading};
 use crate::input::read_file;
+use crate::message::excerpt;
 
 /// Names of the columns of the standard file, in its order.
 pub const COLUMNS: [&str; 3] = ["sigma_deg", "theta_deg", "reading"];

@@ -9,13 +9,12 @@ use thiserror::Error;
 use super::meta::HeaderFault;
 use super::select::SelectionFault;
 use super::{InvalidReading, ReadingFault};
+use crate::message::excerpt;
 
 /// Largest file that is read, in bytes; a scan of the finest kind is a thousandth of this.
 pub(super) const MAX_BYTES: u64 = 512 << 20;
 /// How many names an error lists.
 const LISTED: usize = 20;
-/// How many characters of a file an error repeats.
-const EXCERPT: usize = 40;
 
 /// A scan file that cannot be used: the place and the fault.
 ///
@@ -233,16 +232,6 @@ impl Display for Place<'_> {
         self.0.map_or(Ok(()), |line| write!(f, ":{line}"))?;
         self.1.map_or(Ok(()), |column| write!(f, ", column {}", excerpt(column)))
     }
-}
-
-/// The beginning of a text, safe to print on one line.
-pub(crate) fn excerpt(text: &str) -> String {
-    let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-    let mut shown: String = text.chars().take(EXCERPT).map(printable).collect();
-    if text.chars().nth(EXCERPT).is_some() {
-        shown.push_str("...");
-    }
-    shown
 }
 
 #[cfg(test)]

@@ -9,9 +9,10 @@ use thiserror::Error;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
+use asperity_core::quantity::RelativeIor;
 
 /// Indices of refraction that a header may give, relative to air.
-const IOR: RangeInclusive<f64> = 0.2..=10.0;
+const IOR: RangeInclusive<f64> = RelativeIor::<f64>::LEAST..=RelativeIor::<f64>::MOST;
 /// Full angles of a detector aperture that a header may give, in degrees; zero is excluded besides.
 const APERTURE_DEG: RangeInclusive<f64> = 0.0..=30.0;
 /// Wavelengths that a header may give, in nm: a number below 10 was meant in micrometres.
@@ -37,7 +38,7 @@ pub struct Metadata {
     pub instrument: Option<String>,
     /// On which side of the plate the detector moved.
     pub geometry: Option<Geometry>,
-    /// Index of refraction of the plate relative to air, in 0.2..=10.
+    /// Index of refraction of the plate relative to air, in 0.1..=10.
     pub ior: Option<f64>,
     /// Which way the rough face looked.
     pub rough_side: Option<RoughSide>,
@@ -119,7 +120,7 @@ impl Metadata {
             "instrument" => self.instrument = text,
             "geometry" => self.geometry = Some(word(known, value, &GEOMETRIES)?),
             "ior" => {
-                let allowed = "the index relative to air, in 0.2..=10, such as 1.49";
+                let allowed = "the index relative to air, in 0.1..=10, such as 1.49";
                 self.ior = Some(number(known, value, allowed, |ior| IOR.contains(&ior))?);
             }
             "rough_side" => self.rough_side = Some(word(known, value, &ROUGH_SIDES)?),
@@ -270,7 +271,7 @@ mod tests {
     #[test]
     fn the_limits_of_numbers_are_those_of_the_documentation() {
         let accepts = |key, value| Metadata::default().set(key, value).is_ok();
-        assert!(accepts("ior", "0.2") && accepts("ior", "10") && !accepts("ior", "0.19"));
+        assert!(accepts("ior", "0.1") && accepts("ior", "10") && !accepts("ior", "0.09"));
         assert!(accepts("aperture_deg", "30") && !accepts("aperture_deg", "0"));
         assert!(!accepts("wavelength_nm", "0.55") && !accepts("noise_floor_percent", "inf"));
         assert!(accepts("seed", "18446744073709551615") && !accepts("seed", "-1"));

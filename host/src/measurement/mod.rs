@@ -28,12 +28,12 @@ pub mod noise;
 mod malformed;
 
 pub use self::columns::ColumnMap;
-pub(crate) use self::error::excerpt;
 pub use self::error::{ScanError, ScanFault};
 pub use self::import::{Import, RowCounts};
 pub use self::meta::{Metadata, Quantity};
 pub use self::noise::NoiseEstimate;
 pub use self::select::{AngleRange, Selection};
+pub(crate) use crate::message::excerpt;
 
 /// Readings below zero are noise around zero as long as they are no lower than this fraction of the
 /// largest reading; below that the dark signal was subtracted wrongly.

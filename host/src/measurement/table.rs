@@ -7,7 +7,8 @@ use ::csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::columns::{Column, ColumnMap};
 use super::csv::{newlines, number};
-use super::error::{Names, ScanError, ScanFault, excerpt};
+use super::error::{Names, ScanError, ScanFault};
+use crate::message::excerpt;
 
 /// Words that stand for a value that was not measured, besides numbers that are not finite.
 const MISSING: [&str; 5] = ["", "na", "n/a", "null", "-"];

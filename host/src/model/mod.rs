@@ -124,9 +124,6 @@ pub struct Model {
     /// Evaluations of the forward model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub evaluations: Option<u64>,
-    /// Wall time, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub seconds: Option<f64>,
     /// Why the fit ended: `converged`, `max_evaluations` or `interrupted`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub termination: Option<String>,
@@ -142,6 +139,20 @@ pub struct Model {
     /// Who made the file, from what.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<Provenance>,
+    /// How long it took: all that differs between two runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timing: Option<Timing>,
+    /// The same in files of before there was `timing`; not written.
+    #[serde(default, skip_serializing, rename = "seconds")]
+    old_seconds: Option<f64>,
+}
+
+/// How long a fit took.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Timing {
+    /// Wall time, s.
+    pub seconds: f64,
 }
 
 impl Model {
@@ -172,12 +183,13 @@ impl Model {
             objective_value: None,
             incidences: Vec::new(),
             evaluations: None,
-            seconds: None,
             termination: None,
             neglected_flux: None,
             neglected_percent: None,
             validity: Vec::new(),
             provenance: None,
+            timing: None,
+            old_seconds: None,
         }
     }
 

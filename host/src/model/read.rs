@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserializer;
 use serde::de::{Error as _, MapAccess, Visitor};
 
-use super::{FORMAT, Model, Value};
+use super::{FORMAT, Model, Timing, Value};
 use crate::boundary::Boundary;
 use crate::embedded::is_table;
 use crate::input::read_file;
@@ -70,17 +70,22 @@ impl Model {
     }
 
     /// The same for a file in a folder, where its map may be.
-    fn parse_in(
+    ///
+    /// # Errors
+    /// As [`Self::parse`].
+    pub fn parse_in(
         bytes: &[u8],
         folder: Option<&Path>,
     ) -> Result<(Self, Boundary), (Option<usize>, String)> {
         let text = std::str::from_utf8(bytes)
             .map_err(|_| (None, "is not text; a model is a JSON file".to_owned()))?;
-        let model: Self = serde_json::from_str(text).map_err(|e| {
+        let mut model: Self = serde_json::from_str(text).map_err(|e| {
             let what = e.to_string();
             let what = what.split(" at line ").next().unwrap_or_default().to_owned();
             (Some(e.line()), format!("{what}; a model is JSON as `asperity model` writes it"))
         })?;
+        let seconds = model.old_seconds.take();
+        model.timing = model.timing.or(seconds.map(|seconds| Timing { seconds }));
         let line_of = |key: &str| {
             let quoted = format!("\"{key}\"");
             text.lines().position(|l| l.contains(&quoted)).map(|n| n + 1)
@@ -143,6 +148,17 @@ mod tests {
         let (again, boundary) = Model::parse(model.to_json().as_bytes()).unwrap();
         assert_eq!(model, again);
         assert!(boundary.eta().is_some_and(|n| (n - 1.49).abs() < 1e-15));
+    }
+
+    #[test]
+    fn seconds_of_older_files_are_timing() {
+        let old = GGX.replace("\"ior\": 1.49,", "\"ior\": 1.49, \"seconds\": 0.25,");
+        let (model, _) = Model::parse(old.as_bytes()).unwrap();
+        assert!(model.timing.is_some_and(|t| t.seconds.to_bits() == 0.25_f64.to_bits()));
+        let written = model.to_json();
+        let end = "\"timing\": {\n    \"seconds\": 0.25\n  }\n}\n";
+        assert!(written.ends_with(end) && written.matches("seconds").count() == 1, "{written}");
+        assert_eq!(Model::parse(written.as_bytes()).unwrap().0, model);
     }
 
     #[test]

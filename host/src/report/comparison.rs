@@ -15,6 +15,8 @@ pub struct Comparison {
     pub methods: Vec<String>,
     /// The samples, one row each.
     pub samples: Vec<SampleResult>,
+    /// Whether it is said how long the fits took, all that differs between two runs.
+    pub timing: bool,
 }
 
 /// All methods on one sample.
@@ -107,7 +109,7 @@ impl SampleResult {
 
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
-        let head = ["method", "error %", "noise floor %", "own noise %", "seconds", "parameters"];
+        let head = ["method", "error %", "noise floor %", "own noise %", "parameters"];
         let head = head.into_iter().chain(["verdict", "notes"]).map(String::from).collect();
         let percent = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |v| format!("{v:.3}"))
@@ -136,7 +138,6 @@ impl SampleResult {
                 Cell { text: percent(fit.map(|f| f.rmsd_percent), "-"), strong: best },
                 percent(self.noise_floor_percent, "unknown").into(),
                 percent(fit.and_then(|f| f.simulation_noise_percent), "-").into(),
-                fit.map_or_else(|| "-".to_owned(), |f| format!("{:.2}", f.seconds)).into(),
                 fit.map_or_else(|| "-".to_owned(), parameters_text).into(),
                 verdict.to_owned().into(),
                 notes.join(", ").into(),
@@ -167,6 +168,19 @@ impl Comparison {
             std::iter::once(sample.title.clone().into()).chain(cells).collect()
         };
         Grid { head: head.collect(), rows: self.samples.iter().map(row).collect() }
+    }
+
+    /// How long the fits took, if it is to be said: one row each.
+    pub(super) fn times(&self) -> Option<Grid> {
+        let row = |sample: &SampleResult, attempt: &Attempt| {
+            let seconds = format!("{:.2}", attempt.entry()?.fit.seconds);
+            let cells = [sample.title.clone(), attempt.label().to_owned(), seconds];
+            Some(cells.map(Cell::from).to_vec())
+        };
+        let rows = self.samples.iter();
+        let rows = rows.flat_map(|s| s.attempts.iter().filter_map(move |a| row(s, a))).collect();
+        let head = ["sample", "method", "seconds"].map(String::from).to_vec();
+        self.timing.then_some(Grid { head, rows })
     }
 
     /// The samples that no method describes.

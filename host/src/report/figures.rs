@@ -1,11 +1,10 @@
 //! Plots of measured against fitted readings, every incidence, linear and logarithmic.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::Entry;
 use crate::measurement::Measurement;
-use crate::output::{AtomicFile, OutputError};
+use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Figure, PlotError, Scale, sigma_panels};
 
 /// Why a plot was not written.
@@ -90,7 +89,7 @@ impl FigureFiles {
     /// Draws and completes all four; returns their paths.
     ///
     /// # Errors
-    /// [`FigureError`]; files completed before it stay.
+    /// [`FigureError`]; none is written then.
     pub fn write(self, figure: &dyn Fn(Scale) -> Figure) -> Result<Vec<PathBuf>, FigureError> {
         let mut contents = Vec::new();
         for scale in [Scale::Linear, Scale::LOG] {
@@ -98,14 +97,8 @@ impl FigureFiles {
             contents.push(plot::svg(&figure)?.into_bytes());
             contents.push(plot::png(&figure)?);
         }
-        let mut written = Vec::new();
-        for (mut file, bytes) in self.0.into_iter().zip(contents) {
-            let path = file.path().to_owned();
-            file.write_all(&bytes)
-                .map_err(|source| OutputError::Write { path: path.clone(), source })?;
-            file.commit()?;
-            written.push(path);
-        }
+        let written = self.0.iter().map(|file| file.path().to_owned()).collect();
+        finish_all(self.0.into_iter().zip(contents).collect())?;
         Ok(written)
     }
 }

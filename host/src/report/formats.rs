@@ -12,7 +12,8 @@ impl Comparison {
             format!("\n{}\n{}{}\n{}", s.title, s.details().text(), s.verdict(), numbered(s))
         };
         let samples: String = self.samples.iter().map(of_sample).collect();
-        format!("{}\n{}{samples}", Self::LEGEND, self.errors().text())
+        let times = self.times().map(|t| format!("\n{}", t.text())).unwrap_or_default();
+        format!("{}\n{}{samples}{times}", Self::LEGEND, self.errors().text())
     }
 
     /// As Markdown.
@@ -24,7 +25,9 @@ impl Comparison {
         let samples: String = self.samples.iter().map(of_sample).collect();
         let parts = [&self.what, Self::LEGEND, &self.errors().markdown()];
         let parts: Vec<&str> = parts.into_iter().filter(|p| !p.is_empty()).collect();
-        format!("# {}\n\n{}{samples}", self.title, parts.join("\n\n"))
+        let times = self.times().map(|t| format!("\n## Timing\n\n{}", t.markdown()));
+        let times = times.unwrap_or_default();
+        format!("# {}\n\n{}{samples}{times}", self.title, parts.join("\n\n"))
     }
 
     /// One row a sample and method.
@@ -32,7 +35,7 @@ impl Comparison {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut rows = vec![HEAD.map(String::from)];
         for sample in &self.samples {
-            rows.extend(sample.attempts.iter().map(|a| row(sample, a)));
+            rows.extend(sample.attempts.iter().map(|a| row(sample, a, self.timing)));
         }
         for row in &rows {
             // Rows of one length into memory cannot fail.
@@ -51,7 +54,7 @@ impl Comparison {
                 "noise_floor_percent": sample.noise_floor_percent,
                 "best": sample.best().map(|b| &b.method),
                 "verdict": sample.verdict(),
-                "results": sample.attempts.iter().map(|a| result(sample, a)).collect::<Vec<_>>(),
+                "results": sample.attempts.iter().map(|a| result(sample, a, self.timing)).collect::<Vec<_>>(),
             })
         });
         json!({
@@ -77,14 +80,15 @@ const HEAD: [&str; 11] = [
     "error_percent",
     "noise_floor_percent",
     "simulation_noise_percent",
-    "seconds",
     "describes",
     "best",
     "parameters",
     "notes",
+    "seconds",
 ];
 
-fn row(sample: &SampleResult, attempt: &Attempt) -> [String; 11] {
+/// The time is the last column, empty if it is not to be said.
+fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
     let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
     let fit = attempt.entry().map(|e| &e.fit);
     [
@@ -94,30 +98,33 @@ fn row(sample: &SampleResult, attempt: &Attempt) -> [String; 11] {
         number(fit.map(|f| f.rmsd_percent)),
         number(sample.noise_floor_percent),
         number(fit.and_then(|f| f.simulation_noise_percent)),
-        number(fit.map(|f| f.seconds)),
         attempt.describes().to_string(),
         sample.is_best(attempt).to_string(),
         fit.map(parameters_text).unwrap_or_default(),
         attempt.notes().join("; "),
+        number(fit.filter(|_| timing).map(|f| f.seconds)),
     ]
 }
 
-fn result(sample: &SampleResult, attempt: &Attempt) -> Value {
+fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
     let fit = attempt.entry().map(|e| &e.fit);
     let model = attempt.result.as_ref().ok().map(|(_, model)| model);
-    json!({
+    let mut result = json!({
         "method": attempt.method,
         "label": attempt.label(),
         "error_percent": fit.map(|f| f.rmsd_percent),
         "simulation_noise_percent": fit.and_then(|f| f.simulation_noise_percent),
-        "seconds": fit.map(|f| f.seconds),
         "evaluations": fit.map(|f| f.evaluations),
         "describes": attempt.describes(),
         "best": sample.is_best(attempt),
         "parameters": model.map(|m| &m.parameters),
         "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),
         "notes": attempt.notes(),
-    })
+    });
+    if let Some(fit) = fit.filter(|_| timing) {
+        result["timing"] = json!({ "seconds": fit.seconds });
+    }
+    result
 }
 
 impl SampleResult {
@@ -185,6 +192,7 @@ mod tests {
             what: "No measured data.".into(),
             methods: ["a", "b", "map"].map(String::from).into(),
             samples: vec![sample("one", first), sample("two", second)],
+            timing: true,
         }
     }
 
@@ -195,7 +203,8 @@ mod tests {
             "| sample | a | b | map |",
             "| one (Rq = 1.47 um) | 1.54 % | **1.09 %** | - |",
             "| two (Rq = 1.47 um) | 2.50 % (no) | 3.50 % (no) | - |",
-            "| b | **1.089** | 0.125 | - | 0.25 | alpha = 0.1870 ± 0.0009 | best |  |",
+            "| b | **1.089** | 0.125 | - | alpha = 0.1870 ± 0.0009 | best |  |",
+            "| one (Rq = 1.47 um) | b | 0.25 |",
             "1. map: needs a map",
             "2. b: does not describe, \"limit\"",
             "No method describes this sample.",
@@ -226,14 +235,30 @@ mod tests {
             assert_eq!((&result["method"], &result["label"]), (&row[1].into(), &row[2].into()));
             let number = |text: &str| text.parse::<f64>().ok();
             assert_eq!(result["error_percent"].as_f64(), number(&row[3]));
-            assert_eq!(result["seconds"].as_f64(), number(&row[6]));
-            assert_eq!(result["describes"].to_string(), row[7]);
-            assert_eq!(result["best"].to_string(), row[8]);
+            assert_eq!(result["timing"]["seconds"].as_f64(), number(&row[10]));
+            assert_eq!(result["describes"].to_string(), row[6]);
+            assert_eq!(result["best"].to_string(), row[7]);
         }
-        assert_eq!(&rows[4][10], "does not describe, \"limit\"");
+        assert_eq!(&rows[4][9], "does not describe, \"limit\"");
         assert_eq!(json["samples"][0]["best"], "b");
         assert!(json["samples"][1]["best"].is_null());
         assert_eq!(json["samples"][0]["results"][1]["file"], "one-b.json");
         assert!(json["samples"][0]["results"][2]["file"].is_null());
+    }
+
+    #[test]
+    fn without_timing_nothing_tells_how_long_it_took() {
+        let quiet = |seconds: f64| {
+            let mut comparison = Comparison { timing: false, ..comparison() };
+            for attempt in comparison.samples.iter_mut().flat_map(|s| &mut s.attempts) {
+                if let Ok((entry, _)) = &mut attempt.result {
+                    entry.fit.seconds = seconds;
+                }
+            }
+            let page = crate::report::page(&comparison, &[]);
+            let json = comparison.json().to_string();
+            [comparison.text(), comparison.markdown(), comparison.csv(), json, page]
+        };
+        assert_eq!(quiet(0.25), quiet(86_400.0));
     }
 }

@@ -1,11 +1,10 @@
 //! Plots of a height map: the map in colours, its histogram, its radial spectrum.
 
 use std::ffi::OsString;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::FigureError;
-use crate::output::{AtomicFile, OutputError};
+use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Across, Curve, CurveStyle, Figure, MapPicture, Panel, Scale};
 use crate::surface::{HeightMap, Roughness, Spectrum};
 
@@ -43,7 +42,7 @@ impl MapFigureFiles {
     /// Draws and completes them; returns their paths.
     ///
     /// # Errors
-    /// [`FigureError`]; files completed before it stay.
+    /// [`FigureError`]; none is written then.
     pub fn write(self, figures: &MapFigures<'_>) -> Result<Vec<PathBuf>, FigureError> {
         let mut values = vec![f64::NAN; figures.map.nx() * figures.map.ny()];
         for (col, row, h) in figures.map.points() {
@@ -60,14 +59,10 @@ impl MapFigureFiles {
         if let Some(figure) = figures.spectrum.and_then(|s| radial(figures.title, s)) {
             contents.push(drawn(&figure)?);
         }
-        let mut written = Vec::new();
-        for (mut file, bytes) in self.0.into_iter().flatten().zip(contents.into_iter().flatten()) {
-            let path = file.path().to_owned();
-            file.write_all(&bytes)
-                .map_err(|source| OutputError::Write { path: path.clone(), source })?;
-            file.commit()?;
-            written.push(path);
-        }
+        let drawn: Vec<_> =
+            self.0.into_iter().flatten().zip(contents.into_iter().flatten()).collect();
+        let written = drawn.iter().map(|(file, _)| file.path().to_owned()).collect();
+        finish_all(drawn)?;
         Ok(written)
     }
 }

@@ -39,6 +39,7 @@ pub fn page(comparison: &Comparison, plots: &[Vec<Picture>]) -> String {
                         figure { (PreEscaped(&plot.svg)) figcaption { (plot.caption) } }
                     }
                 }
+                @if let Some(times) = comparison.times() { h2 { "Timing" } (times.html()) }
             }
         }
     }

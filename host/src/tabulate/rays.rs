@@ -64,14 +64,15 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         let views = [reflection.as_deref(), transmission.as_deref()];
         let any = views.into_iter().flatten().next()?;
         let (side, cos) = (any.side, any.cosine(j));
-        let found = gather(boundary, views, (side, cos), salted(rays, side, 11));
+        let found = gather(boundary, views, (side, cos), (salted(rays, side, 11), stop));
         fluxes.push(found.flux.map(|f| f / found.rays));
         if j + 1 < usize::from(count) {
             let cosines = any.cosines();
             let from = usize::from(GAIN_STEPS) * j;
             let next = from + usize::from(GAIN_STEPS);
             for cos in cosines[from + 2..next].iter().step_by(2) {
-                let counted = gather(boundary, [None; 2], (side, *cos), salted(fewer, side, 13));
+                let counted =
+                    gather(boundary, [None; 2], (side, *cos), (salted(fewer, side, 13), stop));
                 fluxes.push(counted.flux.map(|f| f / counted.rays));
             }
         }
@@ -83,6 +84,9 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
             }
         }
         progress();
+    }
+    if stop.load(Ordering::Relaxed) {
+        return None;
     }
     for (grid, lit) in [&mut reflection, &mut transmission].into_iter().zip(&lit) {
         if let Some(grid) = grid {
@@ -97,18 +101,21 @@ fn salted(rays: Rays, side: Side, salt: u64) -> Rays {
     Rays { seed: mix(rays.seed, if side == Side::Air { salt } else { salt + 1 }), ..rays }
 }
 
-/// Sends rays at a cosine of incidence; without lobes their flux alone is counted.
+/// Sends rays at a cosine of incidence, until `stop` is set; without lobes their flux alone is counted.
 fn gather<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&LobeGrid>; 2],
     (side, cos): (Side, f64),
-    rays: Rays,
+    (rays, stop): (Rays, &AtomicBool),
 ) -> Gathered {
     let tiles = rays.tiles(cos);
     let part = |number: u64| {
         let mut sum = [0, 1].map(|k| vec![0.0; lobes[k].map_or(0, plane_size)]);
         let mut flux = [0.0; 2];
         for tile in (number..tiles.count()).step_by(PARTS as usize) {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
             for k in 0..tiles.rays_each() {
                 let Some(ray) = trace(boundary, (side, cos), tiles, (tile, k)) else { continue };
                 let which = usize::from(ray.lobe == Lobe::Transmission);

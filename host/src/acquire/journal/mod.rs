@@ -32,6 +32,7 @@ use self::record::{Chain, Header};
 pub use self::record::{Stored, StoredCalibration};
 use super::plan::Plan;
 use crate::output::folder_of;
+use crate::scratch::Scratch;
 
 /// Largest journal, bytes: a thousand incidences of 1801 points have 150 MB.
 const MAX_BYTES: u64 = 256 << 20;
@@ -135,18 +136,18 @@ impl Journal {
         // those of an ordinary new file
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder).map_err(failed)?;
+        let mut file = Scratch::create(&builder, folder).map_err(failed)?;
         let model = ident.model.as_str().to_owned();
         let (serial, hash, nonce) = (ident.serial, plan.hash(), Some(draw()));
         let header = Header { serial, hash, nonce, model: model.clone() };
         let mut chain = Chain::NEW;
         let lines = record::header(&mut chain, &header, &plan.text());
         file.write_all(lines.as_bytes()).map_err(failed)?;
-        file.as_file().sync_all().map_err(failed)?;
-        lock(file.as_file(), &path)?;
-        let file = file.persist_noclobber(&path).map_err(|e| match e.error.kind() {
+        file.as_file().and_then(std::fs::File::sync_all).map_err(failed)?;
+        lock(file.as_file().map_err(failed)?, &path)?;
+        let file = file.persist_noclobber(&path).map_err(|e| match e.kind() {
             io::ErrorKind::AlreadyExists => JournalError::Exists { path: path.clone() },
-            _ => failed(e.error),
+            _ => failed(e),
         })?;
         // the name itself; not every file system can do this
         if let Ok(folder) = File::open(folder) {

@@ -1,0 +1,283 @@
+//! Pairs of directions from a file or a pipe of any length, a piece at a time.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+use asperity_core::direction::Direction;
+use rayon::prelude::*;
+use tempfile::SpooledTempFile;
+
+use super::error::Failure;
+use super::interrupt;
+use crate::input;
+use crate::message::excerpt;
+
+/// The first line.
+pub(super) const COLUMNS: &str = "wix,wiy,wiz,wox,woy,woz";
+/// Bytes that are read at a time.
+const PIECE: usize = 1 << 20;
+/// Longest line, bytes.
+const LINE: usize = 1 << 16;
+/// Most bytes of a pipe, which are kept on the disk until they have been checked.
+const MOST_PIPED: u64 = 4 << 30;
+/// Bytes of a pipe that are kept in memory.
+const IN_MEMORY: usize = 8 << 20;
+/// Deviation of a length from 1 that is taken as rounding; more is taken as a mistake.
+const LENGTH: f64 = 1e-3;
+
+/// A row: its text as it was, and its directions `wi` and `wo`.
+pub(super) type Pair<'a> = (&'a str, Direction<f64>, Direction<f64>);
+
+/// Where pairs come from. They can be gone through again: what comes from a pipe is kept.
+pub(super) struct Pairs {
+    name: String,
+    source: Source,
+}
+
+enum Source {
+    File(File),
+    /// A pipe and what has been read of it.
+    Pipe(Box<dyn Read>, SpooledTempFile),
+    Kept(SpooledTempFile),
+}
+
+impl Pairs {
+    /// Opens a file; stdin without one, or for `-`.
+    pub(super) fn open(input: Option<&Path>) -> Result<Self, Failure> {
+        let pipe = |from: Box<dyn Read>| Source::Pipe(from, SpooledTempFile::new(IN_MEMORY));
+        let Some(path) = input.filter(|path| *path != Path::new("-")) else {
+            return Ok(Self { name: "stdin".into(), source: pipe(Box::new(std::io::stdin())) });
+        };
+        let name = path.display().to_string();
+        let failed = |e| Failure::bad(format!("{name}: cannot be read ({e}); check the path"));
+        if path.is_dir() {
+            return Err(failed(std::io::Error::new(ErrorKind::IsADirectory, "it is a folder")));
+        }
+        let file = input::open(path).map_err(failed)?;
+        let source = if path.is_file() { Source::File(file) } else { pipe(Box::new(file)) };
+        Ok(Self { name, source })
+    }
+
+    /// Goes through all pairs, in order, some thousands at a time.
+    ///
+    /// # Errors
+    /// Those of `work`; a line that holds no pair; a signal.
+    pub(super) fn each(
+        &mut self,
+        mut work: impl FnMut(&[Pair<'_>]) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let name = self.name.clone();
+        let failed = |e| Failure::bad(format!("{name}: cannot be read ({e}); check the path"));
+        self.source.rewind().map_err(failed)?;
+        let mut lines = Lines { name: &name, header: false, count: 0 };
+        let (mut bytes, mut length) = (Vec::new(), 0);
+        loop {
+            // who waits for a pipe cannot look at a flag: there a signal ends the program
+            let is_pipe = matches!(self.source, Source::Pipe(..));
+            if !is_pipe && interrupt::flag().load(Ordering::SeqCst) {
+                return Err(Failure::No("interrupted before all pairs were evaluated".into()));
+            }
+            let kept = bytes.len();
+            let read = self.source.read(&mut bytes).map_err(failed)?;
+            length += read as u64;
+            if length > MOST_PIPED && is_pipe {
+                let most = MOST_PIPED >> 30;
+                return Err(Failure::bad(format!(
+                    "{name}: more than {most} GiB come from the pipe; give fewer pairs, or a file with --input"
+                )));
+            }
+            let last = bytes[kept..].iter().rposition(|b| *b == b'\n').map(|k| kept + k + 1);
+            let end = if read == 0 { bytes.len() } else { last.unwrap_or(0) };
+            let rest = bytes.split_off(end);
+            if rest.len() > LINE {
+                return Err(lines.bad(lines.count + 1, "the line is too long; write six numbers"));
+            }
+            let text = std::str::from_utf8(&bytes).map_err(|_| {
+                let what = format!("{name}: is not text; give CSV with the columns {COLUMNS}");
+                Failure::Bad(what)
+            })?;
+            let pairs = lines.parse(text)?;
+            if !pairs.is_empty() {
+                work(&pairs)?;
+            }
+            if read == 0 {
+                break;
+            }
+            bytes = rest;
+        }
+        self.source.is_read();
+        if lines.header {
+            Ok(())
+        } else {
+            Err(lines
+                .bad(1, &format!("there is nothing to read; the first line must be `{COLUMNS}`")))
+        }
+    }
+}
+
+impl Source {
+    fn rewind(&mut self) -> std::io::Result<()> {
+        match self {
+            Self::File(file) => file.seek(SeekFrom::Start(0)).map(|_| ()),
+            Self::Kept(file) => file.seek(SeekFrom::Start(0)).map(|_| ()),
+            Self::Pipe(..) => Ok(()),
+        }
+    }
+
+    /// Adds the next piece; gives its length, 0 at the end.
+    fn read(&mut self, bytes: &mut Vec<u8>) -> std::io::Result<usize> {
+        let from = bytes.len();
+        match self {
+            Self::File(file) => file.take(PIECE as u64).read_to_end(bytes),
+            Self::Kept(file) => file.take(PIECE as u64).read_to_end(bytes),
+            Self::Pipe(pipe, kept) => {
+                let read = pipe.take(PIECE as u64).read_to_end(bytes)?;
+                kept.write_all(&bytes[from..])?;
+                Ok(read)
+            }
+        }
+    }
+
+    /// All of a pipe is read: from now on it is what was kept.
+    fn is_read(&mut self) {
+        if let Self::Pipe(_, kept) = self {
+            *self = Self::Kept(std::mem::replace(kept, SpooledTempFile::new(IN_MEMORY)));
+        }
+    }
+}
+
+/// How far the text is read.
+struct Lines<'a> {
+    name: &'a str,
+    /// Whether the line with the columns has been seen.
+    header: bool,
+    /// Lines so far.
+    count: usize,
+}
+
+impl Lines<'_> {
+    fn bad(&self, line: usize, what: &str) -> Failure {
+        Failure::bad(format!("{}:{line}: {what}", self.name))
+    }
+
+    /// The pairs of the next lines.
+    fn parse<'t>(&mut self, text: &'t str) -> Result<Vec<Pair<'t>>, Failure> {
+        let mut rows = Vec::new();
+        for line in text.lines() {
+            self.count += 1;
+            let line = line.trim().trim_start_matches('\u{feff}');
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            if self.header {
+                rows.push((self.count, line));
+                continue;
+            }
+            let found: String = line.split(',').map(str::trim).collect::<Vec<_>>().join(",");
+            if found != COLUMNS {
+                return Err(self.bad(self.count, &format!("the first line must be `{COLUMNS}`")));
+            }
+            self.header = true;
+        }
+        let parsed: Vec<Result<Pair<'_>, String>> =
+            rows.par_iter().map(|(_, line)| pair(line)).collect();
+        let named = |(parsed, (line, _)): (Result<_, String>, &(usize, &str))| {
+            parsed.map_err(|what| self.bad(*line, &what))
+        };
+        parsed.into_iter().zip(&rows).map(named).collect()
+    }
+}
+
+/// The pairs of a whole text.
+#[cfg(test)]
+pub(super) fn parse(text: &str) -> Result<Vec<Pair<'_>>, Failure> {
+    Lines { name: "pairs", header: false, count: 0 }.parse(text)
+}
+
+/// The pair in a row.
+fn pair(line: &str) -> Result<Pair<'_>, String> {
+    let mut v = [0.0; 6];
+    let mut count = 0;
+    for field in line.split(',') {
+        let field = field.trim();
+        let value = field.parse::<f64>().ok().filter(|x| x.is_finite());
+        let not_finite =
+            || format!("`{}` is not a finite number; write one like 0.5", excerpt(field));
+        let value = value.ok_or_else(not_finite)?;
+        if let Some(slot) = v.get_mut(count) {
+            *slot = value;
+        }
+        count += 1;
+    }
+    if count != 6 {
+        return Err(format!("{count} values; write six: {COLUMNS}"));
+    }
+    let direction = |which: &str, v: &[f64]| {
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if (length - 1.0).abs() > LENGTH {
+            return Err(format!("{which} has length {length}; give a unit vector"));
+        }
+        Direction::new(v[0], v[1], v[2]).ok_or_else(|| format!("{which} is no direction"))
+    };
+    Ok((line, direction("wi", &v[..3])?, direction("wo", &v[3..])?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COLUMNS, Pairs, Source};
+    use std::io::Read;
+    use tempfile::SpooledTempFile;
+
+    /// A pipe that gives a few bytes at a time.
+    struct Slow(Vec<u8>, usize);
+
+    impl Read for Slow {
+        fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+            let n = buffer.len().min(7).min(self.0.len() - self.1);
+            buffer[..n].copy_from_slice(&self.0[self.1..self.1 + n]);
+            self.1 += n;
+            Ok(n)
+        }
+    }
+
+    fn piped(text: String) -> Pairs {
+        let pipe = Box::new(Slow(text.into_bytes(), 0));
+        Pairs { name: "pipe".into(), source: Source::Pipe(pipe, SpooledTempFile::new(100)) }
+    }
+
+    #[test]
+    fn pieces_hold_what_the_whole_holds_twice() {
+        let rows: Vec<String> = (0..40_000)
+            .map(|k| {
+                format!(
+                    "{:e},0,1,0,0,{}1",
+                    1e-6 * f64::from(k % 1000),
+                    if k % 2 == 0 { "" } else { "-" }
+                )
+            })
+            .collect();
+        let mut pairs = piped(format!("# comment\n{COLUMNS}\r\n\n{}", rows.join("\n")));
+        for _ in 0..2 {
+            let (mut found, mut pieces) = (Vec::new(), 0);
+            let add = |piece: &[super::Pair<'_>]| {
+                pieces += 1;
+                found.extend(piece.iter().map(|p| p.0.to_owned()));
+                Ok(())
+            };
+            assert!(pairs.each(add).is_ok());
+            assert!(found == rows && pieces > 0, "{} in {pieces}", found.len());
+        }
+    }
+
+    #[test]
+    fn the_first_bad_line_is_named_wherever_it_is() {
+        let good = "0,0,1,0,0,1\n".repeat(120_000);
+        let mut pairs = piped(format!("{COLUMNS}\n{good}0,0,1,0,0,2\n{good}x\n"));
+        let error = format!("{:?}", pairs.each(|_| Ok(())).unwrap_err());
+        assert!(error.contains("pipe:120002: wo has length 2"), "{error}");
+        let error = format!("{:?}", piped("0".repeat(3 << 20)).each(|_| Ok(())).unwrap_err());
+        assert!(error.contains("pipe:1: the line is too long"), "{error}");
+    }
+}
