@@ -164,6 +164,8 @@ impl<T: Transport> Session<'_, '_, T> {
     }
 
     fn check_settings(&self, status: &Status) -> Result<(), LinkError> {
+        // a fault that puts the lamp out is the fault
+        self.client.refuse_fault(status)?;
         Conditions::of(self.plan).check(status).map_err(|trouble| self.client.fail(trouble))
     }
 

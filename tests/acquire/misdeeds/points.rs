@@ -60,7 +60,11 @@ fn places() -> Vec<Misdeed> {
         misdeed("every third point lost", Completes, lost(3)),
         misdeed("all points lost", overdue, lost(1)),
         misdeed("points in pairs, the later first", Completes, swapped),
-        misdeed("points counted backwards", overdue, point(|p| p.index = 40 - p.index)),
+        misdeed(
+            "points counted backwards",
+            Ends(&["it was read at"]),
+            point(|p| p.index = 40 - p.index),
+        ),
         misdeed("points of another segment", overdue, point(|p| p.segment ^= 1)),
         misdeed(
             "points of another session",
