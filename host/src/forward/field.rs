@@ -6,7 +6,7 @@
 //! polar angle, solved directly: no series is cut off, however long total reflection keeps the light. Nodes of the polar
 //! angle are Gauss's on both sides of the critical angle of the smooth face, where `F` has a kink.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
@@ -15,6 +15,8 @@ use rayon::prelude::*;
 
 use super::aperture::asinh;
 use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
+use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
+use super::triangles::{factorise, solve};
 
 /// A polar angle inside, measured from the normal.
 #[derive(Clone, Copy, Debug)]
@@ -359,121 +361,5 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
                 }
             }
         }
-    }
-}
-
-/// Modes of the light that the rough face sends inwards, those of each node together.
-#[derive(Debug)]
-pub(super) struct Sent {
-    /// By the first hit, on the fine nodes; none if that light came from the air.
-    first: Vec<f64>,
-    /// By later hits.
-    later: Vec<f64>,
-}
-
-/// How a view in the air answers to modes of light on the nodes.
-#[derive(Debug)]
-struct Response {
-    first: Vec<f64>,
-    later: Vec<f64>,
-}
-
-/// How views in the air answer to the light inside.
-#[derive(Debug)]
-pub(super) struct Windows {
-    grid: PolarGrid,
-    responses: Vec<Response>,
-    modes: usize,
-}
-
-impl Windows {
-    /// Flux per solid angle outside, in the plane of incidence.
-    pub(super) fn profile(&self, sent: &Sent) -> Profile {
-        let value = |response: &Response| {
-            let mut product = vec![0.0; self.modes];
-            for (response, sent) in [(&response.first, &sent.first), (&response.later, &sent.later)]
-            {
-                let nodes = response.chunks_exact(self.modes).zip(sent.chunks_exact(self.modes));
-                for (r, s) in nodes {
-                    for ((p, r), s) in product.iter_mut().zip(r).zip(s) {
-                        *p += r * s;
-                    }
-                }
-            }
-            in_the_plane(&product)
-        };
-        Profile { grid: self.grid.clone(), values: self.responses.iter().map(value).collect() }
-    }
-}
-
-/// A function in the plane of incidence.
-#[derive(Debug)]
-pub(super) struct Profile {
-    grid: PolarGrid,
-    /// At azimuth 0 and at pi.
-    values: Vec<[f64; 2]>,
-}
-
-impl Profile {
-    /// Both sides the same: what a beam along the normal gives but for the rounding of the rules.
-    pub(super) fn balanced(mut self) -> Self {
-        for [ahead, behind] in &mut self.values {
-            let mean = 0.5 * (*ahead + *behind);
-            (*ahead, *behind) = (mean, mean);
-        }
-        self
-    }
-
-    /// At a signed angle.
-    pub(super) fn at(&self, angle: f64) -> f64 {
-        let stencil = self.grid.at(angle);
-        stencil.iter().map(|(k, turned, w)| w * self.values[k][usize::from(turned)]).sum()
-    }
-}
-
-/// A function's values at azimuths 0 and pi from its modes.
-///
-/// The last modes fade out: a series that ends abruptly rings at all azimuths, and the dark side of a lobe is far darker
-/// than its peak.
-fn in_the_plane(modes: &[f64]) -> [f64; 2] {
-    let mut sums = [0.0; 2];
-    for (m, mode) in modes.iter().enumerate() {
-        let fourth = (m as f64 / modes.len() as f64).powi(4);
-        sums[m & 1] += mode * (-FADE * fourth * fourth).exp();
-    }
-    let first = modes.first().copied().unwrap_or(0.0);
-    [sums[0] + sums[1], sums[0] - sums[1]].map(|sum| (2.0 * sum - first) / (2.0 * PI))
-}
-
-/// How far the last mode fades, natural logarithm.
-const FADE: f64 = 14.0;
-
-/// Splits a matrix into triangles, in place; it is `1 - M` with `M` of norm below 1, so that no row need be exchanged.
-fn factorise(matrix: &mut [f64], n: usize) {
-    for k in 0..n {
-        let (above, below) = matrix.split_at_mut((k + 1) * n);
-        let pivot_row = &above[k * n..];
-        let inverse = 1.0 / pivot_row[k];
-        for row in below.chunks_exact_mut(n) {
-            let factor = row[k] * inverse;
-            row[k] = factor;
-            for (value, pivot) in row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
-                *value -= factor * pivot;
-            }
-        }
-    }
-}
-
-/// Solves with a matrix split by [`factorise`], in place.
-fn solve(factors: &[f64], n: usize, x: &mut [f64]) {
-    for k in 0..n {
-        let row = &factors[k * n..][..k];
-        let sum: f64 = row.iter().zip(&x[..k]).map(|(f, x)| f * x).sum();
-        x[k] -= sum;
-    }
-    for k in (0..n).rev() {
-        let row = &factors[k * n..][..n];
-        let sum: f64 = row[k + 1..].iter().zip(&x[k + 1..]).map(|(f, x)| f * x).sum();
-        x[k] = (x[k] - sum) / row[k];
     }
 }

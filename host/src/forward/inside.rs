@@ -6,8 +6,9 @@ use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use super::aperture::Node;
-use super::field::{Inside, Profile, Windows};
+use super::field::Inside;
 use super::optics::Entry;
+use super::profile::{Profile, Windows};
 use super::{Sample, Setup};
 
 /// Slope of the facets from which on the rule resolves all lobes.

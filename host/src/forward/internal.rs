@@ -1,4 +1,4 @@
-//! Light that meets the rough face more than once: internal passes, by a fixed low-discrepancy rule.
+//! Light that meets the rough face more than once, of lobes too narrow for [`super::field`]: by a fixed low-discrepancy rule.
 //!
 //! What leaves after the first hit is known in closed form. What stays is followed as a fixed number of
 //! weighted rays, all lobes taken with their Fresnel share and none chosen, so that the result is a

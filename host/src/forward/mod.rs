@@ -7,6 +7,8 @@
 mod optics;
 mod aperture;
 mod azimuth;
+mod profile;
+mod triangles;
 mod field;
 mod inside;
 mod internal;

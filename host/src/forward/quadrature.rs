@@ -24,7 +24,7 @@ pub enum Effort {
     Draft,
     /// Internal passes included: what a result is computed with.
     Full,
-    /// The same with eight times the rays inside: those of a table weigh unevenly.
+    /// The same, where rays are followed inside with eight times as many: those of a table weigh unevenly.
     Fine,
     /// Internal passes alone, where first hits are known otherwise.
     Passes,
@@ -60,7 +60,8 @@ impl Neglected {
 /// Simulates a scan of `boundary` in a `setup`.
 ///
 /// First hit of the rough face: integrated over each detector's cone in closed form along one
-/// coordinate. Internal passes: a fixed low-discrepancy rule, until less than 2e-4 of the beam is left.
+/// coordinate. Later hits: the field inside the plate is solved for; where slopes are below 0.015 a fixed low-discrepancy
+/// rule, until less than 2e-4 of the beam is left.
 pub fn quadrature<B: Bsdf<f64> + Sync>(
     boundary: &B,
     setup: &Setup,
@@ -204,7 +205,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         let first = (first - first % STRIDE).saturating_sub(2 * STRIDE);
         let after = nodes.iter().rposition(seen).map_or(nodes.len(), |k| k + 1);
         let after = (after.next_multiple_of(STRIDE) + 2 * STRIDE + 1).min(nodes.len());
-        let every = if self.setup.geometry == Geometry::Reflection { 3 } else { 6 };
+        let every = if self.setup.geometry == Geometry::Reflection { 3 } else { 12 };
         let last = lines.len() - 1;
         let mut neglected = Neglected::default();
         let mut computed: Vec<(f64, Vec<f64>)> = Vec::new();
@@ -310,7 +311,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         };
         // A cone wider than the lobe averages over it.
         let narrow = self.scale <= self.setup.aperture_deg.to_radians();
-        let count = if narrow && count > 256 { count / 4 } else { count };
+        let count = if narrow && count > 64 { count / 4 } else { count };
         let count = if self.effort == Effort::Fine { 8 * count } else { count };
         let found = passes(self.boundary, eta, &self.entry, &views, count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
