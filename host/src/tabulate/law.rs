@@ -49,7 +49,7 @@ impl LobeGrid {
                 }
                 for k in 1..rows.len() {
                     if rows[k].is_none() {
-                        rows[k].clone_from(&rows[k - 1]);
+                        rows[k] = rows.get(k - 1).cloned().flatten();
                     }
                 }
                 let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
