@@ -131,6 +131,9 @@ pub const ARRAYS: Arrays<'static, u16> = Arrays {
     fluxes: &FLUXES,
 };
 
+/// CRC-32C of the header and the arrays, for `HEADER.verified(ARRAYS, CHECKSUM)`, with the feature `checksum` of core.
+pub const CHECKSUM: u32 = 0xe598_617a;
+
 /// The table: a constant, so that the device has nothing to do before it evaluates.
 pub static TABLE: BsdfTableRef<'static, u16> = match HEADER.view(ARRAYS) {
     Some(table) => table,

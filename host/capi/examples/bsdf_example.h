@@ -16,6 +16,9 @@ static const float bsdf_example_scales[4][3] = { { 0.0f, 0.0f, 0.0f }, { 0.24943
 static const uint16_t bsdf_example_flux_incidences[2] = { 25, 0 };
 static const float bsdf_example_flux_grazing[2] = { 0.0f, 0.0f };
 
+/* CRC-32C of all numbers and arrays */
+static const uint32_t bsdf_example_checksum = 0xe598617au;
+
 static const float bsdf_example_gains[65] = {
     7.444531e-11f, 7.444532e-11f, 7.444531e-11f, 7.444529e-11f, 7.444525e-11f, 7.444519e-11f, 7.4445124e-11f, 7.444504e-11f, 7.4444936e-11f, 7.444461e-11f, 7.444427e-11f, 7.444391e-11f, 7.444353e-11f, 7.444314e-11f, 7.444272e-11f, 7.444228e-11f,
     7.4441814e-11f, 7.4441314e-11f, 7.44408e-11f, 7.4440246e-11f, 7.443967e-11f, 7.443906e-11f, 7.4438414e-11f, 7.443774e-11f, 7.4437026e-11f, 7.44361e-11f, 7.4435146e-11f, 7.4434126e-11f, 7.443306e-11f, 7.443193e-11f, 7.4430746e-11f, 7.442949e-11f,

@@ -80,6 +80,10 @@ enum asperity_status
    A table reflects and transmits more light than there is.
    */
   ASPERITY_STATUS_TABLE_ENERGY = 12,
+  /*
+   The checksum of a table is another: a bit of its numbers or arrays is not what it was.
+   */
+  ASPERITY_STATUS_TABLE_CHECKSUM = 13,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -292,6 +296,10 @@ typedef struct asperity_table_source {
    */
   const uint16_t *fluxes;
   /*
+   CRC-32C of all the numbers and arrays; null for a table without one, whose damage goes unseen.
+   */
+  const uint32_t *checksum;
+  /*
    Length of `gains`.
    */
   size_t gains_length;
@@ -458,7 +466,7 @@ asperity_status asperity_normals_sample_batch(const struct asperity_normals *nor
                                               struct asperity_ray *rays);
 
 /*
- Checks the arrays of `source` and views them: they must outlive the object and its copies. `tier` is an
+ Checks the arrays of `source`, and their checksum, and views them: they must outlive the object and its copies. `tier` is an
  `asperity_tier`.
  */
 asperity_status asperity_table_init(struct asperity_table *table,
@@ -523,7 +531,7 @@ asperity_status asperity_table_sample_batch(const struct asperity_table *table,
                                             struct asperity_ray *rays);
 
 /*
- The same without a look at the numbers in the arrays, for a table that `asperity_table_init` has taken elsewhere, such as
+ The same without a look at the numbers in the arrays and at the checksum, for a table that `asperity_table_init` has taken elsewhere, such as
  in the tests of a firmware: it spares flash and start-up time. Lengths are checked; other numbers than those that
  were taken give wrong values, and nothing worse.
  */
@@ -580,6 +588,7 @@ const char *asperity_status_text(int32_t status);
 #define ASPERITY_TABLE_SOURCE(name)                                                                 \
   { &name##_eta, &name##_slope, &name##_lobes[0][0], &name##_scales[0][0], name##_flux_incidences,  \
     name##_flux_grazing, name##_gains, name##_values, name##_quantiles, name##_leans, name##_fluxes, \
+    &name##_checksum,                                                                               \
     sizeof name##_gains / sizeof name##_gains[0], sizeof name##_values / sizeof name##_values[0],   \
     sizeof name##_quantiles / sizeof name##_quantiles[0],                                           \
     sizeof name##_leans / sizeof name##_leans[0], sizeof name##_fluxes / sizeof name##_fluxes[0],   \
