@@ -4,8 +4,9 @@
 //!
 //! Lengths in vacuum wavelengths. The long profile is split off with the filter of `surface::split` and traced by the ray
 //! engine; the short one scatters by Kirchhoff's law of its known autocorrelation, in the plane across the grooves.
-//! Printed: eq. (18) in % of the peak against the rigorous curve for waves, rays (both of the atlas), the hybrid with one split (q_z
-//! of transmission, as the library has it), and with a split by the q_z of each lobe.
+//! Printed: eq. (18) in % of the peak against the rigorous curve for waves, rays (both of the atlas), the hybrid with one split
+//! (`q_z` of transmission, as the library has it), and with a split by the `q_z` of each lobe.
+#![expect(clippy::print_stdout, clippy::expect_used, reason = "a program for measurements")]
 
 use std::f64::consts::{LN_2, PI, TAU};
 use std::path::Path;
@@ -268,7 +269,7 @@ impl Facet for Grooved<'_> {
     ) -> Option<Turned> {
         let ([fx, _, fz], [mx, _, mz]) = (from.xyz().map(f64::from), m.xyz().map(f64::from));
         let wi = [fx * mz - fz * mx, fx * mx + fz * mz];
-        if (wi[1] > 0.0) != above || wi[1] == 0.0 {
+        if (wi[1] > 0.0) != above || wi[1].abs() <= 0.0 {
             return None;
         }
         let (wo, weight) = self.0.sample(wi, uniform)?;
@@ -331,10 +332,9 @@ fn hybrid(
                     let Some((wo, weight)) = ray else { continue };
                     let out = wo[0].atan2(wo[1].abs()).to_degrees();
                     let lobe = usize::from((wo[1] > 0.0) != above);
-                    for k in 0..179 {
-                        let at = k as f64 - 89.0;
-                        if (out - at).abs() <= 1.0 {
-                            found[lobe][k] += 0.5 * weight / rays.count as f64;
+                    for (k, flux) in found[lobe].iter_mut().enumerate() {
+                        if (out - (k as f64 - 89.0)).abs() <= 1.0 {
+                            *flux += 0.5 * weight / rays.count as f64;
                         }
                     }
                 }
@@ -343,8 +343,8 @@ fn hybrid(
             .collect();
         let mut sum: Curves = [vec![0.0; 179], vec![0.0; 179]];
         for block in &blocks {
-            for lobe in 0..2 {
-                sum[lobe].iter_mut().zip(&block[lobe]).for_each(|(a, b)| *a += b);
+            for (all, part) in sum.iter_mut().zip(block) {
+                all.iter_mut().zip(part).for_each(|(a, b)| *a += b);
             }
         }
         sum
