@@ -65,8 +65,8 @@ fn one_standard_error_covers_two_of_three_truths() {
             }
         }
         println!("{}: {covered:?} of 40 within one standard error", method.name());
-        // 27.3 expected, 2.9 its own scatter; errors are the largest of three estimates
-        assert!(covered.iter().all(|c| (20..=36).contains(c)), "{} {covered:?}", method.name());
+        // 27.3 expected within three times its own scatter of 2.9
+        assert!(covered.iter().all(|c| (18..=36).contains(c)), "{} {covered:?}", method.name());
     }
 }
 

@@ -13,7 +13,7 @@ use crate::surface::spectrum::Anisotropy;
 use crate::surface::split::split;
 use crate::surface::{Edges, HeightMap, Roughness, Spectrum};
 
-/// The boundary. Its speckle is always averaged: the short waves are known to it by their statistics.
+/// The boundary. One split, by the `q_z` of transmission, serves all lobes. Its speckle is always averaged: the short waves are known to it by their statistics.
 #[derive(Clone, Debug)]
 pub struct HybridBoundary {
     parts: Parts,

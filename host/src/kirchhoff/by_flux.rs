@@ -270,7 +270,9 @@ impl Cells {
             (sum / all) as f32
         };
         let cumulated = masses.into_iter().map(added).collect();
-        Self { flux: all * beam.wi.z().abs(), cumulated, rings }
+        // the masses are for drawing; what is given and received is summed with care
+        let flux = law.over_rings(&optics, beam.wi) * beam.wi.z().abs();
+        Self { flux, cumulated, rings }
     }
 
     /// A ray of the diffuse light, weighing its flux.

@@ -32,7 +32,8 @@ impl WaveBoundary {
         self.wavelengths.iter().map(one).sum()
     }
 
-    fn over_rings(&self, optics: &Optics, wi: Direction<f64>) -> f64 {
+    /// The same for the light of one beam.
+    pub(super) fn over_rings(&self, optics: &Optics, wi: Direction<f64>) -> f64 {
         let Some(within) = Within::of(optics) else { return 0.0 };
         let [x, y] = optics.tangent([0.0; 2]);
         let a = x.hypot(y);

@@ -43,12 +43,15 @@ impl MeasuredMap {
         let side = (dx * map.nx() as f64).min(dy * map.ny() as f64);
         // From no effect on waves of two points, to all but the longest waves.
         let (least, most) = (0.5 * dx.min(dy), side.max(4.0 * dx.max(dy)));
+        // a search near the pixel alone would not see a filter of many of them
+        let starts = [2.0, 8.0, 32.0].map(|pixels| pixels * dx.max(dy));
+        let starts = starts.into_iter().filter(|start| *start <= 0.5 * most).collect();
         let cutoff = Parameter {
             name: "cutoff_um",
             unit: "um",
             bounds: (least, most),
             scale: Scale::Log,
-            starts: Cow::Owned(vec![2.0 * dx.max(dy)]),
+            starts: Cow::Owned(starts),
             none: Some(0.0),
         };
         let parameters = if with_cutoff { vec![SCALE, cutoff] } else { vec![SCALE] };
