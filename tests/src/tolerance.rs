@@ -191,7 +191,7 @@ table! {
     REAL_WIDTH = 0.05, "angles of half and nine tenths of its diffuse light, relative",
         "one map: speckle, and windows differ";
     WAVE_ENERGY = 0.01, "R + T of orders above 1, absolute", "Kirchhoff's own error at rms slopes of 0.07";
-    NOISE_FLOOR = 0.12, "noise floor beside a fit against the noise that was added, relative",
+    NOISE_FLOOR = 0.15, "noise floor beside a fit against the noise that was added, relative",
         "noise that grows with a narrow lobe is that of some twenty readings";
     LIT_ORDERS = 0.03, "orders of a map that alone is lit against sums over its tangent planes, rms relative",
         "heights at the rim are those half a pixel inside: 2.5e-3, 0.02 beyond the critical angle, where all light is little";
