@@ -3,13 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use asperity::kirchhoff::{Beam, BeamOrders, Tiling, orders};
-use asperity::surface::{Edges, HeightMap, Preparation, Purpose};
+use asperity::surface::{Edges, Fill, HeightMap, Preparation, Purpose};
 use asperity_core::bsdf::Lobe;
 use asperity_tests::kirchhoff::{intensity, lit_order, obliquity};
 use asperity_tests::oracle::fresnel;
 use asperity_tests::{data, tolerance};
 
-use super::surfaces::{ETA, Gaussian, LOBES, WAVELENGTH_UM, all, beam};
+use super::surfaces::{ETA, Gaussian, LOBES, WAVELENGTH_UM, all, beam, boundary};
 use crate::common::ior;
 
 fn lit(map: &HeightMap, beams: &[Beam]) -> Vec<BeamOrders> {
@@ -66,7 +66,8 @@ fn orders_of_a_patch_are_sums_over_tangent_planes() {
             let wanted = [square(exact.amplitude) * 0.25, square(whole) * 0.25 / incident];
             // near the horizon power is a mean over a cell, which is wide here
             let values = [(order.intensity, true), (order.power, order.wo.z().abs() > 0.7)];
-            let little = exact.upright < 0.1;
+            // reflected light always has a q_z of its own
+            let little = lobe == Lobe::Transmission && exact.upright < 0.1;
             for (k, (value, meant)) in values.into_iter().enumerate().filter(|(_, v)| v.1) {
                 assert!(meant && value.is_finite());
                 for kind in [0, 1].into_iter().filter(|kind| *kind == 0 || little) {
@@ -83,8 +84,11 @@ fn orders_of_a_patch_are_sums_over_tangent_planes() {
         });
         println!("{:.3} {lobe:?}: {count} orders, rms {relative:.4?}", wi.z());
         if count > 20 {
-            for error in relative.as_flattened() {
-                assert!(*error < tolerance::LIT_ORDERS.allowed, "{wi:?} {lobe:?} {relative:?}");
+            for (errors, limit) in
+                relative.iter().zip([tolerance::LIT_ORDERS, tolerance::LIT_LITTLE_Q_Z])
+            {
+                let worst = errors[0].max(errors[1]);
+                assert!(worst < limit.allowed, "{wi:?} {lobe:?} {relative:?}");
             }
         }
     }
@@ -101,25 +105,28 @@ fn a_flat_patch_keeps_fresnels_flux() {
         let (flux, coherent) = found.totals();
         println!("{:.3} {lobe:?}: {flux:.5}, {coherent:.5} of {exact:.5}", wi.z());
         // what is diffracted beyond the horizon is lost
-        assert!(
-            (flux - exact).abs() < tolerance::LIT_FLAT.allowed,
-            "{wi:?} {lobe:?} {flux} {exact}"
-        );
+        let grazes = wi.z().abs() < 0.3;
+        let lost = if grazes { tolerance::LIT_GRAZING } else { tolerance::LIT_FLAT };
+        let off = exact - flux;
+        assert!(off > -1e-4 && off < lost.allowed, "{wi:?} {lobe:?} {flux} {exact}");
         assert!((coherent - exact).abs() < tolerance::FLAT_WAVE.allowed, "{coherent} {exact}");
     }
 }
 
-/// Sums of both lobes of a patch beside those of the surface that goes on.
+/// Sums of both lobes of a patch beside those of the mean law, an integral that knows no single orders.
 fn balance(name: &str, map: &HeightMap, edges: Edges, angles: &[f64]) {
     let beams = both_sides(angles);
-    let (patch, whole) = (lit(map, &beams), all(map, edges, &beams));
-    for ((patch, whole), beam) in patch.chunks(2).zip(whole.chunks(2)).zip(beams.chunks(2)) {
-        let sum = |both: &[BeamOrders]| both.iter().map(|o| o.totals().0).sum::<f64>();
-        let (found, other) = (sum(patch), sum(whole));
-        println!("{name} {:.3}: R + T {found:.4}, going on {other:.4}", beam[0].wi.z());
-        let off = (found - other).abs();
-        assert!(off < tolerance::LIT_ENERGY.allowed, "{name} {:?} {found} {other}", beam[0].wi);
-        assert!(found < 1.0 + tolerance::WAVE_ENERGY.allowed, "{name} {:?} {found}", beam[0].wi);
+    let law = boundary(map, edges);
+    for (both, beam) in lit(map, &beams).chunks(2).zip(beams.chunks(2)) {
+        let wi = beam[0].wi;
+        let found: f64 = both.iter().map(|o| o.totals().0).sum();
+        let coherent = law.coherent(wi);
+        let diffuse: f64 = LOBES.map(|lobe| law.diffuse_flux(wi, lobe)).iter().sum();
+        let mean = coherent.reflected + coherent.transmitted + diffuse;
+        println!("{name} {:.3}: R + T {found:.4}, mean law {mean:.4}", wi.z());
+        let off = (found - mean).abs();
+        assert!(off < tolerance::LIT_ENERGY.allowed, "{name} {wi:?} {found} {mean}");
+        assert!(found < 1.0 + tolerance::WAVE_ENERGY.allowed, "{name} {wi:?} {found}");
     }
 }
 
@@ -132,7 +139,8 @@ fn a_patch_scatters_as_much_light_as_falls_on_it() {
     for (name, angles) in files {
         let path = format!("topography/SurfaceTopography/{name}");
         let Some(path) = data::find(&path) else { return };
-        let map = Preparation::default().load(&path, Purpose::Light).unwrap().map;
+        let filled = Preparation { fill: Some(Fill::Harmonic), ..Preparation::default() };
+        let map = filled.load(&path, Purpose::Light).unwrap().map;
         balance(name, &map, Edges::Mirrored, angles);
     }
 }
