@@ -3,6 +3,8 @@
 mod unit;
 mod words;
 mod options;
+mod vocabulary;
+mod sentence;
 mod said;
 mod bytes;
 mod text;
