@@ -81,6 +81,10 @@ struct Identity {
 
 impl Identity {
     fn of(path: &Path) -> Self {
+        if is_device(path) {
+            // it takes what comes, from whom it comes
+            return Self { path: PathBuf::new(), inode: None };
+        }
         let path = destination(path);
         Self { inode: std::fs::metadata(&path).ok().as_ref().and_then(inode), path: folded(path) }
     }
@@ -174,6 +178,19 @@ impl Custody {
 
     #[cfg(not(unix))]
     fn add_standard(&mut self) {}
+}
+
+/// Whether this is a device, such as `/dev/null`.
+#[cfg(unix)]
+fn is_device(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = std::fs::metadata(path).map(|found| found.file_type());
+    kind.is_ok_and(|kind| kind.is_char_device() || kind.is_block_device())
+}
+
+#[cfg(not(unix))]
+fn is_device(_: &Path) -> bool {
+    false
 }
 
 /// Device and inode of an ordinary file.
@@ -279,6 +296,7 @@ mod tests {
         // devices take what comes
         let mut custody = Custody::default();
         custody.read(Path::new("/dev/null")).unwrap();
+        custody.claim(Path::new("/dev/null")).unwrap();
         custody.claim(Path::new("/dev/null")).unwrap();
     }
 }

@@ -117,10 +117,10 @@ fn links_are_seen_through() {
     let at = |name: &str| folder.path(name);
     std::fs::hard_link(at("scan.csv"), at("hard")).unwrap();
     std::os::unix::fs::symlink("scan.csv", at("soft")).unwrap();
-    std::os::unix::fs::symlink("nowhere", at("dangling")).unwrap();
     let other = Folder::new();
     std::os::unix::fs::symlink(at(""), other.path("here")).unwrap();
-    let here = other.path("here").display().to_string();
+    std::os::unix::fs::symlink(at("nowhere"), other.path("dangling")).unwrap();
+    let [here, dangling] = ["here", "dangling"].map(|name| other.path(name).display().to_string());
     let fit = "--method ggx";
     refused(
         &folder,
@@ -129,13 +129,13 @@ fn links_are_seen_through() {
             (&format!("fit scan.csv {fit} -o soft"), INPUT),
             (&format!("fit soft {fit} -o hard"), INPUT),
             (&format!("fit hard {fit} -o {here}/scan.csv"), INPUT),
-            ("tabulate m.json -o nowhere --c dangling", TWICE),
+            (&format!("tabulate m.json -o nowhere --c {dangling}"), TWICE),
             (&format!("tabulate m.json -o {here}/new --c new"), TWICE),
         ],
     );
     // a link that leads nowhere yet is followed, and stays
-    folder.run("scan m.json --sigma 0 --step 10 -o dangling").ok();
-    assert!(folder.path("nowhere").is_file() && at("dangling").is_symlink());
+    folder.run(&format!("scan m.json --sigma 0 --step 10 -o {dangling}")).ok();
+    assert!(at("nowhere").is_file() && other.path("dangling").is_symlink());
 }
 
 /// What the shell has opened for the program counts too.

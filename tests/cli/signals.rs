@@ -93,16 +93,16 @@ fn inputs() -> Folder {
 
 /// A long run of every verb; `IN` is the folder of the inputs.
 const LINES: [&str; 11] = [
-    "fit IN/s.csv --method heights --fit-rays 1e9 -o f.json --plot f",
+    "fit IN/s.csv --method heights --fit-rays 1e7 -o f.json --plot f",
     "fit IN/s.csv --method ggx -o f.json --plot f",
-    "compare IN/s.csv --methods ggx,heights --fit-rays 1e9 -o out",
+    "compare IN/s.csv --methods ggx,heights --fit-rays 1e7 -o out",
     "scan IN/m.json --rays 1e9 --sigma 0,10 -o v.csv",
-    "tabulate IN/r.json --rays 1e8 -o t.bsdft --rust t.rs --c t.h",
-    "trade IN/s.csv --methods ggx,heights --fit-rays 1e9 --csv t.csv --plot t.svg",
+    "tabulate IN/r.json --rays 1e6 -o t.bsdft --rust t.rs --c t.h",
+    "trade IN/s.csv --methods ggx,heights --fit-rays 1e7 --csv t.csv --plot t.svg",
     "stats IN/large.txt --pixel-um 0.5 --plot p",
-    "check --map IN/map.txt --pixel-um 0.5 --ior 1.5 --rays 1e9",
+    "check --map IN/map.txt --pixel-um 0.5 --ior 1.5 --rays 2e6",
     "demo -o demo",
-    "eval IN/r.json --input IN/pairs.csv --rays 1e9 -o e.csv",
+    "eval IN/r.json --input IN/pairs.csv --rays 2e6 -o e.csv",
     "eval IN/m.json --input IN/many.csv -o e.csv",
 ];
 
@@ -144,7 +144,7 @@ fn a_signal_at_any_moment_leaves_nothing() {
                 last = SIGNALS[moments.below(3) as usize];
                 run.send(last);
             }
-            run.wait("still running", Running::ended);
+            run.wait(line, Running::ended);
             let code = run.0.try_wait().expect("it has ended").and_then(|status| status.code());
             let what = format!("{line}, {} {twice}: {code:?} {:?}", signal.0, folder.names());
             match code {

@@ -93,9 +93,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             of_embedded((&name, table), (&mut pairs, count), &mut rows)?;
         }
         _ => with_boundary!(&boundary, b => {
-            pairs.each(|some| rows.add(some, |p| values(b, p, None)))?
+            pairs.each(|some| rows.add(some, |p| values(b, p, None)))?;
         }, traced t => {
-            of_table(&tabulated(t, t.eta(), t.anisotropy(), &wi, rays)?, &mut rows, &mut pairs)?
+            of_table(&tabulated(t, t.eta(), t.anisotropy(), &wi, rays)?, &mut rows, &mut pairs)?;
         }),
     }
     rows.finish()
