@@ -33,8 +33,12 @@ impl Sum {
             let [a, b, c, d] = nodes;
             ([a, b, c, d, form, fall], [lobe.scale, lobe.grazing, lobe.masking])
         });
-        words.into_iter().for_each(|x| self.u16(x));
-        numbers.into_iter().for_each(|x| self.f32(x));
+        for x in words {
+            self.u16(x);
+        }
+        for x in numbers {
+            self.f32(x);
+        }
     }
 }
 

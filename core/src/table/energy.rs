@@ -26,7 +26,7 @@ impl<S: Storage> BsdfTableRef<'_, S> {
                 let last = lobe.gains.len().saturating_sub(1).max(1);
                 for step in 0..=last {
                     let y = step as f32 / last as f32;
-                    let cos = incidence_cosine(y, lobe.grazing).max(GRAZING).min(1.0);
+                    let cos = incidence_cosine(y, lobe.grazing).clamp(GRAZING, 1.0);
                     let flux = self.flux((side, which), cos);
                     if flux.is_nan() || flux > MOST {
                         return Err(TableError::Energy);
