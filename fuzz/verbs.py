@@ -272,6 +272,10 @@ def wounded_line(rng, line):
             words[k] = words[k].split("=")[0] + "=" + rng.choice(WORDS)
         else:
             words[k] = rng.choice(WORDS)
+    # who asks for billions of rays gets them
+    for k in range(1, len(words)):
+        if words[k - 1] in ("--rays", "--fit-rays") and re.fullmatch(r"\d{6,}", words[k]):
+            words[k] = "10000"
     return [w.replace("\0", "") for w in words]
 
 
@@ -303,7 +307,7 @@ class Case:
                 with open(os.path.join(folder, name), "wb") as f:
                     f.write(content)
             # a shell sets the limits: to do it between fork and exec is not safe beside threads
-            limits = f'ulimit -v {options.memory_mib << 10}; ulimit -t {options.cpu}; ulimit -c 0; exec "$0" "$@"'
+            limits = f'ulimit -v {options.memory_mib << 10}; ulimit -S -t {options.cpu}; ulimit -c 0; exec "$0" "$@"'
             command = ["sh", "-c", limits, options.program, *self.words]
             env = {**os.environ, "RAYON_NUM_THREADS": "1", "TMPDIR": folder, "RUST_BACKTRACE": "0"}
             try:
