@@ -1,5 +1,7 @@
 //! No run overwrites what it reads, or writes one file twice; and what it refuses it leaves as it was.
 
+use std::fmt::Write as _;
+
 use crate::program::Folder;
 use crate::refusal::{MODEL, SCAN};
 
@@ -7,7 +9,7 @@ use crate::refusal::{MODEL, SCAN};
 fn map() -> String {
     let height = |k: usize| format!("{:.4}", 0.01 * ((k * k * 7919) % 31) as f64);
     let row = |y: usize| (0..16).map(|x| height(16 * y + x)).collect::<Vec<_>>().join(" ");
-    (0..16).map(|y| row(y) + "\n").collect()
+    "# heights in um\n".to_owned() + &(0..16).map(|y| row(y) + "\n").collect::<String>()
 }
 
 const PAIRS: &str = "wix,wiy,wiz,wox,woy,woz\n0,0,1,0,0,1\n";
@@ -34,7 +36,7 @@ fn refused(folder: &Folder, cases: &[(&str, &str)]) {
         let last = done.err.lines().last().unwrap_or_default();
         let says_so = last.contains(says) && last.starts_with("error: ");
         if done.code != Some(2) || !done.out.is_empty() || !says_so {
-            report += &format!("{line}\n  {:?} {:?}\n", done.code, done.err);
+            writeln!(report, "{line}\n  {:?} {:?}", done.code, done.err).unwrap();
         }
         assert!(folder.content() == before, "{line}: the folder has changed: {:?}", folder.names());
     }

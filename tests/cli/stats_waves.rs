@@ -104,7 +104,8 @@ fn the_verdict_knows_the_critical_angle() {
 fn fine_structures_fail_as_diffuse_light_beside_the_specular() {
     let folder = Folder::new();
     // Rq 0.05, l 0.7 wavelengths: at 60 deg the diffuse light errs by 7.8 % of its peak, the reading by 0.04 %
-    folder.write("map.txt", grooves(0.05 * 0.55, 0.7071 * 0.55, 0.05, 4096));
+    folder
+        .write("map.txt", grooves(0.05 * 0.55, std::f64::consts::FRAC_1_SQRT_2 * 0.55, 0.05, 4096));
     let line =
         "stats map.txt --pixel-um 0.05 --edges periodic --ior 1.49 --wavelength-nm 550 --json";
     let found = folder.run(line).json()["kirchhoff"].clone();

@@ -171,7 +171,7 @@ fn the_least_firmware_of_each_law_is_small_clean_and_right() {
 fn the_table_of_the_evaluator_is_the_generated_one() {
     let (table, record) = embedded::read(&example()).unwrap();
     if std::env::var_os("ASPERITY_BLESS").is_some() && record.notice().is_some() {
-        let file = AtomicFile::create(&example()).unwrap();
+        let file = AtomicFile::create(example()).unwrap();
         embedded::write(file, &table, &record.method, record.distance_percent).unwrap();
     }
     let fresh = embedded::rust_source(&table, &record.method);

@@ -1,6 +1,7 @@
 //! Whole acquisitions: however they are disturbed, the scan is the same.
 
 use std::cell::Cell;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -221,7 +222,7 @@ fn journals_of_the_former_version_go_on_to_the_same_scan() {
             text.to_owned()
         };
         let sum = asperity_core::protocol::checksum(text.as_bytes());
-        old += &format!("{text} ~{sum:08x}\n");
+        writeln!(old, "{text} ~{sum:08x}").unwrap();
     }
     assert!(old.starts_with("asperity-journal 1 42 "), "{old}");
     fs::write(Journal::path_of(&path), &old).unwrap();

@@ -101,13 +101,13 @@ const STRIDE: usize = 16;
 const NEAR: f64 = 6.0;
 
 /// Lines of constant `psi` with the integral along each.
-struct Lines<'a> {
+struct ConeRule<'a> {
     warp: &'a Warp,
     lines: Vec<Line>,
     integrals: Vec<Integral>,
 }
 
-impl Lines<'_> {
+impl ConeRule<'_> {
     /// Reading of a detector at `theta`, rad.
     fn reading(&self, theta: f64) -> f64 {
         let parts = self.integrals.iter().zip(&self.lines);
@@ -177,7 +177,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
     }
 
     /// The rule for a density that is smooth over the cone.
-    fn far(&self, nodes: &[Node], half_angle: f64) -> (Lines<'_>, Neglected) {
+    fn far(&self, nodes: &[Node], half_angle: f64) -> (ConeRule<'_>, Neglected) {
         let lines = smooth_lines(half_angle);
         let mut neglected = Neglected::default();
         let mut inner = Vec::new();
@@ -191,13 +191,13 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             }
             integrals.push(self.integral(nodes, line.psi, |_| true, &inner));
         }
-        (Lines { warp: &self.warp, lines, integrals }, neglected)
+        (ConeRule { warp: &self.warp, lines, integrals }, neglected)
     }
 
     /// The rule for readings within `reach` of the peak of a lobe that may be narrower than the cone.
     ///
     /// Light of later hits is computed on some of the lines, and linear in `psi` between them.
-    fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (Lines<'_>, Neglected) {
+    fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (ConeRule<'_>, Neglected) {
         let lines = narrow_lines(half_angle, self.scale);
         let seen = |node: &Node| (node.theta - self.sigma).abs() <= reach + 2.0 * half_angle;
         let first = nodes.iter().position(seen).unwrap_or(0);
@@ -225,7 +225,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             self.integral(nodes, line.psi, seen, &inner)
         };
         let integrals = lines.iter().map(integral).collect();
-        (Lines { warp: &self.warp, lines, integrals }, neglected)
+        (ConeRule { warp: &self.warp, lines, integrals }, neglected)
     }
 
     /// The integral of all light along a line, over the nodes that count.

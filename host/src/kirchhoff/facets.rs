@@ -58,7 +58,7 @@ pub(super) struct Facets {
     /// For each lobe: sums over the facets.
     violating: Vec<Violating>,
     /// Triangles.
-    facets: u64,
+    triangles: u64,
 }
 
 impl Facets {
@@ -113,7 +113,7 @@ impl Facets {
     /// Facets are the two triangles of each cell.
     pub(super) fn violating(&self, lobe: usize) -> Violating {
         let Violating { horizon, away, critical, any } = self.violating[lobe];
-        let all = self.facets.max(1) as f64;
+        let all = self.triangles.max(1) as f64;
         let share = |sum: f64| (sum / all).min(1.0);
         Violating {
             horizon: share(horizon),
@@ -130,7 +130,7 @@ impl Facets {
             turned_away: vec![0.0; question.light.len()],
             points: 0,
             violating: vec![Violating::default(); question.lobes.len()],
-            facets: 0,
+            triangles: 0,
         }
     }
 
@@ -154,7 +154,7 @@ impl Facets {
             sum.critical += part.critical;
             sum.any += part.any;
         }
-        self.facets += other.facets;
+        self.triangles += other.triangles;
         self
     }
 
@@ -185,7 +185,7 @@ impl Facets {
                         sum.any += taken;
                     }
                 }
-                self.facets += 1;
+                self.triangles += 1;
             }
         }
         self.points += grid.nx as u64;

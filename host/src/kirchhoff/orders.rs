@@ -236,7 +236,7 @@ impl BeamOrders {
                 let [.., upright] = shares(optics.half(number, self.step), optics.height(cos));
                 let own =
                     OwnLight { amplitude, facet, upright, q_z: optics.k * optics.height(cos) };
-                self.unit * lit.amplitude(own, number, optics.negative).norm_sqr() / lit.incident
+                self.unit * lit.amplitude(&own, number, optics.negative).norm_sqr() / lit.incident
             }
         };
         Some(Order { number, wo, intensity, power })
@@ -275,8 +275,8 @@ struct OwnLight {
 
 impl Lit {
     /// Amplitude whose square is the power of an order.
-    fn amplitude(&self, own: OwnLight, number: [isize; 2], negative: bool) -> Complex<f64> {
-        let OwnLight { amplitude, facet, upright, q_z } = own;
+    fn amplitude(&self, own: &OwnLight, number: [isize; 2], negative: bool) -> Complex<f64> {
+        let OwnLight { amplitude, facet, upright, q_z } = *own;
         if facet <= 0.0 {
             return Complex::default();
         }

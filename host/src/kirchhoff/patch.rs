@@ -92,7 +92,9 @@ impl Rim {
             // left and right lines run along y
             self.plans[usize::from(k < 2)].process(&mut line);
             let share = 0.5 / n as f32;
-            line.iter_mut().for_each(|u| *u *= share);
+            for u in &mut line {
+                *u *= share;
+            }
             line
         };
         RimPlane { rim: self, fields: [0, 1, 2, 3].map(field) }

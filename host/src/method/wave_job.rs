@@ -52,7 +52,7 @@ mod tests {
     use asperity_core::quantity::RelativeIor;
 
     use super::check;
-    use crate::kirchhoff::{Speckle, WaveOptions, Wavelengths};
+    use crate::kirchhoff::{Shadowing, Speckle, WaveOptions, Wavelengths};
     use crate::surface::HeightMap;
 
     #[test]
@@ -63,7 +63,7 @@ mod tests {
         };
         let refused = |map: &HeightMap, speckle| {
             let wavelengths = Wavelengths::single(550.0).unwrap();
-            let options = WaveOptions { wavelengths, speckle, shadowing: false };
+            let options = WaveOptions { wavelengths, speckle, shadowing: Shadowing::Off };
             check(map, RelativeIor::new(1.5).unwrap(), &options).is_err()
         };
         assert!(!refused(&map(512, 100.0), Speckle::Kept));

@@ -95,7 +95,7 @@ mod tests {
         // 60 points a row, 12 a sampling length: six teeth of heights 1 to 6 in the first, twice that in the second ...
         let tooth = |k: usize| {
             let size = (k / 12 + 1) as f64 * ((k % 12) / 2 + 1) as f64;
-            if k % 2 == 0 { size } else { -size }
+            if k.is_multiple_of(2) { size } else { -size }
         };
         let found = map((60, 3), |x, _| tooth(x)).unwrap();
         // 2 (2 + 3 + 4 + 5 + 6) / 5 times the mean of 1 to 5
@@ -119,7 +119,7 @@ mod tests {
 
     #[test]
     fn a_sampling_length_with_a_gap_does_not_count() {
-        let tooth = |x: usize| if x % 2 == 0 { 1.0 } else { -1.0 };
+        let tooth = |x: usize| if x.is_multiple_of(2) { 1.0 } else { -1.0 };
         let found = map((60, 2), |x, y| if x < 12 && y == 0 { f64::NAN } else { tooth(x) });
         assert!((found.unwrap().height_um - 2.0).abs() < 1e-12);
     }

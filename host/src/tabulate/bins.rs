@@ -204,7 +204,9 @@ fn densities(hits: &[Hit], edges: &[f64; RINGS], n_o: f64) -> Vec<f64> {
     for (ring, row) in bins.chunks_mut(SECTORS).enumerate() {
         let inner = if ring == 0 { 0.0 } else { edges[ring - 1] };
         let area = PI * (edges[ring] * edges[ring] - inner * inner) / SECTORS as f64 / (n_o * n_o);
-        row.iter_mut().for_each(|bin| *bin /= area);
+        for bin in row {
+            *bin /= area;
+        }
     }
     bins
 }

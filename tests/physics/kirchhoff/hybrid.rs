@@ -230,7 +230,7 @@ fn beyond_the_critical_angle_it_transmits_what_the_orders_of_the_map_do() {
         assert!((mean * all / exact.transmitted - 1.0).abs() < 0.03, "{deg} {mean} {exact:?}");
         // of 40 000 rays
         assert!(spread.sqrt() < 0.03 * mean, "{deg} {found:?}");
-        assert!(deg != 60.0 || (mean - 0.143).abs() < 0.006, "{mean}");
+        assert!(deg < 59.0 || (mean - 0.143).abs() < 0.006, "{mean}");
     }
 }
 

@@ -153,6 +153,7 @@ mod tests {
 
     #[test]
     fn a_profile_is_called_a_profile() {
+        let z_and_blank = |k: f64| format!("{:.4}", (0.4 * k).sin());
         let z = |k: f64| (0.4 * k).sin();
         for text in [
             rows(64, |k| format!("{:.4} {:.4}", 0.5 * k, z(k))),
@@ -171,9 +172,6 @@ mod tests {
         ] {
             let fault = fault(&text);
             assert!(fault.contains("this is a profile, not a map"), "{text:.60}: {fault}");
-        }
-        fn z_and_blank(k: f64) -> String {
-            format!("{:.4}", (0.4 * k).sin())
         }
     }
 
