@@ -56,7 +56,7 @@ fn printable(c: char) -> char {
 fn short_word(word: &str) -> String {
     let count = word.chars().count();
     let is_path = word.contains(std::path::is_separator);
-    if count > PATH {
+    if is_path && count > PATH {
         let end: String = word.chars().skip(count - EXCERPT).map(printable).collect();
         return format!("{}{end}", excerpt(word));
     }

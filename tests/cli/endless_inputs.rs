@@ -13,15 +13,15 @@ const MOST_KIB: u32 = 1 << 20;
 const READERS: [&str; 13] = [
     "acquire --dry-run --plan @",
     "check @",
-    "eval @ --pairs pairs.csv",
-    "eval model.json --pairs @",
+    "eval @ --input pairs.csv",
+    "eval model.json --input @",
     "scan @ --sigma 0 -o out.csv",
     "fit @ --method ggx --ior 1.49",
     "compare @ -o out",
     "tabulate @ --bytes 4096 -o out.bsdft",
     "trade @",
     "stats @",
-    "fit scan.csv --map @ --pixel-um 1 --method heights --ior 1.49",
+    "fit scan.csv --map @ --pixel-um 1 --method measured-ray --ior 1.49",
     "compare scan.csv --map @ --ior 1.49 -o out",
     "check --map @ --pixel-um 1 --ior 1.49",
 ];

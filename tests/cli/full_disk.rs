@@ -71,9 +71,9 @@ fn a_comparison_keeps_models_and_tables_where_plots_do_not_fit() {
 #[test]
 fn stats_prints_before_it_draws() {
     let folder = Folder::new();
-    let row = |y: i32| (0..64).map(|x| format!("{}", (x * x + y * 3) % 17)).collect::<Vec<_>>();
+    let row = |y: i32| (0..64).map(|x| format!("0.0{}", (x * x + y * 3) % 17)).collect::<Vec<_>>();
     let rows: Vec<String> = (0..64).map(|y| row(y).join(" ")).collect();
-    folder.write("map.txt", rows.join("\n"));
+    folder.write("map.txt", format!("# heights in um\n{}", rows.join("\n")));
     let line = "ulimit -f 8; \"$0\" stats map.txt --pixel-um 0.5 --plot p";
     let done = shell(&folder, line).with_code(1);
     assert!(done.out.contains("Rq ") && done.err.contains("cannot be written"), "{}", done.err);

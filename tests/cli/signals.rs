@@ -80,11 +80,13 @@ fn inputs() -> Folder {
     let height = |k: u32| 0.02 * f64::from((k.wrapping_mul(2_654_435_761)) >> 25);
     let row =
         |y: u32, n: u32| (0..n).map(|x| format!("{:.3}", height(y * n + x))).collect::<Vec<_>>();
-    let map = |n: u32| (0..n).map(|y| row(y, n).join(" ") + "\n").collect::<String>();
+    let rows = |n: u32| (0..n).map(|y| row(y, n).join(" ") + "\n").collect::<String>();
+    let map = |n: u32| format!("# heights in um\n{}", rows(n));
     folder.write("map.txt", map(32));
     folder.write("large.txt", map(900));
     let map = "--map map.txt --pixel-um 0.5 --ior 1.5";
     folder.run(&format!("model measured-ray --set scale=1 {map} -o r.json")).ok();
+    folder.run("model heights --set delta=0.5 --ior 1.5 -o h.json").ok();
     let pairs = |n| format!("wix,wiy,wiz,wox,woy,woz\n{}", "0,0.6,0.8,0,0,1\n".repeat(n));
     folder.write("pairs.csv", pairs(10));
     folder.write("many.csv", pairs(600_000));
@@ -97,7 +99,7 @@ const LINES: [&str; 11] = [
     "fit IN/s.csv --method ggx -o f.json --plot f",
     "compare IN/s.csv --methods ggx,heights --fit-rays 1e7 -o out",
     "scan IN/m.json --rays 1e9 --sigma 0,10 -o v.csv",
-    "tabulate IN/r.json --rays 1e6 -o t.bsdft --rust t.rs --c t.h",
+    "tabulate IN/h.json --rays 1e6 -o t.bsdft --rust t.rs --c t.h",
     "trade IN/s.csv --methods ggx,heights --fit-rays 1e7 --csv t.csv --plot t.svg",
     "stats IN/large.txt --pixel-um 0.5 --plot p",
     "check --map IN/map.txt --pixel-um 0.5 --ior 1.5 --rays 2e6",

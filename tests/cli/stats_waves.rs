@@ -54,7 +54,7 @@ fn grooves(rq_um: f64, length_um: f64, pitch_um: f64, columns: usize) -> String 
         let heights = (0..columns).map(|x| format!("{:.7}", map.height_um(x, y).unwrap()));
         heights.collect::<Vec<_>>().join(" ")
     };
-    [row(0), row(1)].join("\n")
+    format!("# heights in um\n{}\n{}", row(0), row(1))
 }
 
 /// Both verdicts of a lobe.

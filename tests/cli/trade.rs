@@ -40,10 +40,7 @@ fn a_scan_is_fitted_and_every_evaluator_held_against_it() {
     let kinds: Vec<_> = rows.iter().map(|r| (&*r["method"], &*r["evaluator"])).collect();
     let formula = ("ggx", "formula");
     let ray = "measured-ray";
-    assert_eq!(
-        kinds,
-        [formula, formula, formula, formula, ("ggx", "table"), (ray, "model"), (ray, "table")]
-    );
+    assert_eq!(kinds, [formula, formula, formula, formula, ("ggx", "table"), (ray, "model")]);
     for (k, row) in rows.iter().enumerate() {
         assert!(of(k, "misfit_percent").unwrap() > 0.0 && of(k, "scan_percent").unwrap() > 0.0);
         assert!(of(k, "sample_ns").unwrap() > 0.0 && of(k, "fit_s").unwrap() > 0.0);
@@ -58,12 +55,13 @@ fn a_scan_is_fitted_and_every_evaluator_held_against_it() {
     assert!(of(4, "max_percent").unwrap() > of(3, "max_percent").unwrap());
     assert!((of(3, "scan_percent").unwrap() - of(3, "misfit_percent").unwrap()).abs() < 1e-3);
     // rays have no values to be timed or compared
-    assert_eq!((&*rows[5]["eval_ns"], &*rows[6]["rms_percent"]), ("", ""));
-    assert!(of(6, "data_bytes").unwrap() <= 8192.0);
+    assert_eq!(&*rows[5]["eval_ns"], "");
+    // waves along x: a table has no azimuths
+    assert!(done.out.contains("direction"), "{}", done.out);
     assert!(rows.iter().any(|r| r["front_ns"] == "true"));
     let picture = folder.text("t.svg");
     without_nan("t.svg", &picture);
-    assert!(picture.contains("Pareto front") && picture.contains(ray) && picture.contains("ggx"));
+    assert!(picture.contains("Pareto front") && picture.contains("ggx"));
     assert!(
         done.out.contains("note: no table of 2 KiB") && done.out.contains("front"),
         "{}",

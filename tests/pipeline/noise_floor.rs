@@ -66,7 +66,7 @@ fn it_is_the_noise_that_was_added() {
                 method.name(),
                 fit.rmsd_percent
             );
-            assert!(floor <= fit.rmsd_percent, "{floor} {}", fit.rmsd_percent);
+            assert!(floor <= fit.rmsd_percent * (1.0 + 1e-12), "{floor} {}", fit.rmsd_percent);
             let off = floor / added - 1.0;
             assert!(off.abs() < NOISE_FLOOR.allowed, "{values:?} {kind} {floor} {added}");
         }

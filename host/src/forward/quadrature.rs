@@ -196,7 +196,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
 
     /// The rule for readings within `reach` of the peak of a lobe that may be narrower than the cone.
     ///
-    /// Light of later hits is computed on some of the lines, and linear in `psi` between them.
+    /// Light of later hits is computed on every line: of a lobe far narrower than the cone it is as narrow itself.
     fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (ConeRule<'_>, Neglected) {
         let lines = narrow_lines(half_angle, self.scale);
         let seen = |node: &Node| (node.theta - self.sigma).abs() <= reach + 2.0 * half_angle;
@@ -205,26 +205,15 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         let first = (first - first % STRIDE).saturating_sub(2 * STRIDE);
         let after = nodes.iter().rposition(seen).map_or(nodes.len(), |k| k + 1);
         let after = (after.next_multiple_of(STRIDE) + 2 * STRIDE + 1).min(nodes.len());
-        let every = if self.setup.geometry == Geometry::Reflection { 3 } else { 12 };
-        let last = lines.len() - 1;
         let mut neglected = Neglected::default();
-        let mut computed: Vec<(f64, Vec<f64>)> = Vec::new();
-        for k in (0..last).step_by(every).chain([last]) {
-            let (part, missing) = self.internal_density(&nodes[first..after], lines[k].psi);
+        let mut integrals = Vec::with_capacity(lines.len());
+        for line in &lines {
+            let (part, missing) = self.internal_density(&nodes[first..after], line.psi);
             let mut inner = vec![0.0; nodes.len()];
             inner[first..after].copy_from_slice(&part);
             neglected = neglected.or_more(self.in_readings(missing));
-            computed.push((lines[k].psi, inner));
+            integrals.push(self.integral(nodes, line.psi, seen, &inner));
         }
-        let integral = |line: &Line| {
-            let next = computed.partition_point(|(psi, _)| *psi < line.psi);
-            let next = next.clamp(1, computed.len() - 1);
-            let ((a, low), (b, high)) = (&computed[next - 1], &computed[next]);
-            let t = (line.psi - a) / (b - a);
-            let inner: Vec<f64> = low.iter().zip(high).map(|(l, h)| l + t * (h - l)).collect();
-            self.integral(nodes, line.psi, seen, &inner)
-        };
-        let integrals = lines.iter().map(integral).collect();
         (ConeRule { warp: &self.warp, lines, integrals }, neglected)
     }
 

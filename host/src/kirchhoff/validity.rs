@@ -2,7 +2,7 @@
 //! the figures of \[Sokolov eqs 9-11\] beside it. `CONVENTIONS.md` gives the reason for every limit.
 //!
 //! There are two verdicts: of the reading with the specular light, and of the diffuse light alone. Both ask that hardly any facet
-//! violates the conditions of [`super::margins`], that pixel and steps carry the light, and that no more light comes out than
+//! violates the conditions of `margins`, that pixel and steps carry the light, and that no more light comes out than
 //! went in, as far as the balance is known; the second, that the correlation length is long enough beside the wavelength.
 
 use std::f64::consts::SQRT_2;
@@ -358,7 +358,7 @@ impl FarField {
 }
 
 impl LobeValidity {
-    /// Whether nearly all facets send the light where the integral does: conditions (a) to (c) of [`super::margins`], and there is a
+    /// Whether nearly all facets send the light where the integral does: conditions (a) to (c) of `margins`, and there is a
     /// lobe at all.
     pub fn is_seen_aright(&self) -> bool {
         self.specular_deg.is_some() && self.violating.any <= MOST_VIOLATING

@@ -11,7 +11,7 @@ use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{BsdfTableRef, Storage};
 
 use super::balance;
-use super::turned::{AZIMUTHS, At};
+use super::turned::{AZIMUTHS, At, Turning};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, mix, monte_carlo, quadrature};
@@ -85,7 +85,8 @@ pub fn distance(
         }
         let sampled = Sampled { setup: &setup, thetas: &thetas, rays, stop };
         let (a, b) = (sampled.scans(t, rays.seed + 101)?, sampled.scans(t, rays.seed + 102)?);
-        Some(sampled_distance([&a, &b], &of_table))
+        let (mean_a, mean_b) = (sampled.mean(t, rays.seed + 103)?, sampled.mean(t, rays.seed + 104)?);
+        Some(sampled_distance([&a, &b], [&mean_a, &mean_b], &of_table))
     })
 }
 
@@ -103,31 +104,38 @@ impl Sampled<'_> {
         let each = Rays { count: (self.rays.count / u64::from(AZIMUTHS)).max(1), seed };
         let one = |azimuth: u32| -> Option<Vec<f64>> {
             let rays = Rays { seed: mix(each.seed, u64::from(azimuth)), ..each };
-            let mut values = Vec::new();
-            for sigma_deg in SIGMAS {
-                let angles = Incidence { sigma_deg, theta_deg: self.thetas.to_vec() };
-                let turned = At::new(boundary, azimuth);
-                let read = monte_carlo(&turned, self.setup, &angles, rays, self.stop, &|_| ());
-                values.extend(read?.values);
-            }
-            Some(values)
+            self.scan(&At::new(boundary, azimuth), rays)
         };
         (0..AZIMUTHS).map(one).collect()
     }
+
+    /// Readings of the mean over all azimuths, one of chance for each ray.
+    fn mean<S: Scatter<f64> + Sync>(&self, boundary: &S, seed: u64) -> Option<Vec<f64>> {
+        self.scan(&Turning(boundary), Rays { seed, ..self.rays })
+    }
+
+    fn scan<S: Scatter<f64> + Sync>(&self, boundary: &S, rays: Rays) -> Option<Vec<f64>> {
+        let mut values = Vec::new();
+        for sigma_deg in SIGMAS {
+            let angles = Incidence { sigma_deg, theta_deg: self.thetas.to_vec() };
+            let read = monte_carlo(boundary, self.setup, &angles, rays, self.stop, &|_| ());
+            values.extend(read?.values);
+        }
+        Some(values)
+    }
 }
 
-/// From two independent sets of scans.
-fn sampled_distance([a, b]: [&[Vec<f64>]; 2], of_table: &[f64]) -> Distance {
-    let mean = |set: &[Vec<f64>]| -> Vec<f64> {
-        let at = |k: usize| set.iter().map(|scan| scan[k]).sum::<f64>() / set.len() as f64;
-        (0..of_table.len()).map(at).collect()
-    };
+/// From two independent sets of scans, and two of their mean over all azimuths.
+fn sampled_distance(
+    [a, b]: [&[Vec<f64>]; 2],
+    [mean_a, mean_b]: [&[f64]; 2],
+    of_table: &[f64],
+) -> Distance {
     let product = |[a, b]: [&[f64]; 2], [x, y]: [&[f64]; 2]| {
         let terms = a.iter().zip(x).zip(b.iter().zip(y)).map(|((a, x), (b, y))| (a - x) * (b - y));
         terms.sum::<f64>() / of_table.len() as f64
     };
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let most = mean_a.iter().zip(&mean_b).map(|(a, b)| 0.5 * (a + b)).fold(0.0, f64::max);
+    let most = mean_a.iter().zip(mean_b).map(|(a, b)| 0.5 * (a + b)).fold(0.0, f64::max);
     let percent = |square: f64| 100.0 * square.max(0.0).sqrt() / most;
     let over = |[x, y]: [&[f64]; 2]| {
         let sum: f64 = a.iter().zip(b).map(|(a, b)| product([a, b], [x, y])).sum();
@@ -135,8 +143,8 @@ fn sampled_distance([a, b]: [&[Vec<f64>]; 2], of_table: &[f64]) -> Distance {
     };
     Distance {
         percent: percent(over([of_table, of_table])),
-        to_mean_percent: percent(product([&mean_a, &mean_b], [of_table, of_table])),
-        azimuths_percent: percent(over([&mean_a, &mean_b])),
+        to_mean_percent: percent(product([mean_a, mean_b], [of_table, of_table])),
+        azimuths_percent: percent(over([mean_a, mean_b])),
     }
 }
 

@@ -6,7 +6,6 @@ use asperity_core::table::{Fall, Form, GAIN_STEPS, LobeHeader, Shape, Storage, s
 use rayon::prelude::*;
 
 use super::balance::incident;
-use super::facet::{self, Beam};
 use super::grid::LobeGrid;
 use super::law::Law;
 
@@ -19,25 +18,19 @@ const MASKING: [f64; 6] = [0.0, 0.35, 0.7, 1.0, 2.0, 20.0];
 const INCIDENCES: [u16; 7] = [26, 20, 16, 12, 9, 7, 5];
 const GRAZING: [f32; 4] = [0.0, -0.4, -0.7, 1.0];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
-/// Error, over the peak, below which shapes serve alike.
+/// Error, over the largest value, below which shapes serve alike.
 const FINE: f64 = 3e-6;
 /// Factors by which scale and masking are tried.
 const STEPS: [f32; 4] = [1.3, 1.1, 1.03, 1.01];
 /// Values beyond which a lobe need not use up its bytes.
 const MANY: usize = 24_000;
-/// Incidences at which errors are looked at, degrees: those of the instrument, between them, and on to grazing.
-const ANGLES: [f64; 15] =
-    [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 83.0, 86.5, 89.0];
-/// What an incidence beyond the instrument's counts, and one of next to no light, of less than this share.
-const BEYOND: f64 = 0.5;
-const DARK: f64 = 0.1;
-const DARK_FLUX: f64 = 2e-3;
-/// What a place without light counts beside the peak.
-const DIM: f64 = 0.1;
+/// Incidences at which errors are looked at, degrees: those of the instrument and between them.
+const ANGLES: [f64; 13] =
+    [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 84.0];
 /// Facets along a line through the lobe.
 const POINTS: u32 = 48;
 
-/// A pair of directions, the value there, and what its error counts: all incidences alike, whatever their peaks.
+/// A pair of directions, the value there, and how much of a line it stands for.
 struct Probe {
     wi: Direction<f64>,
     wo: Direction<f64>,
@@ -120,7 +113,8 @@ pub(super) fn best<S: Storage>(
         // too few bytes for any of them
         shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
     }
-    let mut grid = LobeGrid::new(eta, which, refined(least_above(shapes, FINE), &least));
+    let floor = FINE * probes.iter().map(|probe| probe.ars).fold(0.0, f64::max);
+    let mut grid = LobeGrid::new(eta, which, refined(least_above(shapes, floor), &least));
     grid.fill(law);
     grid
 }
@@ -140,14 +134,16 @@ fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader)
     best
 }
 
-/// Root mean square error of the probes, over the peak of the incidence of each.
+/// Root mean square error of the probes.
 fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
     let sum = grid.with_table::<S, _>(|table| {
-        let square = |probe: &Probe| {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for probe in probes {
             let off = table.ars(probe.wi, probe.wo) - probe.ars;
-            off * off * probe.weight
-        };
-        probes.iter().map(square).sum::<f64>()
+            sum += off * off * probe.weight;
+            weights += probe.weight;
+        }
+        sum / weights
     });
     sum.filter(|s| s.is_finite()).map_or(f64::INFINITY, f64::sqrt)
 }
@@ -160,7 +156,7 @@ fn median_slope(law: &dyn Law, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f
     for k in 0..COUNT {
         let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
-        let place = facet::between(of, [1.0, 0.0], wi, ray.wo);
+        let place = super::facet::between(of, [1.0, 0.0], wi, ray.wo);
         if let Some((s, _)) = place.filter(|f| f.0 > 1e-7) {
             slopes.push((s, ray.weight));
         }
@@ -190,10 +186,8 @@ fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Prob
         },
     );
     let mut probes = Vec::new();
-    let mut counted = 0.0;
     for deg in ANGLES {
         let beam = lines.beam(deg.to_radians().cos());
-        let mut own = Vec::new();
         for p in [1.0, -1.0, 0.02] {
             for k in 0..POINTS {
                 let r = (f64::from(k) + 0.5) / f64::from(POINTS);
@@ -202,38 +196,12 @@ fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Prob
                 let weight = 1.0 / ((1.0 - r) * (1.0 - r)) / (1.0 + s * s);
                 let ars = law.ars(beam.wi, turned.wo);
                 if ars.is_finite() {
-                    own.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight });
+                    // beyond the instrument's incidences errors count less
+                    let weight = if deg > 60.0 { 0.2 * weight } else { weight };
+                    probes.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight });
                 }
             }
         }
-        // an incidence counts by its own peak, or those of high peaks would have all nodes; within it, light counts most
-        let peak = own.iter().map(|probe| probe.ars).fold(0.0, f64::max);
-        if peak > 0.0 {
-            let beyond = if deg > 60.0 { BEYOND } else { 1.0 };
-            let counts = beyond * if flux(law, &beam, which.1) < DARK_FLUX { DARK } else { 1.0 };
-            for probe in &mut own {
-                probe.weight *= probe.ars / peak + DIM;
-            }
-            let all: f64 = own.iter().map(|probe| probe.weight).sum();
-            for probe in &mut own {
-                probe.weight *= counts / (all * peak * peak);
-            }
-            counted += counts;
-            probes.append(&mut own);
-        }
-    }
-    for probe in &mut probes {
-        probe.weight /= counted;
     }
     probes
-}
-
-/// Flux of a lobe, roughly.
-fn flux(law: &dyn Law, beam: &Beam, lobe: Lobe) -> f64 {
-    const COUNT: u32 = 89;
-    let one = |k: u32| {
-        let u = [f64::from(k * 55 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
-        law.sample_lobe(beam.wi, lobe, u).map_or(0.0, |ray| ray.weight)
-    };
-    (0..COUNT).map(one).sum::<f64>() / f64::from(COUNT)
 }
