@@ -41,7 +41,8 @@ def test_a_law_is_the_same_after_a_pickle(law):
 
 def test_a_model_of_a_map_finds_it_again(program, tmp_path, monkeypatch):
     rng = np.random.default_rng(1)
-    np.savetxt(tmp_path / "map.txt", 0.05 * rng.standard_normal((16, 16)))
+    heights = 0.05 * rng.standard_normal((16, 16))
+    np.savetxt(tmp_path / "map.txt", heights, header="heights in um")
     line = "model measured-ray --set scale=1 --map map.txt --pixel-um 0.5 --ior 1.5 -o m.json"
     subprocess.run([program, *line.split()], cwd=tmp_path, check=True)
     monkeypatch.chdir(tmp_path)
