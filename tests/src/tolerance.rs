@@ -25,7 +25,7 @@ macro_rules! table {
 
 table! {
     FORWARD_TAIL = 0.03, "readings down to a millionth of the peak by quadrature against rays, beyond noise, relative",
-        "nodes of the polar angle inside a tenth apart, facets that begin to mirror totally between them; 0.012 was seen";
+        "nodes of the polar angle inside a tenth apart, facets that begin to mirror totally between them; the goal is 0.01, not yet reached everywhere";
     FORWARD_MODEL = 2e-3, "width fitted by quadrature to a scan by rays, relative, noise aside",
         "nodes of the polar angle inside a tenth apart; 0.001 was seen";
     TRACED_FLUX = 1e-3, "transmitted flux of a traced plate against the independent tracer, absolute",
