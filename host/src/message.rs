@@ -24,7 +24,8 @@ pub fn excerpt(text: &str) -> String {
     shown
 }
 
-/// A message with numbers of more than 20 digits in exponents, long words cut, and no control characters but line ends.
+/// A message with numbers of more than 20 digits in exponents, long words and what follows 8000 characters cut, and no
+/// control characters but line ends.
 ///
 /// ```
 /// assert_eq!(asperity::message::brief(&format!("--sigma {} is too large", 1e300)), "--sigma 1e300 is too large");
@@ -32,7 +33,8 @@ pub fn excerpt(text: &str) -> String {
 pub fn brief(message: &str) -> Cow<'_, str> {
     let control = |c: char| c.is_control() && c != '\n';
     let long = |word: &str| word.len() > DIGITS;
-    if !message.contains(control) && !message.split_whitespace().any(long) {
+    let is_short = message.len() <= MESSAGE && !message.split_whitespace().any(long);
+    if is_short && !message.contains(control) {
         return Cow::Borrowed(message);
     }
     let mut shown = String::new();

@@ -24,4 +24,5 @@ mod table;
 mod embedded_table;
 mod table_distance;
 mod table_damage;
+mod coherent_returns;
 mod table_boundary;

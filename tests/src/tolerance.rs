@@ -49,8 +49,6 @@ table! {
     TABLE_PEAK_32_KIB = 0.02, "the same of 32 KiB", "what the table promises";
     TABLE_VALUES = 0.01, "f and f cos of a table of 32 KiB against its model, over the peak of the lobe",
         "what the table promises";
-    COHERENT_LATER = 0.1, "readings of a table by rays against the quadrature, at a coherent beam in reflection, relative",
-        "the quadrature leaves out light that is scattered and then keeps its direction; 0.075 was seen";
     TABLE_FLUX = 0.005, "flux of a lobe of a table of 32 KiB against its model, absolute",
         "what the table promises";
     TABLE_FLUX_8 = 0.01, "flux of a lobe of a table of 8 KiB against its model, absolute",

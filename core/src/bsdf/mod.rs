@@ -39,6 +39,15 @@ pub struct Scattered<T: Real> {
     pub weight: T,
 }
 
+/// Fluxes of the light that keeps its direction at a boundary, as fractions of the incident flux.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CoherentFlux<T> {
+    /// Specularly reflected.
+    pub reflected: T,
+    /// Refracted by Snell's law.
+    pub transmitted: T,
+}
+
 /// One of the two ways to leave a boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
@@ -84,4 +93,9 @@ pub trait Bsdf<T: Real>: Scatter<T> {
 
     /// Typical slope of the facets: a length scale for quadrature, not a physical quantity.
     fn slope(&self) -> T;
+
+    /// The light from `wi` that keeps its direction: samples include it, values and densities do not.
+    fn coherent_flux(&self, _wi: Direction<T>) -> CoherentFlux<T> {
+        CoherentFlux { reflected: T::ZERO, transmitted: T::ZERO }
+    }
 }

@@ -5,7 +5,7 @@ use super::lobe::{Form, LobeTable};
 use super::sample::Shares;
 use super::storage::Storage;
 use super::view::BsdfTableRef;
-use crate::bsdf::{Bsdf, HalfVector, Lobe, Scattered};
+use crate::bsdf::{Bsdf, CoherentFlux, HalfVector, Lobe, Scattered};
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::scope;
@@ -184,5 +184,13 @@ impl<T: Real, S: Storage> Bsdf<T> for BsdfTableRef<'_, S> {
 
     fn slope(&self) -> T {
         real(self.slope)
+    }
+
+    fn coherent_flux(&self, wi: Direction<T>) -> CoherentFlux<T> {
+        let found = self.coherent(wi);
+        CoherentFlux {
+            reflected: found.map_or(T::ZERO, |c| c.reflected.weight),
+            transmitted: found.and_then(|c| c.transmitted).map_or(T::ZERO, |ray| ray.weight),
+        }
     }
 }

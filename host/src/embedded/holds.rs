@@ -2,11 +2,10 @@
 
 use std::fmt;
 
-use asperity_core::bsdf::Lobe;
+use asperity_core::bsdf::{Bsdf, CoherentFlux, Lobe};
 use asperity_core::direction::{Direction, Side};
 
 use super::{EmbeddedTable, with_view};
-use crate::kirchhoff::CoherentFlux;
 
 /// The lobes in the order of the header.
 pub(crate) const LOBES: [(Side, Lobe); 4] = [
@@ -71,11 +70,7 @@ impl EmbeddedTable {
     }
 
     /// The coherent light from `wi`; 0 along the surface.
-    pub fn coherent(&self, wi: Direction<f64>) -> CoherentFlux {
-        let found = with_view!(self, view => view.coherent(wi), else None);
-        found.map_or_else(CoherentFlux::default, |c| CoherentFlux {
-            reflected: c.reflected.weight,
-            transmitted: c.transmitted.map_or(0.0, |ray| ray.weight),
-        })
+    pub fn coherent(&self, wi: Direction<f64>) -> CoherentFlux<f64> {
+        with_view!(self, view => view.coherent_flux(wi), else CoherentFlux::default())
     }
 }

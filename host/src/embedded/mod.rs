@@ -12,7 +12,7 @@ pub use generate::{c_header, rust_source};
 pub use holds::MissingLobes;
 pub(crate) use holds::{LOBES, OPAQUE};
 
-use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
+use asperity_core::bsdf::{Bsdf, CoherentFlux, Lobe, Scatter, Scattered};
 use asperity_core::direction::Direction;
 use asperity_core::table::{Arrays, BsdfTableRef, Header, Storage, TableError};
 
@@ -162,5 +162,8 @@ impl Bsdf<f64> for EmbeddedTable {
     }
     fn slope(&self) -> f64 {
         f64::from(self.header.slope)
+    }
+    fn coherent_flux(&self, wi: Direction<f64>) -> CoherentFlux<f64> {
+        self.coherent(wi)
     }
 }

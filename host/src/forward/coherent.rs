@@ -1,8 +1,6 @@
 //! Coherent light in readings: what keeps its direction at the rough face leaves the plate as a beam.
 //!
-//! Beams are of light that keeps its direction at every hit. Light that is scattered first and keeps its direction at a later hit
-//! is in neither these nor the diffuse readings: nothing to speak of in transmission, a few percent of the peak in reflection
-//! off a rough front face that half of the light passes coherently. Monte Carlo of a table has it.
+//! Beams are of light that keeps its direction at every hit; what is scattered at one of them is in [`super::returns`].
 
 use asperity_core::bsdf::Smooth;
 use asperity_core::direction::Direction;

@@ -1,7 +1,7 @@
 //! Light inside a plate between hits of the rough face: all passes at once.
 //!
-//! `U(w)` is the flux per solid angle that the rough face sends inwards, on its way to arrive again from `w` by way of the
-//! smooth face, which keeps a share `F(theta)` of it. With the rough face's law from inside to inside as kernel `K`,
+//! `U(w)` is the flux per solid angle that the rough face scatters inwards, on its way to arrive again from `w` by way of the
+//! smooth face; a share `F(theta)` of it arrives, what keeps its direction at the rough face and comes again counted in. With the rough face's law from inside to inside as kernel `K`,
 //! `U = U_first + K F U`. The law has no direction of its own, so each mode `cos(m phi)` is an equation of its own in the
 //! polar angle, solved directly: no series is cut off, however long total reflection keeps the light. Nodes of the polar
 //! angle are Gauss's on both sides of the critical angle of the smooth face, where `F` has a kink.
@@ -16,6 +16,7 @@ use rayon::prelude::*;
 use super::aperture::asinh;
 use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
 use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
+use super::returns::passes_by;
 use super::triangles::{factorise, solve};
 
 /// A polar angle inside, measured from the normal.
@@ -24,14 +25,18 @@ pub(super) struct Polar {
     pub(super) theta: f64,
     pub(super) sin: f64,
     pub(super) cos: f64,
-    /// Share that the smooth face keeps inside.
+    /// Share of light scattered this way that arrives at the rough face again, over all passes that keep its direction.
     pub(super) kept: f64,
+    /// How often it passes by.
+    pub(super) times: f64,
 }
 
 impl Polar {
-    fn new(theta: f64, eta: f64) -> Self {
+    fn new<B: Bsdf<f64>>(theta: f64, eta: f64, boundary: &B) -> Self {
         let (sin, cos) = theta.sin_cos();
-        Self { theta, sin, cos, kept: fresnel::dielectric(cos, 1.0 / eta).reflected }
+        let kept = fresnel::dielectric(cos, 1.0 / eta).reflected;
+        let times = passes_by(boundary, cos, kept);
+        Self { theta, sin, cos, kept: kept * times, times }
     }
 
     /// The direction from which light arrives at the rough face, at an azimuth of this cosine and sine.
@@ -108,7 +113,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         let slope = boundary.slope();
         let sizes = Sizes::new(slope);
         let nodes = |grid: &PolarGrid| -> Vec<Polar> {
-            grid.theta.iter().map(|theta| Polar::new(*theta, eta)).collect()
+            grid.theta.iter().map(|theta| Polar::new(*theta, eta, boundary)).collect()
         };
         let grid = PolarGrid::new(&[critical, FRAC_PI_2], sizes.step);
         // twice the critical angle: beyond it facets mirror a beam along the normal totally
@@ -139,6 +144,11 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         };
         new.fill();
         new
+    }
+
+    /// A polar angle inside.
+    pub(super) fn polar(&self, theta: f64) -> Polar {
+        Polar::new(theta, self.eta, self.boundary)
     }
 
     /// Number of nodes of the polar angle.
@@ -221,7 +231,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// Light sent inwards, for a beam of a flux that arrives inside the plate.
     pub(super) fn of_beam_inside(&self, w: Direction<f64>, flux: f64) -> Sent {
-        let at = Polar::new(w.x().abs().min(1.0).asin(), self.eta);
+        let at = self.polar(w.x().abs().min(1.0).asin());
         let count = self.sizes.modes;
         let mut first = vec![0.0; self.fine.len() * count];
         let mut moments = vec![0.0; self.count() * count];
@@ -238,13 +248,13 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// Light sent inwards from the second hit on, for a beam of unit flux that arrives from the air.
     pub(super) fn of_beam_outside(&self, w: Direction<f64>) -> Sent {
-        let peak = Polar::new((w.x().abs() / self.eta).asin(), self.eta);
+        let peak = self.polar((w.x().abs() / self.eta).asin());
         let count = self.sizes.modes;
         let mut moments = vec![0.0; self.count() * count];
         let mut modes = vec![0.0; count];
         let from = Direction::from_unit(-w.x().abs(), 0.0, w.z());
         for (theta, weight) in self.about(&[peak.theta], self.upright(w.z()), self.snell_width) {
-            let to = Polar::new(theta, self.eta);
+            let to = self.polar(theta);
             let width = Self::spread(self.snell_width, &peak, &to);
             self.azimuths.modes(
                 width,
@@ -297,12 +307,12 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         let response = |theta: &f64| {
             let (sin, cos) = theta.sin_cos();
             let view = Direction::from_unit(sin, 0.0, cos);
-            let peak = Polar::new((sin / self.eta).asin(), self.eta);
+            let peak = self.polar((sin / self.eta).asin());
             let mut modes = vec![0.0; count];
             let mut first = vec![0.0; self.fine.len() * count];
             let mut later = vec![0.0; self.count() * count];
             for (theta, weight) in self.about(&[peak.theta], self.upright(cos), self.snell_width) {
-                let from = Polar::new(theta, self.eta);
+                let from = self.polar(theta);
                 let width = Self::spread(self.snell_width, &peak, &from);
                 let value = |c, s| self.boundary.ars(from.from(c, s), view);
                 self.azimuths.modes(width, value, &mut modes);
@@ -337,7 +347,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         let last = upright[0].min(upright[1]);
         let nodes = self.about(&[a.abs(), b.abs()], last, width);
         for (theta, weight) in nodes {
-            let at = Polar::new(theta, self.eta);
+            let at = self.polar(theta);
             let spread = |peak: f64| {
                 let off = theta - peak.abs();
                 let sin = peak.sin().abs().max(1e-9) * at.sin;

@@ -9,6 +9,7 @@ use super::aperture::Node;
 use super::field::Inside;
 use super::optics::Entry;
 use super::profile::{Profile, Windows};
+use super::returns::Returns;
 use super::{Sample, Setup};
 
 /// Slope of the facets from which on the rule resolves all lobes.
@@ -41,20 +42,27 @@ impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
     }
 
     /// The light of an incidence.
-    pub(super) fn light(&'a self, entry: &Entry) -> Light<'a, B> {
+    pub(super) fn light(&'a self, entry: &Entry, returns: Option<&Returns<'_, B>>) -> Light<'a, B> {
         let side = if entry.w.x() > 0.0 { -1.0 } else { 1.0 };
         let [x, _, z] = entry.w.xyz();
         let beam = Direction::from_unit(-x.abs(), 0.0, z);
+        let again = returns.map(Returns::beam);
+        let arriving = again.map_or(0.0, |(_, flux)| flux);
         let sent = match self.rough_side {
-            RoughSide::Source => self.inside.of_beam_outside(beam),
-            RoughSide::Detector => self.inside.of_beam_inside(beam, entry.flux),
+            RoughSide::Source => {
+                let sent = self.inside.of_beam_outside(beam);
+                match again.filter(|(_, flux)| *flux > 0.0) {
+                    Some((inside, flux)) => sent.with(self.inside.of_beam_inside(inside, flux)),
+                    None => sent,
+                }
+            }
+            RoughSide::Detector => self.inside.of_beam_inside(beam, entry.flux + arriving),
         };
-        let profile = match &self.windows {
-            Some(windows) => windows.profile(&sent),
-            None => self.inside.profile(&sent),
-        };
-        let profile = if x.abs() > 0.0 { profile } else { profile.balanced() };
-        Light { shared: self, beam, side, profile }
+        let balance = |profile: Profile| if x.abs() > 0.0 { profile } else { profile.balanced() };
+        let seen = self.windows.as_ref().map(|windows| balance(windows.profile(&sent)));
+        let needs_sent = seen.is_none() || returns.is_some();
+        let sent = needs_sent.then(|| balance(self.inside.profile(&sent)));
+        Light { shared: self, beam, side, seen, sent }
     }
 }
 
@@ -66,17 +74,29 @@ pub(super) struct Light<'a, B> {
     beam: Direction<f64>,
     /// 1, or -1 if it really comes from x > 0.
     side: f64,
-    profile: Profile,
+    /// What is seen through the rough face, if the detector looks in there.
+    seen: Option<Profile>,
+    /// What later hits send inwards, if any of it is seen as it is.
+    sent: Option<Profile>,
 }
 
 impl<B: Bsdf<f64> + Sync> Light<'_, B> {
     /// Flux per solid angle where it leaves the rough face for a view, without [`Self::through_twice`].
     pub(super) fn density(&self, node: &Node) -> f64 {
-        let theta = match self.shared.windows {
-            Some(_) => node.theta,
-            None => (node.sin_cos.0 / self.shared.inside.eta).asin(),
-        };
-        self.profile.at(self.side * theta)
+        match &self.seen {
+            Some(seen) => seen.at(self.side * node.theta),
+            None => self.sent(node) * self.shared.inside.polar(self.inside(node).abs()).times,
+        }
+    }
+
+    /// Flux per solid angle that later hits scatter towards the direction inside that leads to a view.
+    pub(super) fn sent(&self, node: &Node) -> f64 {
+        self.sent.as_ref().map_or(0.0, |sent| sent.at(self.side * self.inside(node)))
+    }
+
+    /// The polar angle inside of the light that a node sees, signed.
+    fn inside(&self, node: &Node) -> f64 {
+        (node.sin_cos.0 / self.shared.inside.eta).asin()
     }
 
     /// Whether light goes in and comes out by the rough face, mirrored once between: two narrow lobes.

@@ -9,6 +9,7 @@ use asperity_core::direction::{Direction, Side};
 use asperity_core::fresnel;
 
 use super::optics::{Entry, View};
+use super::returns::{Returns, Ways};
 
 /// Hits of the rough face followed after the first.
 const MOST_HITS: usize = 64;
@@ -34,8 +35,13 @@ pub(super) fn passes<B: Bsdf<f64>>(
     eta: f64,
     entry: &Entry,
     views: &[Option<View>],
+    returns: Option<&Returns<'_, B>>,
     count: usize,
 ) -> Passes {
+    let straight = Ways { direct: 1.0, round: None };
+    let ways = |view: &View| returns.map_or(straight, |returns| returns.ways(view));
+    let ways: Vec<Option<(&View, Ways)>> =
+        views.iter().map(|view| view.as_ref().map(|view| (view, ways(view)))).collect();
     let mut found = Passes { density: vec![0.0; views.len()], neglected: 0.0, peak: 0.0 };
     // Every ray keeps its number: where one is dropped, the others' points stay theirs.
     let mut rays: Vec<(usize, Direction<f64>, f64)> =
@@ -50,10 +56,10 @@ pub(super) fn passes<B: Bsdf<f64>>(
         }
         if hit > 0 && before > 0.0 {
             found.peak = 0.0;
-            for (sum, view) in found.density.iter_mut().zip(views) {
-                let Some(view) = view else { continue };
+            for (sum, way) in found.density.iter_mut().zip(&ways) {
+                let Some((view, ways)) = way else { continue };
                 let seen: f64 =
-                    rays.iter().map(|(_, w, flux)| flux * boundary.ars(*w, view.towards)).sum();
+                    rays.iter().map(|(_, w, flux)| flux * ways.seen(boundary, *w, view)).sum();
                 *sum += seen * view.factor;
                 found.peak = found.peak.max(seen * view.factor / before);
             }

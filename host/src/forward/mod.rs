@@ -12,6 +12,7 @@ mod triangles;
 mod field;
 mod inside;
 mod internal;
+mod returns;
 mod quadrature;
 mod rays;
 mod heeding;

@@ -13,6 +13,20 @@ pub(super) struct Sent {
     pub(super) later: Vec<f64>,
 }
 
+impl Sent {
+    /// That of two beams.
+    pub(super) fn with(mut self, other: Self) -> Self {
+        for (sum, more) in [(&mut self.first, other.first), (&mut self.later, other.later)] {
+            if sum.is_empty() {
+                *sum = more;
+            } else {
+                sum.iter_mut().zip(more).for_each(|(a, b)| *a += b);
+            }
+        }
+        self
+    }
+}
+
 /// How a view in the air answers to modes of light on the nodes.
 #[derive(Debug)]
 pub(super) struct Response {

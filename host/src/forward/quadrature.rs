@@ -11,6 +11,7 @@ use super::aperture::{Integral, Line, Node, Warp, cubic, narrow_lines, smooth_li
 use super::inside::{Light, Shared};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
+use super::returns::Returns;
 use super::{Incidence, Plan, Sample, Setup, solid_angle};
 use crate::measurement::Quantity;
 
@@ -92,6 +93,8 @@ struct OneIncidence<'a, B> {
     warp: Warp,
     /// Light of later hits, where nodes of the inside resolve it.
     light: Option<Light<'a, B>>,
+    /// Light that keeps its direction at some hits.
+    returns: Option<Returns<'a, B>>,
 }
 
 /// Half cells from one direction to the next in which light of later hits is computed.
@@ -131,8 +134,13 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         };
         let warp = Warp::new(sigma, scale, cells_per_unit);
         let entry = enter(setup, sigma);
-        let light = shared.map(|shared| shared.light(&entry));
-        Self { boundary, setup, incidence, effort, sigma, entry, scale, warp, light }
+        let returns = match effort {
+            Effort::Draft => None,
+            Effort::Full | Effort::Fine | Effort::Passes => Returns::new(boundary, setup, &entry),
+        };
+        let light = shared.map(|shared| shared.light(&entry, returns.as_ref()));
+        let returns = if light.is_some() { returns } else { returns.map(Returns::without_beam) };
+        Self { boundary, setup, incidence, effort, sigma, entry, scale, warp, light, returns }
     }
 
     fn readings(&self) -> (Vec<f64>, Neglected) {
@@ -226,7 +234,11 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         inner: &[f64],
     ) -> Integral {
         let value = |(node, inner): (&Node, &f64)| {
-            if counts(node) { (self.first_hit(node, psi) + inner) * node.slope } else { 0.0 }
+            if counts(node) {
+                (self.first_hit(node, psi) + inner + self.returning(node, psi)) * node.slope
+            } else {
+                0.0
+            }
         };
         let density: Vec<f64> = nodes.iter().zip(inner).map(value).collect();
         Integral::new(&self.warp, &density)
@@ -274,6 +286,13 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         })
     }
 
+    /// Flux per solid angle of light that keeps its direction at some hits, where it is as narrow as that of the first.
+    fn returning(&self, node: &Node, psi: f64) -> f64 {
+        let Some(returns) = &self.returns else { return 0.0 };
+        let later = || self.light.as_ref().map_or(0.0, |light| light.sent(node));
+        self.view(node, psi).map_or(0.0, |view| view.factor * returns.density(&view, later))
+    }
+
     /// Internal passes on a line, at half cells: computed at every eighth cell, a cubic between.
     ///
     /// `Neglected::reading` of the result is a density, 1/sr.
@@ -302,7 +321,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         let narrow = self.scale <= self.setup.aperture_deg.to_radians();
         let count = if narrow && count > 64 { count / 4 } else { count };
         let count = if self.effort == Effort::Fine { 8 * count } else { count };
-        let found = passes(self.boundary, eta, &self.entry, &views, count);
+        let found = passes(self.boundary, eta, &self.entry, &views, self.returns.as_ref(), count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
         // view: it is left out of the cubic, which goes on there as it was.
         let way_out = |view: &Option<View>| view.as_ref().map_or(0.0, |v| v.factor);
@@ -355,7 +374,9 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             if cosine < 1e-9 {
                 return 0.0;
             }
-            (self.first_hit(&Node::at(theta), 0.0) + self.warp.interpolate(&inner, theta)) / cosine
+            let node = Node::at(theta);
+            let narrow = self.first_hit(&node, 0.0) + self.returning(&node, 0.0);
+            (narrow + self.warp.interpolate(&inner, theta)) / cosine
         };
         let values = self.incidence.theta_deg.iter().map(|t| value(t.to_radians())).collect();
         (values, self.in_readings(neglected))

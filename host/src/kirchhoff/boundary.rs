@@ -21,13 +21,7 @@ use super::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
 
 /// Fluxes of the light that stays coherent, as fractions of the incident flux.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CoherentFlux {
-    /// Specularly reflected.
-    pub reflected: f64,
-    /// Refracted by Snell's law.
-    pub transmitted: f64,
-}
+pub type CoherentFlux = asperity_core::bsdf::CoherentFlux<f64>;
 
 /// The boundary; [`Bsdf`] is its diffuse light, averaged over azimuths, the coherent light comes apart
 /// ([`WaveBoundary::coherent`]).
@@ -273,5 +267,9 @@ impl Bsdf<f64> for WaveBoundary {
         let q_z = k * (self.eta.get() - 1.0).abs().max(0.1);
         let width = self.density.width(q_z * self.scale.abs());
         (width / q_z).clamp(1e-4, 2.0)
+    }
+
+    fn coherent_flux(&self, wi: Direction<f64>) -> CoherentFlux {
+        self.coherent(wi)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
+use asperity_core::bsdf::{Bsdf, CoherentFlux, Lobe, Scatter, Scattered};
 use asperity_core::direction::Direction;
 use asperity_core::math::Real;
 
@@ -55,5 +55,9 @@ impl<T: Real, B: Bsdf<T>> Bsdf<f64> for Through<'_, T, B> {
     }
     fn slope(&self) -> f64 {
         self.law.slope().to_f64()
+    }
+    fn coherent_flux(&self, wi: Direction<f64>) -> CoherentFlux<f64> {
+        let CoherentFlux { reflected, transmitted } = self.law.coherent_flux(cast(wi));
+        CoherentFlux { reflected: reflected.to_f64(), transmitted: transmitted.to_f64() }
     }
 }
