@@ -104,6 +104,8 @@ pub(super) struct Inside<'a, B> {
     kernel: Vec<f64>,
     /// The factors of `1 - K F` of each mode, below the diagonal and from it on.
     factors: Vec<f64>,
+    /// By nodes: what light from there is divided by, so that the rough face gives no more than it receives.
+    excess: Vec<f64>,
 }
 
 impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
@@ -141,6 +143,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             fine,
             kernel: Vec::new(),
             factors: Vec::new(),
+            excess: Vec::new(),
         };
         new.fill();
         new
@@ -148,7 +151,50 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// A polar angle inside.
     pub(super) fn polar(&self, theta: f64) -> Polar {
-        Polar::new(theta, self.eta, self.boundary)
+        let polar = Polar::new(theta, self.eta, self.boundary);
+        Polar { kept: polar.kept / self.excess_at(theta), ..polar }
+    }
+
+    /// What light from a polar angle is divided by; linear between nodes.
+    fn excess_at(&self, theta: f64) -> f64 {
+        let (nodes, after) = (&self.grid.theta, self.grid.theta.partition_point(|t| *t < theta));
+        let last = nodes.len() - 1;
+        let (a, b) = (after.saturating_sub(1), after.min(last));
+        if a == b {
+            return self.excess[a];
+        }
+        let t = (theta - nodes[a]) / (nodes[b] - nodes[a]);
+        self.excess[a] + t * (self.excess[b] - self.excess[a])
+    }
+
+    /// Where a law sends back more light than it receives, as the one of waves does at grazing incidence, light that meets it
+    /// many times would grow: there it is divided by what it gives, which the azimuthal mean of the kernel tells.
+    fn limit(&mut self, kernel: &[f64]) {
+        let n = self.count();
+        let rule: Vec<f64> =
+            self.polar.iter().zip(&self.grid.weights).map(|(p, w)| p.sin * w).collect();
+        let given = |from: usize| -> f64 {
+            let column = kernel.iter().skip(from).step_by(n).take(n);
+            column.zip(&rule).map(|(k, w)| k * w).sum()
+        };
+        let excess = |(from, polar): (usize, &Polar)| {
+            let arriving = polar.from(1.0, 0.0);
+            let left = 1.0 - self.boundary.coherent_flux(arriving).reflected;
+            (given(from) / left.max(1e-9)).max(1.0)
+        };
+        self.excess = self.polar.iter().enumerate().map(excess).collect();
+        for ((polar, weight), excess) in
+            self.polar.iter_mut().zip(&mut self.weights).zip(&self.excess)
+        {
+            polar.kept /= excess;
+            *weight /= excess;
+        }
+        let fine: Vec<f64> = self.fine.iter().map(|p| self.excess_at(p.theta)).collect();
+        for ((polar, weight), excess) in self.fine.iter_mut().zip(&mut self.fine_weights).zip(fine)
+        {
+            polar.kept /= excess;
+            *weight /= excess;
+        }
     }
 
     /// Number of nodes of the polar angle.
@@ -186,6 +232,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
                 }
             }
         }
+        self.limit(&kernel[..n * n]);
         let mut factors = kernel.clone();
         factors.par_chunks_exact_mut(n * n).for_each(|matrix| {
             for (t, row) in matrix.chunks_exact_mut(n).enumerate() {
