@@ -7,6 +7,7 @@ mod options;
 mod slopes;
 mod margins;
 mod facets;
+mod conditions;
 pub mod validity;
 mod gaussian;
 mod warnings;

@@ -10,18 +10,25 @@ use crate::boundary::Boundary;
 use crate::embedded::LOBES;
 use crate::forward::Rays;
 use crate::surface::spectrum::Anisotropy;
-use crate::surface::{Edges, HeightMap, Spectrum};
+use crate::surface::{Edges, HeightMap, Roughness, Spectrum};
 
 /// Root mean square difference of a lobe at one azimuth from its mean, of the peak, below which it has none.
 const ALIKE: f64 = 0.02;
-/// Most rays that tell it, an incidence.
+/// Rms slope below which rays all leave in one direction for any instrument: 0.006 degrees.
+const UNSEEN: f64 = 1e-4;
+/// Most rays that tell it, per incidence.
 const MOST_RAYS: u64 = 250_000;
 
 /// What direction the surface of a boundary has, if it has one.
 fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
     let of = |map: &HeightMap, edges: Edges| Spectrum::of(map, edges).ok()?.pattern();
     let found = match boundary {
-        Boundary::Traced(traced) => of(&traced.field.map().ok()?, traced.field.edges()),
+        Boundary::Traced(traced) => {
+            let map = traced.field.map().ok()?;
+            let Roughness { rms_slope_x, rms_slope_y, .. } = Roughness::of(&map);
+            let slope = rms_slope_x.unwrap_or(0.0).hypot(rms_slope_y.unwrap_or(0.0));
+            (slope > UNSEEN).then(|| of(&map, traced.field.edges()))?
+        }
         Boundary::Wave(wave) => of(wave.map(), wave.edges()),
         Boundary::Hybrid(hybrid) => {
             let (map, edges) = hybrid.surface();
