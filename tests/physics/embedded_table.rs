@@ -118,7 +118,7 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
         let boundary = traced(height);
         let table = table_of_rays(&boundary, bytes, rays);
         let stop = AtomicBool::new(false);
-        let found = distance(&boundary, &table, 0.5, RAYS, &stop).unwrap();
+        let found = distance(&boundary, &table, 0.5, rays, &stop).unwrap();
         // what a table can hold; its few facets make the map itself another at each azimuth
         let distance = found.to_mean_percent;
         let energy = energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }).unwrap();
