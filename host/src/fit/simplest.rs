@@ -5,8 +5,6 @@
 //! by more than noise makes it: nine times the variance that one parameter takes up (three standard errors), and three
 //! standard errors of the rays, which both sums are computed with anew.
 
-use std::sync::atomic::AtomicBool;
-
 use super::Termination;
 use super::problem::Problem;
 use super::simplex::{Search, Stopped};
@@ -18,6 +16,9 @@ use crate::method::BuildError;
 const MOST_RISE: f64 = 9.0;
 /// Standard errors of the rays that count as noise.
 const RAY_ERRORS: f64 = 3.0;
+/// Factor by which rays are added, and how often.
+const MORE_RAYS: u64 = 4;
+const MORE_TIMES: u32 = 2;
 
 /// A fit so far.
 pub(super) struct Found<'a> {
@@ -47,11 +48,13 @@ impl Found<'_> {
             let held = self.problem.holding(k, none);
             match fitted(&held, &self.values, k, search, tolerances) {
                 Ok(Some(values)) => {
-                    if needed(&held, &values, &self.problem, &self.values, options)? {
-                        k += 1;
-                    } else {
-                        self.problem = held;
-                        self.values = values;
+                    match needed(&held, &values, &self.problem, &self.values, options)? {
+                        Some(true) => k += 1,
+                        Some(false) => {
+                            self.problem = held;
+                            self.values = values;
+                        }
+                        None => self.termination = Termination::Interrupted,
                     }
                 }
                 Ok(None) => {
@@ -89,21 +92,30 @@ fn fitted(
 }
 
 /// Whether the parameter that is held is needed: whether the sum of squares without it, at `a`, is significantly higher than
-/// with it, at `b`.
+/// with it, at `b`. Where only the noise of the rays leaves this open, more rays are sent. `None` if the user stopped it.
 fn needed(
     held: &Problem<'_>,
     a: &[f64],
     full: &Problem<'_>,
     b: &[f64],
     options: &super::FitOptions,
-) -> Result<bool, BuildError> {
-    let (Some(without), Some(with)) = (Sum::of(held, a, options)?, Sum::of(full, b, options)?)
-    else {
-        // stopped: nothing speaks against the simpler one
-        return Ok(false);
-    };
-    let rays = without.ray_variance + with.ray_variance;
-    Ok(without.squares - with.squares > MOST_RISE * with.unit + RAY_ERRORS * rays.sqrt())
+) -> Result<Option<bool>, BuildError> {
+    let mut count = full.full_rays();
+    let most = count.saturating_mul(MORE_RAYS.pow(MORE_TIMES));
+    loop {
+        let rays = Rays { count, seed: options.rays.seed.wrapping_add(1) };
+        let (Some(without), Some(with)) = (Sum::of(held, a, rays)?, Sum::of(full, b, rays)?) else {
+            return Ok(None);
+        };
+        let rise = without.squares - with.squares;
+        let enough = MOST_RISE * with.unit;
+        let ray_error = (without.ray_variance + with.ray_variance).sqrt();
+        let open = rise > enough.max(ray_error) && rise < enough + RAY_ERRORS * ray_error;
+        if !open || count >= most {
+            return Ok(Some(rise > enough + RAY_ERRORS * ray_error));
+        }
+        count *= MORE_RAYS;
+    }
 }
 
 /// A sum of squares and its noise.
@@ -118,11 +130,7 @@ struct Sum {
 }
 
 impl Sum {
-    fn of(
-        problem: &Problem<'_>,
-        values: &[f64],
-        options: &super::FitOptions,
-    ) -> Result<Option<Self>, BuildError> {
+    fn of(problem: &Problem<'_>, values: &[f64], rays: Rays) -> Result<Option<Self>, BuildError> {
         let unit =
             |residuals: &[f64]| correlated_sum(problem, residuals) / residuals.len().max(1) as f64;
         if !problem.is_traced() {
@@ -134,10 +142,9 @@ impl Sum {
             }));
         }
         // rays that the fit has not seen: it chose its values to suit the noise of its own
-        let never = AtomicBool::new(false);
         let half = |turned: u64| {
-            let seed = options.rays.seed.wrapping_add(1) ^ turned;
-            problem.simulate_last(values, Rays { count: problem.full_rays(), seed }, &never)
+            let seed = rays.seed ^ turned;
+            problem.simulate_last(values, Rays { seed, ..rays }, problem.stop())
         };
         let (Some(one), Some(other)) = (half(0)?, half(1 << 63)?) else { return Ok(None) };
         let (a, b) = (problem.residuals(&one.values), problem.residuals(&other.values));
