@@ -6,6 +6,7 @@ use asperity_core::table::{Fall, Form, GAIN_STEPS, LobeHeader, Shape, Storage, s
 use rayon::prelude::*;
 
 use super::balance::incident;
+use super::facet::{self, Beam};
 use super::grid::LobeGrid;
 use super::law::Law;
 
@@ -18,24 +19,40 @@ const MASKING: [f64; 6] = [0.0, 0.35, 0.7, 1.0, 2.0, 20.0];
 const INCIDENCES: [u16; 7] = [26, 20, 16, 12, 9, 7, 5];
 const GRAZING: [f32; 4] = [0.0, -0.4, -0.7, 1.0];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
-/// Error, over the largest value, below which shapes serve alike.
+/// Error, over the peak, below which shapes serve alike.
 const FINE: f64 = 3e-6;
 /// Factors by which scale and masking are tried.
 const STEPS: [f32; 4] = [1.3, 1.1, 1.03, 1.01];
 /// Values beyond which a lobe need not use up its bytes.
 const MANY: usize = 24_000;
-/// Incidences at which errors are looked at, degrees: those of the instrument and between them.
-const ANGLES: [f64; 13] =
-    [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 84.0];
+/// Incidences at which errors are looked at, degrees: those of the instrument, between them, and on to grazing.
+const ANGLES: [f64; 15] =
+    [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 83.0, 86.5, 89.0];
+/// Degrees from the critical angle at which they are looked at as well.
+const CRITICAL: [f64; 4] = [-4.0, -1.0, 1.0, 8.0];
+/// What an incidence beyond the instrument's counts.
+const BEYOND: f64 = 0.5;
+/// Share of the light below which an incidence is judged by the peak of the whole lobe: beyond the critical angle peaks vanish.
+const DARK: f64 = 5e-4;
+/// What a place without light counts beside the peak.
+const DIM: f64 = 0.1;
 /// Facets along a line through the lobe.
 const POINTS: u32 = 48;
 
-/// A pair of directions, the value there, and how much of a line it stands for.
+/// A pair of directions, the value there, and what its error counts within its incidence.
 struct Probe {
     wi: Direction<f64>,
     wo: Direction<f64>,
     ars: f64,
     weight: f64,
+}
+
+/// An incidence, of which the weights of probes are one together.
+struct Incidence {
+    probes: Vec<Probe>,
+    counts: f64,
+    peak: f64,
+    dark: bool,
 }
 
 /// The shape with as many radii as fit.
@@ -113,8 +130,7 @@ pub(super) fn best<S: Storage>(
         // too few bytes for any of them
         shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
     }
-    let floor = FINE * probes.iter().map(|probe| probe.ars).fold(0.0, f64::max);
-    let mut grid = LobeGrid::new(eta, which, refined(least_above(shapes, floor), &least));
+    let mut grid = LobeGrid::new(eta, which, refined(least_above(shapes, FINE), &least));
     grid.fill(law);
     grid
 }
@@ -134,18 +150,21 @@ fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader)
     best
 }
 
-/// Root mean square error of the probes.
-fn error<S: Storage>(grid: &LobeGrid, probes: &[Probe]) -> f64 {
+/// Root mean square errors over the peak of each incidence, of which the mean of fourth powers is taken: the worst leads.
+fn error<S: Storage>(grid: &LobeGrid, incidences: &[Incidence]) -> f64 {
     let sum = grid.with_table::<S, _>(|table| {
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for probe in probes {
+        let square = |probe: &Probe| {
             let off = table.ars(probe.wi, probe.wo) - probe.ars;
-            sum += off * off * probe.weight;
-            weights += probe.weight;
-        }
-        sum / weights
+            off * off * probe.weight
+        };
+        let fourth = |of: &Incidence| {
+            let mean: f64 = of.probes.iter().map(square).sum();
+            of.counts * mean * mean
+        };
+        let counted: f64 = incidences.iter().map(|of| of.counts).sum();
+        incidences.iter().map(fourth).sum::<f64>() / counted
     });
-    sum.filter(|s| s.is_finite()).map_or(f64::INFINITY, f64::sqrt)
+    sum.filter(|s| s.is_finite()).map_or(f64::INFINITY, |sum| sum.sqrt().sqrt())
 }
 
 /// Half of the light of a lobe, at a middle incidence, meets facets below this slope.
@@ -156,7 +175,7 @@ fn median_slope(law: &dyn Law, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f
     for k in 0..COUNT {
         let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
-        let place = super::facet::between(of, [1.0, 0.0], wi, ray.wo);
+        let place = facet::between(of, [1.0, 0.0], wi, ray.wo);
         if let Some((s, _)) = place.filter(|f| f.0 > 1e-7) {
             slopes.push((s, ray.weight));
         }
@@ -172,7 +191,7 @@ fn median_slope(law: &dyn Law, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f
 }
 
 /// Lines through the lobe in the plane of incidence and across.
-fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Probe> {
+fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Incidence> {
     let lines = LobeGrid::new(
         eta,
         which,
@@ -185,23 +204,65 @@ fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Prob
             masking: 0.0,
         },
     );
+    let angles = ANGLES.into_iter().chain(critical(eta, which.0));
+    let mut incidences: Vec<Incidence> =
+        angles.filter_map(|deg| incidence(law, &lines, deg, median)).collect();
+    // each by its own peak, or those of high peaks would have all nodes
+    let highest = incidences.iter().map(|of| of.peak).fold(0.0, f64::max);
+    for Incidence { probes, peak, dark, .. } in &mut incidences {
+        let scale = if *dark { highest } else { *peak };
+        probes.iter_mut().for_each(|probe| probe.weight /= scale * scale);
+    }
+    incidences
+}
+
+/// Incidences about the critical angle of a side, if it has one.
+fn critical(eta: f64, side: Side) -> impl Iterator<Item = f64> {
+    let beyond = if side == Side::Air { eta } else { 1.0 / eta };
+    let angle = (beyond < 1.0).then(|| beyond.asin().to_degrees());
+    let near = CRITICAL.into_iter().filter_map(move |off| angle.map(|angle| angle + off));
+    near.filter(|deg| (0.0..90.0).contains(deg))
+}
+
+/// The probes of one incidence; `None` without light.
+fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<Incidence> {
+    let beam = lines.beam(deg.to_radians().cos());
     let mut probes = Vec::new();
-    for deg in ANGLES {
-        let beam = lines.beam(deg.to_radians().cos());
-        for p in [1.0, -1.0, 0.02] {
-            for k in 0..POINTS {
-                let r = (f64::from(k) + 0.5) / f64::from(POINTS);
-                let s = slope(r, median);
-                let Some(turned) = beam.turn(s, p) else { continue };
-                let weight = 1.0 / ((1.0 - r) * (1.0 - r)) / (1.0 + s * s);
-                let ars = law.ars(beam.wi, turned.wo);
-                if ars.is_finite() {
-                    // beyond the instrument's incidences errors count less
-                    let weight = if deg > 60.0 { 0.2 * weight } else { weight };
-                    probes.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight });
-                }
+    for p in [1.0, -1.0, 0.02] {
+        for k in 0..POINTS {
+            let r = (f64::from(k) + 0.5) / f64::from(POINTS);
+            let s = slope(r, median);
+            let Some(turned) = beam.turn(s, p) else { continue };
+            let weight = 1.0 / ((1.0 - r) * (1.0 - r)) / (1.0 + s * s);
+            let ars = law.ars(beam.wi, turned.wo);
+            if ars.is_finite() {
+                probes.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight });
             }
         }
     }
-    probes
+    let peak = probes.iter().map(|probe| probe.ars).fold(0.0, f64::max);
+    if peak <= 0.0 {
+        return None;
+    }
+    // within an incidence light counts most
+    for probe in &mut probes {
+        probe.weight *= probe.ars / peak + DIM;
+    }
+    let all: f64 = probes.iter().map(|probe| probe.weight).sum();
+    for probe in &mut probes {
+        probe.weight /= all;
+    }
+    let dark = flux(law, &beam, lines.lobe) < DARK;
+    let counts = if deg > 60.0 { BEYOND } else { 1.0 };
+    Some(Incidence { probes, counts, peak, dark })
+}
+
+/// Flux of a lobe, roughly.
+fn flux(law: &dyn Law, beam: &Beam, lobe: Lobe) -> f64 {
+    const COUNT: u32 = 377;
+    let one = |k: u32| {
+        let u = [f64::from(k * 233 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
+        law.sample_lobe(beam.wi, lobe, u).map_or(0.0, |ray| ray.weight)
+    };
+    (0..COUNT).map(one).sum::<f64>() / f64::from(COUNT)
 }
