@@ -32,8 +32,9 @@ const ANGLES: [f64; 15] =
 const CRITICAL: [f64; 4] = [-4.0, -1.0, 1.0, 8.0];
 /// What an incidence beyond the instrument's counts.
 const BEYOND: f64 = 0.5;
-/// Share of the light below which an incidence is judged by the peak of the whole lobe: beyond the critical angle peaks vanish.
-const DARK: f64 = 5e-4;
+/// Share of the light from which an incidence is judged by its own peak: below it that of the whole lobe takes over by and by, since
+/// beyond the critical angle peaks vanish.
+const LIT: f64 = 5e-4;
 /// What a place without light counts beside the peak.
 const DIM: f64 = 0.1;
 /// Facets along a line through the lobe.
@@ -52,7 +53,7 @@ struct Incidence {
     probes: Vec<Probe>,
     counts: f64,
     peak: f64,
-    dark: bool,
+    flux: f64,
 }
 
 /// The shape with as many radii as fit.
@@ -209,8 +210,9 @@ fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Inci
         angles.filter_map(|deg| incidence(law, &lines, deg, median)).collect();
     // each by its own peak, or those of high peaks would have all nodes
     let highest = incidences.iter().map(|of| of.peak).fold(0.0, f64::max);
-    for Incidence { probes, peak, dark, .. } in &mut incidences {
-        let scale = if *dark { highest } else { *peak };
+    for Incidence { probes, peak, flux, .. } in &mut incidences {
+        let own = (*flux / LIT).min(1.0);
+        let scale = peak.powf(own) * highest.powf(1.0 - own);
         probes.iter_mut().for_each(|probe| probe.weight /= scale * scale);
     }
     incidences
@@ -252,16 +254,15 @@ fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<I
     for probe in &mut probes {
         probe.weight /= all;
     }
-    let dark = flux(law, &beam, lines.lobe) < DARK;
     let counts = if deg > 60.0 { BEYOND } else { 1.0 };
-    Some(Incidence { probes, counts, peak, dark })
+    Some(Incidence { probes, counts, peak, flux: flux(law, &beam, lines.lobe) })
 }
 
 /// Flux of a lobe, roughly.
 fn flux(law: &dyn Law, beam: &Beam, lobe: Lobe) -> f64 {
-    const COUNT: u32 = 377;
+    const COUNT: u32 = 2584;
     let one = |k: u32| {
-        let u = [f64::from(k * 233 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
+        let u = [f64::from(k * 1597 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
         law.sample_lobe(beam.wi, lobe, u).map_or(0.0, |ray| ray.weight)
     };
     (0..COUNT).map(one).sum::<f64>() / f64::from(COUNT)
