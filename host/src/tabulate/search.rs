@@ -29,7 +29,7 @@ const MANY: usize = 24_000;
 const ANGLES: [f64; 15] =
     [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 83.0, 86.5, 89.0];
 /// Degrees from the critical angle at which they are looked at as well.
-const CRITICAL: [f64; 4] = [-4.0, -1.0, 1.0, 8.0];
+const CRITICAL: [f64; 5] = [-4.0, -1.0, 1.0, 8.0, 13.0];
 /// What an incidence beyond the instrument's counts.
 const BEYOND: f64 = 0.5;
 /// Share of the light from which an incidence is judged by its own peak: below it that of the whole lobe takes over by and by, since
