@@ -37,6 +37,8 @@ const BEYOND: f64 = 0.5;
 const LIT: f64 = 5e-4;
 /// What a place without light counts beside the peak.
 const DIM: f64 = 0.1;
+/// What the square of a relative error of the light counts beside that of an error over the peak: a sharp peak may hold little light.
+const LIGHT: f64 = 0.006;
 /// Facets along a line through the lobe.
 const POINTS: u32 = 48;
 
@@ -45,7 +47,10 @@ struct Probe {
     wi: Direction<f64>,
     wo: Direction<f64>,
     ars: f64,
+    /// Of the square of an error over the peak.
     weight: f64,
+    /// Of its slopes, for integrals over them; then of the square of the error in the light.
+    light: f64,
 }
 
 /// An incidence, of which the weights of probes are one together.
@@ -213,7 +218,9 @@ fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Inci
     for Incidence { probes, peak, flux, .. } in &mut incidences {
         let own = (*flux / LIT).min(1.0);
         let scale = peak.powf(own) * highest.powf(1.0 - own);
-        probes.iter_mut().for_each(|probe| probe.weight /= scale * scale);
+        for probe in probes {
+            probe.weight = probe.weight / (scale * scale) + LIGHT * own * probe.light;
+        }
     }
     incidences
 }
@@ -238,7 +245,7 @@ fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<I
             let weight = 1.0 / ((1.0 - r) * (1.0 - r)) / (1.0 + s * s);
             let ars = law.ars(beam.wi, turned.wo);
             if ars.is_finite() {
-                probes.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight });
+                probes.push(Probe { wi: beam.wi, wo: turned.wo, ars, weight, light: s * weight });
             }
         }
     }
@@ -251,8 +258,11 @@ fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<I
         probe.weight *= probe.ars / peak + DIM;
     }
     let all: f64 = probes.iter().map(|probe| probe.weight).sum();
+    let area: f64 = probes.iter().map(|probe| probe.light).sum();
+    let light: f64 = probes.iter().map(|probe| probe.ars * probe.light).sum();
     for probe in &mut probes {
         probe.weight /= all;
+        probe.light /= (probe.ars + light / area) * light;
     }
     let counts = if deg > 60.0 { BEYOND } else { 1.0 };
     Some(Incidence { probes, counts, peak, flux: flux(law, &beam, lines.lobe) })
