@@ -10,6 +10,8 @@ pub struct Sanity {
     pub rms_slope: f64,
     /// Distances of points, um.
     pitch_um: [f64; 2],
+    /// Whether its points are one line.
+    profile: bool,
     /// Whether figures of the map can be computed.
     finite: bool,
 }
@@ -34,6 +36,9 @@ pub enum Insane {
          (--z-unit, --pixel-um), or give --allow-steep if they are right"
     )]
     Steep(f64),
+    /// Heights over one line say nothing of what is beside it.
+    #[error("this is a profile, not a map: its points are one line; give heights over x and y")]
+    Profile,
     /// No map for light has such pixels.
     #[error("its pixel size of {0} um is not that of a map for light; check its unit (--pixel-um)")]
     Pitch(f64),
@@ -47,7 +52,8 @@ impl Sanity {
         let fourth = map.points().map(|p| p.2.powi(4)).sum::<f64>();
         // max leaves a NaN out
         let finite = fourth.is_finite() && slopes.into_iter().flatten().all(f64::is_finite);
-        Self { rms_slope, pitch_um: [map.dx_um(), map.dy_um()], finite }
+        let profile = map.nx().min(map.ny()) == 1;
+        Self { rms_slope, pitch_um: [map.dx_um(), map.dy_um()], profile, finite }
     }
 
     /// Refuses what cannot be right, for `light` or for figures only.
@@ -55,6 +61,9 @@ impl Sanity {
     /// # Errors
     /// [`Insane`] as its variants say; slopes only where steep ones are not allowed.
     pub fn check(&self, light: bool, allow_steep: bool) -> Result<(), Insane> {
+        if self.profile && light {
+            return Err(Insane::Profile);
+        }
         let [least, most] = PITCHES_UM;
         let odd = |um: &&f64| !(least..=most).contains(*um);
         if let Some(um) = self.pitch_um.iter().find(odd).filter(|_| light) {
@@ -107,6 +116,16 @@ mod tests {
             assert_eq!(sanity.check(true, false).is_err(), refused, "{slope}");
             assert_eq!(sanity.check(false, false).is_err(), refused, "{slope}");
             assert!(sanity.check(true, true).is_ok());
+        }
+    }
+
+    #[test]
+    fn one_line_of_heights_has_figures_and_scatters_no_light() {
+        for size in [(1, 9), (9, 1)] {
+            let line = HeightMap::new(size, (1.0, 1.0), (0..9).map(f64::from).collect());
+            let sanity = Sanity::of(&line.unwrap());
+            assert!(sanity.check(false, false).is_ok());
+            assert_eq!(sanity.check(true, true), Err(Insane::Profile));
         }
     }
 

@@ -238,10 +238,11 @@ fn run(rest: &[Token]) -> Vec<LengthUnit> {
         .collect()
 }
 
-/// The numbers that follow at once, behind a sign or none, commas apart.
+/// The numbers that follow at once, behind a sign or none, commas apart; not those of a list, as `2:` is.
 fn values_behind(rest: &[Token]) -> Vec<f64> {
     let rest = if let [Token::Assign, rest @ ..] = rest { rest } else { rest };
-    if !matches!(rest.first(), Some(Token::Number(_))) {
+    let is_numbering = matches!(rest, [Token::Number(_), Token::Assign, ..]);
+    if is_numbering || !matches!(rest.first(), Some(Token::Number(_))) {
         return Vec::new();
     }
     let listed = rest.iter().take_while(|t| matches!(t, Token::Number(_) | Token::Comma));
