@@ -133,8 +133,8 @@ pub(super) fn name(text: &str) -> Option<Name> {
         | "topography" | "data" | "dataunit" | "zvalue" | "zvalues" | "vertical" | "h\u{f6}he"
         | "h\u{f6}hen" | "hoehe" | "hoehen" => Name::Z,
         "unit" | "units" | "xyz" | "length" | "lengths" | "dimension" | "dimensions"
-        | "numbers" | "all" | "everything" | "einheit" | "einheiten" | "l\u{e4}ngen" | "laengen"
-        | "alle" | "angaben" => Name::All,
+        | "numbers" | "all" | "everything" | "einheit" | "einheiten" | "l\u{e4}ngen"
+        | "laengen" | "alle" | "angaben" => Name::All,
         "pixel" | "px" | "pixelsize" | "pixelsizes" | "pixelspacing" | "pixelwidth"
         | "pixelpitch" | "pitch" | "spacing" | "stepsize" | "step" | "increment" | "sampling" => {
             Name::Pixel
