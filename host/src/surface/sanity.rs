@@ -23,12 +23,16 @@ const DOUBTED_SLOPE: f64 = 3.0;
 const REFUSED_SLOPE: f64 = 30.0;
 /// Pixel sizes between which light on a map means something, um: a hundredth of an atom, a decimetre.
 const PITCHES_UM: [f64; 2] = [1e-6, 1e5];
+/// Pixel sizes between which there are figures, um: far from any that means something, and from overflow.
+const FIGURES_UM: [f64; 2] = [1e-15, 1e15];
 
 /// Why a map is refused; the text ends with the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Insane {
-    /// Squares of heights or slopes overflow.
-    #[error("its heights or slopes are too large to compute with; check their units")]
+    /// Squares of heights or slopes, or the sizes of the map, overflow.
+    #[error(
+        "its heights, slopes or pixels are too large to compute with, or too small; check their units"
+    )]
     Infinite,
     /// No surface is so steep.
     #[error(
@@ -52,6 +56,9 @@ impl Sanity {
         let fourth = map.points().map(|p| p.2.powi(4)).sum::<f64>();
         // max leaves a NaN out
         let finite = fourth.is_finite() && slopes.into_iter().flatten().all(f64::is_finite);
+        let [least, most] = FIGURES_UM;
+        let finite =
+            finite && [map.dx_um(), map.dy_um()].iter().all(|um| (least..=most).contains(um));
         let profile = map.nx().min(map.ny()) == 1;
         Self { rms_slope, pitch_um: [map.dx_um(), map.dy_um()], profile, finite }
     }
@@ -135,5 +142,8 @@ mod tests {
         assert_eq!(zigzag(1.0, 1e6).check(true, false), Err(Insane::Pitch(1e6)));
         assert_eq!(zigzag(1.0, 1e-9).check(true, true), Err(Insane::Pitch(1e-9)));
         assert!(zigzag(1.0, 3e7).check(false, false).is_ok(), "an elevation model has figures");
+        for pitch in [1e308, 1e155, 1e-300] {
+            assert_eq!(zigzag(1.0, pitch).check(false, true), Err(Insane::Infinite), "{pitch}");
+        }
     }
 }
