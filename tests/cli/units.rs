@@ -208,14 +208,17 @@ fn one_line_of_an_array_is_no_map_for_light() {
 /// A matrix with a row and a column of positions around its heights.
 #[test]
 fn positions_around_a_matrix_are_not_taken_for_heights() {
-    let first = (0..16).map(|x| format!(" {:.2}", 0.36 * f64::from(x))).collect::<String>();
-    let row = |y: usize| (0..16).map(|x| format!(" {:.4}", height(x, y))).collect::<String>();
+    let line = |of: &dyn Fn(usize) -> f64| {
+        (0..16).map(|x| format!("{:.4}", of(x))).collect::<Vec<_>>().join(" ")
+    };
+    let first = line(&|x| 0.36 * x as f64);
+    let row = |y: usize| line(&|x| height(x, y));
     let rows = |begin: &dyn Fn(usize) -> String| {
-        (0..12).map(|y| begin(y) + &row(y) + "\n").collect::<String>()
+        (0..12).map(|y| begin(y) + " " + &row(y) + "\n").collect::<String>()
     };
     let number = |y: usize| y.to_string();
     let cases = [
-        (format!("0{first}\n{}", rows(&number)), "first row"),
+        (format!("0 {first}\n{}", rows(&number)), "first row"),
         (format!("{first}\n{}", rows(&|_| String::new())), "first row"),
         (rows(&number), "first column"),
     ];
