@@ -189,7 +189,7 @@ fn one_line_of_an_array_is_no_map_for_light() {
     let z = |k: usize| (0.7 * (k * k) as f64).sin();
     let line = |shape| npy(&array("<f8", false, shape), &numbers(64, &z));
     folder.write("row.npy", line("(1, 64)"));
-    folder.run("stats row.npy --pixel-um 1").ok();
+    folder.run("stats row.npy --pixel-um 1").with_code(0);
     let positions = |k: usize| if k.is_multiple_of(2) { 0.25 * k as f64 } else { z(k) };
     let two = npy(&array("<f8", false, "(64, 2)"), &numbers(128, &positions));
     let says = &["this is a profile, not a map", "give heights over x and y"];
@@ -224,7 +224,7 @@ fn positions_around_a_matrix_are_not_taken_for_heights() {
     ];
     let line = "scan --map p --pixel-um 1 --z-unit um --ior 1.49";
     let says = |(text, what): &(String, &'static str)| {
-        case(line, &[what, "evenly spaced, as positions are", "take out"]).file("p", text)
+        case(line, &[what, "evenly spaced, as positions are", "delete"]).file("p", text)
     };
     refused(cases.iter().map(says).collect());
 }

@@ -158,7 +158,11 @@ impl<'a> Line<'a> {
     /// As many units as names, in their order.
     fn list(&mut self, units: &[LengthUnit]) {
         let mut names = std::mem::take(&mut self.names);
+        let unnamed = !names.is_empty() && names.iter().all(|n| *n == Name::All);
         names.retain(|n| *n != Name::All);
+        if unnamed && units.len() == 3 {
+            names = vec![Name::X, Name::Y, Name::Z];
+        }
         if names.len() == units.len() && !self.veto {
             self.set(&names, |k| units.get(k).copied().unwrap_or(LengthUnit::Metre));
         }
