@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
-use crate::forward::{Heeding, Rays, count_flux};
+use crate::forward::{Rays, count_flux_until};
 use crate::kirchhoff::{Beam, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders};
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -224,7 +224,7 @@ fn balance_until(
         (reflected, transmitted, 1.0 - reflected - transmitted)
     },
     traced t => {
-        let flux = count_flux(&Heeding { boundary: t, stop }, wi, rays);
+        let flux = count_flux_until(t, wi, rays, stop);
         (flux.reflected, flux.transmitted, flux.lost)
     });
     Energy {

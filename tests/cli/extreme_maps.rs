@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use crate::map_files::{array, npy};
 use crate::program::Folder;
+use crate::refusal::{case, refused};
 
 /// The figures of a map of 8-byte floats.
 #[track_caller]
@@ -74,4 +75,14 @@ fn a_spike_and_an_island() {
     // and the other way round: nothing but an island
     let alone = stats(40, 50, |x, y| if hole(x, y) { ramp(x, y) } else { f64::NAN }, "");
     near(&alone, "rz_um", 0.0);
+}
+
+#[test]
+fn pixels_that_overflow_are_refused() {
+    let map = |um| format!("# heights in um, pixel size {um} um\n1 2 3\n4 5 6\n7 8 10\n");
+    let cases = ["1e308", "1e155", "1e-300"].map(|um| {
+        case("stats map.txt --allow-steep", &["too large to compute with, or too small"])
+            .file("map.txt", map(um))
+    });
+    refused(cases.into());
 }

@@ -318,3 +318,17 @@ fn a_surface_with_a_direction_is_refused_with_the_figure() {
     let notes = answer["notes"].to_string();
     assert_eq!(notes.matches("the surface has a direction").count(), 1, "{notes}");
 }
+
+/// Salts are added to it.
+#[test]
+fn the_largest_seed_is_a_seed() {
+    let folder = Folder::new();
+    let seed = format!("--seed {}", u64::MAX);
+    folder.write("m.json", MODEL);
+    folder.run(&format!("model heights --set delta=1 --ior 1.49 {seed} -o h.json")).ok();
+    for model in ["m.json", "h.json"] {
+        folder
+            .run(&format!("tabulate {model} --bytes 8192 --rays 1e4 {seed} -o t.bsdft"))
+            .with_code(0);
+    }
+}

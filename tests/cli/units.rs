@@ -179,6 +179,56 @@ fn a_profile_is_called_a_profile() {
     refused([two, csv, one, row, traces].iter().flat_map(cases).collect());
 }
 
+/// Arrays and other binary files hold profiles too: they have figures, and scatter no light.
+#[test]
+fn one_line_of_an_array_is_no_map_for_light() {
+    let folder = Folder::new();
+    let numbers = |count: usize, of: &dyn Fn(usize) -> f64| -> Vec<u8> {
+        (0..count).flat_map(|k| of(k).to_le_bytes()).collect()
+    };
+    let z = |k: usize| (0.7 * (k * k) as f64).sin();
+    let line = |shape| npy(&array("<f8", false, shape), &numbers(64, &z));
+    folder.write("row.npy", line("(1, 64)"));
+    folder.run("stats row.npy --pixel-um 1").with_code(0);
+    let positions = |k: usize| if k.is_multiple_of(2) { 0.25 * k as f64 } else { z(k) };
+    let two = npy(&array("<f8", false, "(64, 2)"), &numbers(128, &positions));
+    let says = &["this is a profile, not a map", "give heights over x and y"];
+    let mut cases = vec![case("stats p --pixel-um 1", says).file("p", &two)];
+    for flags in ["", "--method wave --wavelength-nm 550", "--method hybrid --wavelength-nm 550"] {
+        for file in [line("(1, 64)"), line("(64, 1)"), two.clone()] {
+            for verb in ["scan", "check"] {
+                let line = format!("{verb} --map p --pixel-um 1 --ior 1.49 {flags}");
+                cases.push(case(line, says).file("p", file.clone()));
+            }
+        }
+    }
+    refused(cases);
+}
+
+/// A matrix with a row and a column of positions around its heights.
+#[test]
+fn positions_around_a_matrix_are_not_taken_for_heights() {
+    let line = |of: &dyn Fn(usize) -> f64| {
+        (0..16).map(|x| format!("{:.4}", of(x))).collect::<Vec<_>>().join(" ")
+    };
+    let first = line(&|x| 0.36 * x as f64);
+    let row = |y: usize| line(&|x| height(x, y));
+    let rows = |begin: &dyn Fn(usize) -> String| {
+        (0..12).map(|y| begin(y) + " " + &row(y) + "\n").collect::<String>()
+    };
+    let number = |y: usize| y.to_string();
+    let cases = [
+        (format!("0 {first}\n{}", rows(&number)), "first row"),
+        (format!("{first}\n{}", rows(&|_| String::new())), "first row"),
+        (rows(&number), "first column"),
+    ];
+    let line = "scan --map p --pixel-um 1 --z-unit um --ior 1.49";
+    let says = |(text, what): &(String, &'static str)| {
+        case(line, &[what, "evenly spaced, as positions are", "delete"]).file("p", text)
+    };
+    refused(cases.iter().map(says).collect());
+}
+
 #[test]
 fn a_model_remembers_the_units_of_its_map() {
     let folder = Folder::new();

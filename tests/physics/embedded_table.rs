@@ -92,7 +92,7 @@ fn tables_of_closed_forms_give_the_readings_and_the_flux_of_their_models() {
             let table = table_of_form(&name, &boundary, bytes);
             let stop = AtomicBool::new(false);
             let distance = distance(&boundary, &table, 0.5, RAYS, &stop).unwrap().percent;
-            let energy = energy_error(&boundary, &table, RAYS).unwrap();
+            let energy = energy_error(&boundary, &table, RAYS, &stop).unwrap();
             println!("{name}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
             assert!(distance <= allowed.allowed, "{name} {bytes}: {distance} %");
             let flux =
@@ -121,7 +121,8 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
         let found = distance(&boundary, &table, 0.5, rays, &stop).unwrap();
         // what a table can hold; its few facets make the map itself another at each azimuth
         let distance = found.to_mean_percent;
-        let energy = energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }).unwrap();
+        let energy =
+            energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }, &stop).unwrap();
         println!("{found:?}");
         println!("traced {height}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
         let small = bytes == 8 << 10;
@@ -153,7 +154,7 @@ fn a_table_of_waves_gives_the_readings_and_the_flux_of_the_mean_law() {
         let table = table_of(&boundary, 32 << 10);
         let stop = AtomicBool::new(false);
         let distance = distance(&boundary, &table, 0.5, RAYS, &stop).unwrap().percent;
-        let energy = energy_error(&boundary, &table, RAYS).unwrap();
+        let energy = energy_error(&boundary, &table, RAYS, &stop).unwrap();
         println!("waves, heights times {scale}: {distance:.4} %, flux {:.3} %", 100.0 * energy);
         assert!(distance <= tolerance::TABLE_32_KIB.allowed, "{scale}: {distance} %");
         assert!(energy <= tolerance::TABLE_FLUX.allowed, "{scale}: flux {energy}");

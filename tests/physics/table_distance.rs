@@ -117,7 +117,7 @@ fn the_distance_of_a_map_without_direction_is_from_the_map_itself() {
         println!("{said:?}, of the scan {found:.3} %");
         // one azimuth of five, of a peak that the mean over azimuths evens out
         assert!(found / said.percent < 1.6 && said.percent / found < 1.6, "{said:?} {found}");
-        for lobe in lobe_distances(&boundary, &table, RAYS) {
+        for lobe in lobe_distances(&boundary, &table, RAYS, &STOP) {
             println!("  {lobe:?}");
             assert!(lobe.rms_percent >= 0.8 * lobe.azimuths_percent, "{lobe:?}");
         }
@@ -164,7 +164,7 @@ fn held<B: Bsdf<f64>>(name: &str, law: &B, boundary: &Boundary, bad: &mut Vec<St
         (32, Some(tolerance::TABLE_PEAK_32_KIB.allowed)),
     ] {
         let table = made(boundary, kib << 10).unwrap();
-        let said = lobe_distances(boundary, &table, RAYS);
+        let said = lobe_distances(boundary, &table, RAYS, &STOP);
         assert_eq!(said.len(), 4);
         for one in said {
             let mut worst = (0.0, 0.0);

@@ -72,7 +72,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let figures = Roughness { missing_fraction: loaded.missing_fraction, ..Roughness::of(map) };
     if !figures.is_finite() {
         return Err(Failure::bad(format!(
-            "{}: its heights or slopes are too large to compute with; check their units",
+            "{}: its heights, slopes or pixels are too large to compute with, or too small; check their units",
             args.map.display()
         )));
     }

@@ -182,6 +182,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         files.push((file, c_header(&table, &method, &name).into_bytes()));
     }
     let header = table.header();
+    let rays = |salt| Rays { count: args.rays, seed: args.seed.wrapping_add(salt) };
+    let lobes = lobe_distances(&boundary, &table, rays(5), interrupt::flag());
+    let energy_error = energy_error(&boundary, &table, rays(7), interrupt::flag());
+    heeded()?;
     let answer = Answer {
         asperity: 1,
         method,
@@ -195,15 +199,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         distance_percent: distance.map(|d| d.percent),
         mean_distance_percent: distance.map(|d| d.to_mean_percent),
         azimuths_percent: distance.map(|d| d.azimuths_percent),
-        lobes: lobe_distances(&boundary, &table, Rays { count: args.rays, seed: args.seed + 5 })
-            .into_iter()
-            .map(LobeAnswer::from)
-            .collect(),
-        energy_error: energy_error(
-            &boundary,
-            &table,
-            Rays { count: args.rays, seed: args.seed + 7 },
-        ),
+        lobes: lobes.into_iter().map(LobeAnswer::from).collect(),
+        energy_error,
     };
     let is_stdout = files.iter().any(|(file, _)| file.is_stdout());
     finish_all(files)?;
@@ -300,10 +297,16 @@ fn made(
         e => Failure::bad(e),
     })?;
     let distance = distance(boundary, &table, STEP, rays, interrupt::flag());
+    heeded()?;
+    Ok((table, distance))
+}
+
+/// Ends the comparison of a table with its model if the user has asked to.
+fn heeded() -> Result<(), Failure> {
     if interrupt::flag().load(Ordering::SeqCst) {
         return Err(Failure::No("interrupted before the table was compared with its model".into()));
     }
-    Ok((table, distance))
+    Ok(())
 }
 
 /// The smallest table that is near enough.

@@ -34,7 +34,7 @@ mod tests {
     use asperity_core::direction::Direction;
     use asperity_core::gonio::Geometry;
 
-    use crate::forward::{Incidence, Rays, Sample, Setup, monte_carlo};
+    use crate::forward::{Incidence, Rays, Sample, Setup, count_flux_until, monte_carlo};
     use crate::measurement::Quantity;
 
     /// The user stops at the hundredth ray.
@@ -55,6 +55,17 @@ mod tests {
             }
             Some(Scattered { wo: wi, weight: 1.0 })
         }
+    }
+
+    #[test]
+    fn flux_is_not_counted_any_more_however_many_rays_are_asked_for() {
+        let boundary = Stopped::default();
+        // numbers alone for a billion rays would take the whole time of all tests
+        let rays = Rays { count: 1_000_000_000_000, seed: 1 };
+        let wi = Direction::from_unit(0.0, 0.0, 1.0);
+        count_flux_until(&boundary, wi, rays, &boundary.stop);
+        let most = 101 + rayon::current_num_threads() as u64;
+        assert!(boundary.rays.load(Ordering::Relaxed) <= most);
     }
 
     #[test]

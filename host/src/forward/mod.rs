@@ -23,6 +23,7 @@ mod wave;
 mod simulate;
 
 pub(crate) use heeding::Heeding;
+pub(crate) use monte_carlo::count_flux_until;
 pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
 pub use rays::Rays;

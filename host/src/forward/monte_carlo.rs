@@ -89,9 +89,24 @@ pub fn count_flux<S: Scatter<f64> + Sync>(
     wi: Direction<f64>,
     rays: Rays,
 ) -> Outcome<f64> {
+    count_flux_until(boundary, wi, rays, &AtomicBool::new(false))
+}
+
+/// The same; once `stop` is set the rest of the rays is lost, and the outcome means nothing.
+pub(crate) fn count_flux_until<S: Scatter<f64> + Sync>(
+    boundary: &S,
+    wi: Direction<f64>,
+    rays: Rays,
+    stop: &AtomicBool,
+) -> Outcome<f64> {
+    let boundary = &Heeding { boundary, stop };
     let tiles = rays.tiles(wi.z());
     let one = |number: u64| {
         let mut sum = [0.0; 2];
+        // even to draw the numbers of very many rays takes minutes
+        if stop.load(Ordering::Relaxed) {
+            return sum;
+        }
         for k in 0..tiles.rays_each() {
             let mut uniforms = tiles.ray(number, k);
             if let Some(ray) = boundary.sample(wi, &mut || uniforms.next()) {

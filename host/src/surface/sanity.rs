@@ -10,6 +10,8 @@ pub struct Sanity {
     pub rms_slope: f64,
     /// Distances of points, um.
     pitch_um: [f64; 2],
+    /// Whether its points are one line.
+    profile: bool,
     /// Whether figures of the map can be computed.
     finite: bool,
 }
@@ -21,12 +23,16 @@ const DOUBTED_SLOPE: f64 = 3.0;
 const REFUSED_SLOPE: f64 = 30.0;
 /// Pixel sizes between which light on a map means something, um: a hundredth of an atom, a decimetre.
 const PITCHES_UM: [f64; 2] = [1e-6, 1e5];
+/// Pixel sizes between which there are figures, um: far from any that means something, and from overflow.
+const FIGURES_UM: [f64; 2] = [1e-15, 1e15];
 
 /// Why a map is refused; the text ends with the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Insane {
-    /// Squares of heights or slopes overflow.
-    #[error("its heights or slopes are too large to compute with; check their units")]
+    /// Squares of heights or slopes, or the sizes of the map, overflow.
+    #[error(
+        "its heights, slopes or pixels are too large to compute with, or too small; check their units"
+    )]
     Infinite,
     /// No surface is so steep.
     #[error(
@@ -34,6 +40,9 @@ pub enum Insane {
          (--z-unit, --pixel-um), or give --allow-steep if they are right"
     )]
     Steep(f64),
+    /// Heights over one line say nothing of what is beside it.
+    #[error("this is a profile, not a map: its points are one line; give heights over x and y")]
+    Profile,
     /// No map for light has such pixels.
     #[error("its pixel size of {0} um is not that of a map for light; check its unit (--pixel-um)")]
     Pitch(f64),
@@ -47,7 +56,11 @@ impl Sanity {
         let fourth = map.points().map(|p| p.2.powi(4)).sum::<f64>();
         // max leaves a NaN out
         let finite = fourth.is_finite() && slopes.into_iter().flatten().all(f64::is_finite);
-        Self { rms_slope, pitch_um: [map.dx_um(), map.dy_um()], finite }
+        let [least, most] = FIGURES_UM;
+        let finite =
+            finite && [map.dx_um(), map.dy_um()].iter().all(|um| (least..=most).contains(um));
+        let profile = map.nx().min(map.ny()) == 1;
+        Self { rms_slope, pitch_um: [map.dx_um(), map.dy_um()], profile, finite }
     }
 
     /// Refuses what cannot be right, for `light` or for figures only.
@@ -55,6 +68,9 @@ impl Sanity {
     /// # Errors
     /// [`Insane`] as its variants say; slopes only where steep ones are not allowed.
     pub fn check(&self, light: bool, allow_steep: bool) -> Result<(), Insane> {
+        if self.profile && light {
+            return Err(Insane::Profile);
+        }
         let [least, most] = PITCHES_UM;
         let odd = |um: &&f64| !(least..=most).contains(*um);
         if let Some(um) = self.pitch_um.iter().find(odd).filter(|_| light) {
@@ -111,10 +127,23 @@ mod tests {
     }
 
     #[test]
+    fn one_line_of_heights_has_figures_and_scatters_no_light() {
+        for size in [(1, 9), (9, 1)] {
+            let line = HeightMap::new(size, (1.0, 1.0), (0..9).map(f64::from).collect());
+            let sanity = Sanity::of(&line.unwrap());
+            assert!(sanity.check(false, false).is_ok());
+            assert_eq!(sanity.check(true, true), Err(Insane::Profile));
+        }
+    }
+
+    #[test]
     fn numbers_without_bounds_and_pixels_of_metres_are_refused() {
         assert_eq!(zigzag(1e200, 1.0).check(false, true), Err(Insane::Infinite));
         assert_eq!(zigzag(1.0, 1e6).check(true, false), Err(Insane::Pitch(1e6)));
         assert_eq!(zigzag(1.0, 1e-9).check(true, true), Err(Insane::Pitch(1e-9)));
         assert!(zigzag(1.0, 3e7).check(false, false).is_ok(), "an elevation model has figures");
+        for pitch in [1e308, 1e155, 1e-300] {
+            assert_eq!(zigzag(1.0, pitch).check(false, true), Err(Insane::Infinite), "{pitch}");
+        }
     }
 }

@@ -5,10 +5,12 @@
 //! ([`Spectrum::pattern`]). Only where these say that there is a direction, the lobes are looked at from several azimuths; if they
 //! differ, no table is made.
 
+use std::sync::atomic::AtomicBool;
+
 use super::bins;
 use crate::boundary::Boundary;
 use crate::embedded::LOBES;
-use crate::forward::Rays;
+use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Edges, HeightMap, Roughness, Spectrum};
 
@@ -48,17 +50,23 @@ pub(super) struct Directional {
     pub(super) percent: Option<f64>,
 }
 
-/// Whether lobes depend on the azimuth of the light because the surface of a boundary has a direction.
+/// Whether lobes depend on the azimuth of the light because the surface of a boundary has a direction; once `stop` is set
+/// what is found means nothing.
 pub(super) fn directional(
     boundary: &Boundary,
     lobes: [bool; 4],
     rays: Rays,
+    stop: &AtomicBool,
 ) -> Option<Directional> {
     let anisotropy = pattern(boundary)?;
     let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
     let beams = match boundary {
-        Boundary::Traced(traced) => bins::beams(traced, traced.eta().get(), None, rays),
-        Boundary::Hybrid(hybrid) => bins::beams(&**hybrid, hybrid.eta().get(), None, rays),
+        Boundary::Traced(traced) => {
+            bins::beams(&Heeding { boundary: traced, stop }, traced.eta().get(), None, rays)
+        }
+        Boundary::Hybrid(hybrid) => {
+            bins::beams(&Heeding { boundary: &**hybrid, stop }, hybrid.eta().get(), None, rays)
+        }
         _ => return Some(Directional { anisotropy, percent: None }),
     };
     let wanted = |beam: &&bins::Beam| {

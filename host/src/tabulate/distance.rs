@@ -84,8 +84,9 @@ pub fn distance(
             return None;
         }
         let sampled = Sampled { setup: &setup, thetas: &thetas, rays, stop };
-        let (a, b) = (sampled.scans(t, rays.seed + 101)?, sampled.scans(t, rays.seed + 102)?);
-        let (mean_a, mean_b) = (sampled.mean(t, rays.seed + 103)?, sampled.mean(t, rays.seed + 104)?);
+        let seed = |salt| rays.seed.wrapping_add(salt);
+        let (a, b) = (sampled.scans(t, seed(101))?, sampled.scans(t, seed(102))?);
+        let (mean_a, mean_b) = (sampled.mean(t, seed(103))?, sampled.mean(t, seed(104))?);
         Some(sampled_distance([&a, &b], [&mean_a, &mean_b], &of_table))
     })
 }
@@ -152,13 +153,19 @@ fn sampled_distance(
 /// sampled is counted with `rays` an incidence.
 ///
 /// Incidences at which the model itself gives more than it receives, as waves may, are left out: no table follows it there.
-/// `None` if there are no others.
-pub fn energy_error(boundary: &Boundary, table: &EmbeddedTable, rays: Rays) -> Option<f64> {
+/// `None` if there are no others. Once `stop` is set rays are lost, and the difference means nothing.
+pub fn energy_error(
+    boundary: &Boundary,
+    table: &EmbeddedTable,
+    rays: Rays,
+    stop: &AtomicBool,
+) -> Option<f64> {
     let mut worst: Option<f64> = None;
     for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
         for deg in [0.0_f64, 11.0, 25.0, 37.0, 45.0, 52.0, 60.0, 70.0, 80.0] {
             let cos = deg.to_radians().cos();
-            let Some(model) = balance::model_fluxes(boundary, side, cos, rays) else { continue };
+            let model = balance::model_fluxes(boundary, side, cos, (rays, stop));
+            let Some(model) = model else { continue };
             for (j, lobe) in [Lobe::Reflection, Lobe::Transmission].into_iter().enumerate() {
                 if table.header().lobes[2 * k + j].is_some() {
                     let off = (model[j] - summed(table, (side, lobe), cos)).abs();

@@ -1,5 +1,7 @@
 //! How far each lobe of a table is from its model, at incidences up to grazing: of the peak of each incidence.
 
+use std::sync::atomic::AtomicBool;
+
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 
@@ -9,7 +11,7 @@ use super::grid::GOLDEN;
 use super::law::Law;
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES};
-use crate::forward::Rays;
+use crate::forward::{Heeding, Rays};
 
 /// Angles of incidence of a law, degrees.
 const ANGLES: [f64; 15] =
@@ -49,13 +51,22 @@ struct Off {
 /// Distances of the lobes that a table has, each incidence by its own peak; beams of less than a thousandth of the light are
 /// left out, and incidences at which the model gives more than it receives, as waves do at grazing: no table follows it there. Of a law its values are compared, where the law itself draws directions and in the plane of incidence, whichever is
 /// worse; of a boundary that must be sampled first hits in bins, at several azimuths of the light.
-pub fn lobe_distances(boundary: &Boundary, table: &EmbeddedTable, rays: Rays) -> Vec<LobeDistance> {
+///
+/// Once `stop` is set rays are lost, and the distances mean nothing.
+pub fn lobe_distances(
+    boundary: &Boundary,
+    table: &EmbeddedTable,
+    rays: Rays,
+    stop: &AtomicBool,
+) -> Vec<LobeDistance> {
     let held = table.header().lobes.map(|lobe| lobe.is_some());
     let held = LOBES.into_iter().zip(held).filter(|(_, held)| *held).map(|(lobe, _)| lobe);
     with_boundary!(boundary,
     b => {
         let possible = |side: Side| -> Vec<f64> {
-            let fine = |deg: &&f64| model_fluxes(boundary, side, deg.to_radians().cos(), rays).is_some();
+            let fine = |deg: &&f64| {
+                model_fluxes(boundary, side, deg.to_radians().cos(), (rays, stop)).is_some()
+            };
             ANGLES.iter().filter(fine).copied().collect()
         };
         let sides = [(Side::Air, possible(Side::Air)), (Side::Dielectric, possible(Side::Dielectric))];
@@ -70,7 +81,7 @@ pub fn lobe_distances(boundary: &Boundary, table: &EmbeddedTable, rays: Rays) ->
     },
     traced t => {
         let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
-        let beams = bins::beams(t, t.eta().get(), Some(table), rays);
+        let beams = bins::beams(&Heeding { boundary: t, stop }, t.eta().get(), Some(table), rays);
         held.filter_map(|which| {
             let own = beams.iter().filter(|beam| (beam.side, beam.lobe) == which);
             let offs: Vec<Off> = own

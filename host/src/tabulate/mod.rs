@@ -141,7 +141,11 @@ pub fn tabulate(
     if plan.bytes < least {
         return Err(NoTable::Small(plan.bytes, least));
     }
-    if let Some(found) = azimuths::directional(boundary, wanted, plan.rays) {
+    let directional = azimuths::directional(boundary, wanted, plan.rays, stop);
+    if stop.load(std::sync::atomic::Ordering::Relaxed) {
+        return Err(NoTable::Stopped);
+    }
+    if let Some(found) = directional {
         let Anisotropy { strength, lay_deg, .. } = found.anisotropy;
         return Err(match found.percent {
             Some(percent) => NoTable::Directional { strength, lay_deg, percent },

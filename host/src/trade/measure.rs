@@ -270,13 +270,14 @@ impl Bench<'_> {
             Some(self.measured::<Fast<f32>, _>(&view, counts.get("f32-fast")))
         }, else None);
         let distance = distance(boundary, &table, STEP, rays, self.work.stop);
+        let energy = energy_error(boundary, &table, rays, self.work.stop);
         let Some(row) = row.filter(|_| !self.stopped()) else { return };
         self.rows.push(Row {
             evaluator: evaluator(kib, &table),
             tier: Tier::Fast,
             precision: "f32",
             distance_percent: distance.map(|d| d.percent),
-            energy_percent: energy_error(boundary, &table, rays).map(|e| 100.0 * e),
+            energy_percent: energy.map(|e| 100.0 * e),
             data_bytes: Some(table.bytes()),
             table_seconds: Some(seconds),
             ..row

@@ -143,8 +143,7 @@ fn unit_flags(xy: bool, z: bool, pixel: bool) -> &'static str {
             "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one, and --pixel-um"
         }
         (false, _, false) => {
-            "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one; or write a \
-             line `# heights in um` into it"
+            "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one"
         }
     }
 }

@@ -13,6 +13,8 @@ const MOST_COLUMNS: usize = 6;
 const LEAST_ROWS: usize = 8;
 /// How evenly a column of positions is spaced, as a share of the spacing; numbers of few digits are rounded.
 const EVEN: f64 = 0.02;
+/// The same of heights beside positions: a smooth slope that is even at one border is nearly so beside it.
+const UNLIKE: f64 = 0.2;
 
 /// Whether a text that is no map is one column or one row of numbers, or positions and heights in two columns,
 /// below whatever words.
@@ -95,6 +97,16 @@ pub(super) fn refuse(format: &'static str, values: &[f64], nx: usize) -> Result<
     if nx == 3 && ny >= 4 * LEAST_ROWS {
         return Err(points("points that make no grid,", "put x, y and z on a rectangular grid"));
     }
+    let positions = [("row", row(0), row(1)), ("column", &column(0), &column(1))];
+    for (what, first, second) in positions {
+        if first.len() >= LEAST_ROWS && is_axis(first, EVEN) && !is_axis(second, UNLIKE) {
+            return Err(MapFault::Unsupported {
+                format,
+                what: format!("a matrix whose first {what} is evenly spaced, as positions are,"),
+                remedy: "delete the positions, so that heights are left",
+            });
+        }
+    }
     Ok(())
 }
 
@@ -113,13 +125,23 @@ fn is_ordered(values: &[f64]) -> bool {
 
 /// Whether numbers are equally far apart.
 fn is_even(values: &[f64]) -> bool {
+    is_even_within(values, EVEN)
+}
+
+/// The same, each distance within a share of their mean.
+fn is_even_within(values: &[f64], share: f64) -> bool {
     let (Some(first), Some(last)) = (values.first(), values.last()) else { return false };
     let step = (last - first) / (values.len() as f64 - 1.0);
     let even = |pair: &[f64]| match pair {
-        [a, b] => ((b - a) / step - 1.0).abs() < EVEN,
+        [a, b] => ((b - a) / step - 1.0).abs() < share,
         _ => false,
     };
     step.abs() > 0.0 && values.windows(2).all(even)
+}
+
+/// Whether numbers are equally far apart, but for what may stand in the corner.
+fn is_axis(values: &[f64], share: f64) -> bool {
+    is_even_within(values.get(1..).unwrap_or_default(), share)
 }
 
 /// Whether the first two of the numbers of a row run over a grid.
@@ -186,6 +208,24 @@ mod tests {
             rows(8, |row| rows(9, |k| format!("{}", row + k)).replace('\n', " ")),
         ] {
             assert_eq!(fault(&text), "read", "{text:.60}");
+        }
+        let axes = |corner: &str, of_row: &dyn Fn(f64) -> String| {
+            let first = rows(12, |k| format!("{:.3}", 0.361 * k)).replace('\n', " ");
+            let heights = |row: f64| rows(12, |k| format!("{:.4}", z(k + row))).replace('\n', " ");
+            format!("{corner}{first}\n{}", rows(16, |k| of_row(k) + &heights(k)))
+        };
+        for (text, what) in [
+            (axes("0 ", &|k| format!("{} ", 0.361 * k)), "first row is evenly spaced"),
+            (axes("", &|_| String::new()), "first row is evenly spaced"),
+            (axes("", &|_| String::new()).split_once('\n').unwrap().1.into(), "read"),
+            (
+                rows(12, |k| {
+                    format!("{k} {}", rows(8, |c| format!("{}", z(k + c))).replace('\n', " "))
+                }),
+                "first column is evenly spaced",
+            ),
+        ] {
+            assert!(fault(&text).contains(what), "{text:.60}: {}", fault(&text));
         }
         let scattered = rows(64, |k| format!("{:.4} {:.4} {:.4}", z(k), z(k + 7.0), z(k + 9.0)));
         assert!(fault(&scattered).contains("make no grid"));

@@ -191,6 +191,14 @@ mod tests {
             ("height_um", "- - um"),
             ("z in inches", "- - inch"),
             ("x [in], y [in], z [uin]", "inch inch uin"),
+            ("1: x [um] 2: y [um] 3: z [nm]", "um um nm"),
+            ("Einheit: \u{b5}m", "um um um"),
+            ("Einheiten: mm, mm, \u{b5}m", "mm mm um"),
+            ("Einheit X: mm\nEinheit Z: \u{b5}m", "mm mm um"),
+            ("X-Achse in mm; Y-Achse in mm; Z-Achse in \u{b5}m", "mm mm um"),
+            ("x-Koordinate [mm];y-Koordinate [mm];H\u{f6}he [\u{b5}m]", "mm mm um"),
+            ("alle Angaben in \u{b5}m", "um um um"),
+            ("L\u{e4}ngen in mm", "mm mm mm"),
         ] {
             assert_eq!(said(text), expected, "{text}");
         }

@@ -158,7 +158,11 @@ impl<'a> Line<'a> {
     /// As many units as names, in their order.
     fn list(&mut self, units: &[LengthUnit]) {
         let mut names = std::mem::take(&mut self.names);
+        let unnamed = !names.is_empty() && names.iter().all(|n| *n == Name::All);
         names.retain(|n| *n != Name::All);
+        if unnamed && units.len() == 3 {
+            names = vec![Name::X, Name::Y, Name::Z];
+        }
         if names.len() == units.len() && !self.veto {
             self.set(&names, |k| units.get(k).copied().unwrap_or(LengthUnit::Metre));
         }
@@ -238,10 +242,11 @@ fn run(rest: &[Token]) -> Vec<LengthUnit> {
         .collect()
 }
 
-/// The numbers that follow at once, behind a sign or none, commas apart.
+/// The numbers that follow at once, behind a sign or none, commas apart; not those of a list, as `2:` is.
 fn values_behind(rest: &[Token]) -> Vec<f64> {
     let rest = if let [Token::Assign, rest @ ..] = rest { rest } else { rest };
-    if !matches!(rest.first(), Some(Token::Number(_))) {
+    let is_numbering = matches!(rest, [Token::Number(_), Token::Assign, ..]);
+    if is_numbering || !matches!(rest.first(), Some(Token::Number(_))) {
         return Vec::new();
     }
     let listed = rest.iter().take_while(|t| matches!(t, Token::Number(_) | Token::Comma));

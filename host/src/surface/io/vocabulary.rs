@@ -21,8 +21,8 @@ impl Name {
 }
 
 /// Words that link names and their unit.
-pub(super) const LINKS: [&str; 10] =
-    ["in", "are", "is", "as", "given", "measured", "expressed", "stored", "einheit", "einheiten"];
+pub(super) const LINKS: [&str; 8] =
+    ["in", "are", "is", "as", "given", "measured", "expressed", "stored"];
 /// Words of the size of a pixel.
 pub(super) const SIZES: [&str; 7] =
     ["size", "sizes", "spacing", "distance", "width", "pitch", "groesse"];
@@ -44,7 +44,7 @@ pub(super) const SIZED: [&str; 14] = [
     "yspacing",
 ];
 /// Words that change nothing.
-pub(super) const FILL: [&str; 21] = [
+pub(super) const FILL: [&str; 30] = [
     "of",
     "the",
     "and",
@@ -54,6 +54,15 @@ pub(super) const FILL: [&str; 21] = [
     "coordinates",
     "position",
     "positions",
+    "achse",
+    "achsen",
+    "koordinate",
+    "koordinaten",
+    "spalte",
+    "spalten",
+    "und",
+    "sind",
+    "werte",
     "column",
     "columns",
     "map",
@@ -124,7 +133,8 @@ pub(super) fn name(text: &str) -> Option<Name> {
         | "topography" | "data" | "dataunit" | "zvalue" | "zvalues" | "vertical" | "h\u{f6}he"
         | "h\u{f6}hen" | "hoehe" | "hoehen" => Name::Z,
         "unit" | "units" | "xyz" | "length" | "lengths" | "dimension" | "dimensions"
-        | "numbers" | "all" | "everything" => Name::All,
+        | "numbers" | "all" | "everything" | "einheit" | "einheiten" | "l\u{e4}ngen"
+        | "laengen" | "alle" | "angaben" => Name::All,
         "pixel" | "px" | "pixelsize" | "pixelsizes" | "pixelspacing" | "pixelwidth"
         | "pixelpitch" | "pitch" | "spacing" | "stepsize" | "step" | "increment" | "sampling" => {
             Name::Pixel

@@ -11,7 +11,7 @@ use zip::ZipArchive;
 
 use self::header::{Header, Kind, MAGIC};
 use super::bytes::{most_inflated, points};
-use super::{MapFault, OpenOptions, RawMap, Sources};
+use super::{MapFault, OpenOptions, RawMap, Sources, profile};
 
 const FORMAT: &str = "NumPy";
 /// Most files of a zip that are looked into.
@@ -108,6 +108,9 @@ fn map(
     } else {
         values
     };
+    if nx > 1 && ny > 1 {
+        profile::refuse(FORMAT, &heights_um, nx)?;
+    }
     for height in &mut heights_um {
         *height *= scale.um;
     }
