@@ -169,6 +169,9 @@ impl PolarGrid {
     }
 }
 
+/// The largest difference of logarithms at the nodes of a stencil where they are interpolated.
+const STEEPEST: f64 = 600.0;
+
 /// Weights of the nodes that interpolate at one place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stencil {
@@ -188,6 +191,41 @@ impl Stencil {
             let node = if k < 0 { -k - 1 } else { k };
             (node as usize, (k < 0) != turned, weight)
         })
+    }
+
+    /// The same for a function that falls steeply, from its logarithm at the nodes (half a turn off or not), or that of another
+    /// as steep: one over the other is interpolated, and the other by its logarithm, which is smooth where the function itself
+    /// falls to a tenth from node to node. What is not positive is left as it was.
+    pub(super) fn steep(mut self, logarithm: impl Fn(usize, bool) -> f64) -> Self {
+        let mut logs = [0.0; STENCIL];
+        for (log, (node, turned, _)) in logs.iter_mut().zip(self.iter()) {
+            *log = logarithm(node, turned);
+        }
+        let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_positive = logs.iter().all(|log| log.is_finite());
+        if !is_positive || top - low > STEEPEST {
+            return self;
+        }
+        let mean: f64 = self.weights.iter().zip(&logs).map(|(w, log)| w * log).sum();
+        // a peak between nodes is little higher than they
+        let mean = mean.min(top + 0.5);
+        for (weight, log) in self.weights.iter_mut().zip(&logs) {
+            *weight *= (mean - log).exp();
+        }
+        self
+    }
+
+    /// A function's modes at this place from those of the nodes, `modes.len()` a node.
+    pub(super) fn gather(&self, nodes: &[f64], modes: &mut [f64]) {
+        modes.fill(0.0);
+        for (node, turned, weight) in self.iter() {
+            let weights = [weight, if turned { -weight } else { weight }];
+            let node = &nodes[node * modes.len()..][..modes.len()];
+            for (m, (mode, value)) in modes.iter_mut().zip(node).enumerate() {
+                *mode += weights[m & 1] * value;
+            }
+        }
     }
 
     /// Adds a function's modes at this place to the sums of the nodes, `modes.len()` a node.

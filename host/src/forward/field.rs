@@ -13,9 +13,9 @@ use asperity_core::direction::Direction;
 use rayon::prelude::*;
 
 use super::aperture::asinh;
-use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
+use super::azimuth::{Azimuths, PolarGrid, Stencil, gauss, graded};
 use super::polar::{Polar, Sizes};
-use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
+use super::profile::{Profile, Response, Sent, Windows, in_the_plane, logarithms};
 use super::triangles::{factorise, solve};
 
 /// What the inside of a plate does to light, whatever its incidence.
@@ -24,9 +24,8 @@ pub(super) struct Inside<'a, B> {
     boundary: &'a B,
     pub(super) eta: f64,
     pub(super) critical: f64,
-    /// Widths of the rough face's lobes inside, rad: reflected, and transmitted.
-    mirror_width: f64,
-    pub(super) snell_width: f64,
+    /// Typical slope of the facets.
+    slope: f64,
     sizes: Sizes,
     azimuths: Azimuths,
     panel: Vec<(f64, f64)>,
@@ -39,12 +38,21 @@ pub(super) struct Inside<'a, B> {
     fine_grid: PolarGrid,
     fine: Vec<Polar>,
     fine_weights: Vec<f64>,
-    /// Modes of the kernel, a matrix (to, from) each.
+    /// The kernel: (to, from), modes of each together.
     kernel: Vec<f64>,
+    /// Logarithms of its means over azimuths.
+    logs: Vec<f64>,
     /// The factors of `1 - K F` of each mode, below the diagonal and from it on.
     factors: Vec<f64>,
     /// By nodes: what light from there is divided by, so that the rough face gives no more than it receives.
     excess: Vec<f64>,
+}
+
+/// Light that arrives at the rough face from a polar angle: its place among the nodes, and its modes.
+#[derive(Debug)]
+struct Arriving {
+    at: Stencil,
+    modes: Vec<f64>,
 }
 
 impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
@@ -68,8 +76,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             boundary,
             eta,
             critical,
-            mirror_width: 2.0 * slope,
-            snell_width: (slope * (eta - 1.0) / eta).min(0.5),
+            slope,
             sizes,
             azimuths: Azimuths::new(),
             panel: gauss(sizes.panel),
@@ -81,6 +88,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             fine_grid,
             fine,
             kernel: Vec::new(),
+            logs: Vec::new(),
             factors: Vec::new(),
             excess: Vec::new(),
         };
@@ -108,12 +116,12 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// Where a law sends back more light than it receives, as the one of waves does at grazing incidence, light that meets it
     /// many times would grow: there it is divided by what it gives, which the azimuthal mean of the kernel tells.
-    fn limit(&mut self, kernel: &[f64]) {
-        let n = self.count();
+    fn limit(&mut self) {
+        let (n, count) = (self.count(), self.sizes.modes);
         let rule: Vec<f64> =
             self.polar.iter().zip(&self.grid.weights).map(|(p, w)| p.sin * w).collect();
         let given = |from: usize| -> f64 {
-            let column = kernel.iter().skip(from).step_by(n).take(n);
+            let column = self.kernel.iter().step_by(count).skip(from).step_by(n);
             column.zip(&rule).map(|(k, w)| k * w).sum()
         };
         let excess = |(from, polar): (usize, &Polar)| {
@@ -149,7 +157,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// Modes of what the rough face sends from `from` so that it arrives again from `to`.
     fn bounce(&self, from: Direction<f64>, at: &Polar, to: &Polar, modes: &mut [f64]) {
-        let width = Self::spread(self.mirror_width, at, to);
+        let width = Self::spread(2.0 * self.slope, at, to);
         self.azimuths.modes(width, |c, s| self.boundary.ars(from, to.towards(c, s)), modes);
     }
 
@@ -163,39 +171,43 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             row
         };
         let rows: Vec<Vec<f64>> = self.polar.par_iter().map(row).collect();
-        let mut kernel = vec![0.0; count * n * n];
-        for (t, row) in rows.iter().enumerate() {
-            for (f, modes) in row.chunks_exact(count).enumerate() {
-                for (m, value) in modes.iter().enumerate() {
-                    kernel[(m * n + t) * n + f] = *value;
-                }
-            }
-        }
-        self.limit(&kernel[..n * n]);
-        let mut factors = kernel.clone();
-        factors.par_chunks_exact_mut(n * n).for_each(|matrix| {
+        self.kernel = rows.concat();
+        self.logs = logarithms(&self.kernel, count);
+        self.limit();
+        let mut factors = vec![0.0; count * n * n];
+        factors.par_chunks_exact_mut(n * n).enumerate().for_each(|(m, matrix)| {
             for (t, row) in matrix.chunks_exact_mut(n).enumerate() {
                 for (f, (value, weight)) in row.iter_mut().zip(&self.weights).enumerate() {
-                    *value = if t == f { 1.0 } else { 0.0 } - *value * weight;
+                    let kernel = self.kernel[(t * n + f) * count + m];
+                    *value = if t == f { 1.0 } else { 0.0 } - kernel * weight;
                 }
             }
             factorise(matrix, n);
         });
-        (self.kernel, self.factors) = (kernel, factors);
+        self.factors = factors;
     }
 
-    /// Multiplies moments of arriving light, `count` modes a node, by the kernel: modes of what is sent inwards.
-    fn bounced(&self, moments: &[f64]) -> Vec<f64> {
+    /// Modes of what the rough face sends inwards of light that arrives: at every node, those of any polar angles interpolated
+    /// in the kernel's own steepness there.
+    fn bounced(&self, arriving: &[Arriving]) -> Vec<f64> {
         let (n, count) = (self.count(), self.sizes.modes);
-        let mut sent = vec![0.0; n * count];
-        for (m, matrix) in self.kernel.chunks_exact(n * n).enumerate() {
-            for (t, row) in matrix.chunks_exact(n).enumerate() {
-                let sum: f64 =
-                    row.iter().enumerate().map(|(f, k)| k * moments[f * count + m]).sum();
-                sent[t * count + m] = sum;
+        let mut moments = vec![0.0; n * count];
+        let to = |kernel: &[f64], logs: &[f64]| {
+            moments.fill(0.0);
+            for light in arriving {
+                light.at.steep(|k, _| logs[k]).spread(1.0, &light.modes, &mut moments);
             }
-        }
-        sent
+            let mut sent = vec![0.0; count];
+            for (kernel, moments) in kernel.chunks_exact(count).zip(moments.chunks_exact(count)) {
+                for ((sent, kernel), moment) in sent.iter_mut().zip(kernel).zip(moments) {
+                    *sent += kernel * moment;
+                }
+            }
+            sent
+        };
+        let rows = self.kernel.chunks_exact(n * count).zip(self.logs.chunks_exact(n));
+        let mut to = to;
+        rows.flat_map(|(kernel, logs)| to(kernel, logs)).collect()
     }
 
     /// Light sent inwards over all hits, from what a first hit sends: `U = U_first + K F U`.
@@ -220,37 +232,43 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         let at = self.polar(w.x().abs().min(1.0).asin());
         let count = self.sizes.modes;
         let mut first = vec![0.0; self.fine.len() * count];
-        let mut moments = vec![0.0; self.count() * count];
         let nodes = self.fine.iter().zip(&self.fine_weights);
-        for ((to, weight), modes) in nodes.zip(first.chunks_exact_mut(count)) {
+        let arriving = |((to, weight), modes): ((&Polar, &f64), &mut [f64])| {
             self.bounce(at.from(1.0, 0.0), &at, to, modes);
             for mode in &mut *modes {
                 *mode *= flux;
             }
-            self.grid.at(to.theta).spread(*weight, modes, &mut moments);
-        }
-        Sent { first, later: self.all_passes(&self.bounced(&moments)) }
+            let modes = modes.iter().map(|mode| weight * mode).collect();
+            Arriving { at: self.grid.at(to.theta), modes }
+        };
+        let arriving: Vec<_> = nodes.zip(first.chunks_exact_mut(count)).map(arriving).collect();
+        Sent { first, later: self.all_passes(&self.bounced(&arriving)) }
     }
 
     /// Light sent inwards from the second hit on, for a beam of unit flux that arrives from the air.
     pub(super) fn of_beam_outside(&self, w: Direction<f64>) -> Sent {
         let peak = self.polar((w.x().abs() / self.eta).asin());
-        let count = self.sizes.modes;
-        let mut moments = vec![0.0; self.count() * count];
-        let mut modes = vec![0.0; count];
         let from = Direction::from_unit(-w.x().abs(), 0.0, w.z());
-        for (theta, weight) in self.about(&[peak.theta], self.upright(w.z()), self.snell_width) {
+        let lobe = self.snell_width(w.z(), &peak);
+        let arriving = |(theta, weight): (f64, f64)| {
             let to = self.polar(theta);
-            let width = Self::spread(self.snell_width, &peak, &to);
-            self.azimuths.modes(
-                width,
-                |c, s| self.boundary.ars(from, to.towards(c, s)),
-                &mut modes,
-            );
+            let width = Self::spread(lobe, &peak, &to);
+            let mut modes = vec![0.0; self.sizes.modes];
+            self.azimuths.modes(width, |c, s| self.boundary.ars(from, to.towards(c, s)), &mut modes);
             let factor = weight * to.kept * to.sin;
-            self.grid.at(theta).spread(factor, &modes, &mut moments);
-        }
-        Sent { first: Vec::new(), later: self.all_passes(&self.bounced(&moments)) }
+            for mode in &mut modes {
+                *mode *= factor;
+            }
+            Arriving { at: self.grid.at(theta), modes }
+        };
+        let nodes = self.about(&[peak.theta], self.upright(w.z()), lobe);
+        let arriving: Vec<_> = nodes.into_iter().map(arriving).collect();
+        Sent { first: Vec::new(), later: self.all_passes(&self.bounced(&arriving)) }
+    }
+
+    /// Width of a lobe between the air, at an angle of this cosine, and a polar angle inside: of that angle, rad.
+    pub(super) fn snell_width(&self, air: f64, inside: &Polar) -> f64 {
+        (self.slope * (1.0 - air / (self.eta * inside.cos))).min(0.5)
     }
 
     /// The polar angle inside up to which facets that face up connect it with an angle of this cosine in the air: there the
@@ -294,19 +312,21 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             let (sin, cos) = theta.sin_cos();
             let view = Direction::from_unit(sin, 0.0, cos);
             let peak = self.polar((sin / self.eta).asin());
-            let mut modes = vec![0.0; count];
-            let mut first = vec![0.0; self.fine.len() * count];
-            let mut later = vec![0.0; self.count() * count];
-            for (theta, weight) in self.about(&[peak.theta], self.upright(cos), self.snell_width) {
+            let lobe = self.snell_width(cos, &peak);
+            let answer = |(theta, weight): (f64, f64)| {
                 let from = self.polar(theta);
-                let width = Self::spread(self.snell_width, &peak, &from);
+                let width = Self::spread(lobe, &peak, &from);
                 let value = |c, s| self.boundary.ars(from.from(c, s), view);
+                let mut modes = vec![0.0; count];
                 self.azimuths.modes(width, value, &mut modes);
                 let factor = weight * from.kept * from.sin;
-                self.fine_grid.at(theta).spread(factor, &modes, &mut first);
-                self.grid.at(theta).spread(factor, &modes, &mut later);
-            }
-            Response { first, later }
+                for mode in &mut modes {
+                    *mode *= factor;
+                }
+                Response { first: self.fine_grid.at(theta), later: self.grid.at(theta), modes }
+            };
+            let nodes = self.about(&[peak.theta], self.upright(cos), lobe);
+            nodes.into_iter().map(answer).collect()
         };
         let responses = grid.theta.par_iter().map(response).collect();
         Windows { grid, responses, modes: count }
@@ -315,7 +335,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
     /// Flux per solid angle that light sent inwards from the second hit on has in the plane of incidence.
     pub(super) fn profile(&self, sent: &Sent) -> Profile {
         let values = sent.later.chunks_exact(self.sizes.modes).map(in_the_plane).collect();
-        Profile { grid: self.grid.clone(), values }
+        Profile::new(self.grid.clone(), values)
     }
 
     /// A rule over the inside for light with a peak at one signed angle of the plane of incidence, seen by a view with a peak at

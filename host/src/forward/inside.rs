@@ -114,7 +114,9 @@ impl<B: Bsdf<f64> + Sync> Light<'_, B> {
         }
         let view = |out: f64| Direction::from_unit(self.side * sin * along, out, cos * along);
         let peaks = [-self.beam.x(), self.side * sin * along].map(|x| (x / inside.eta).asin());
-        let width = inside.snell_width.hypot(psi / inside.eta);
+        let cosines = [self.beam.z(), cos * along];
+        let lobe = |k: usize| inside.snell_width(cosines[k], &inside.polar(peaks[k].abs()));
+        let width = lobe(0).min(lobe(1)).hypot(psi / inside.eta);
         let mut sum = 0.0;
         inside.between(peaks[0], peaks[1], width, |at, c, s, weight| {
             let from = at.from(c, s);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::azimuth::PolarGrid;
+use super::azimuth::{PolarGrid, Stencil};
 
 /// Modes of the light that the rough face sends inwards, those of each node together.
 #[derive(Debug)]
@@ -27,62 +27,80 @@ impl Sent {
     }
 }
 
-/// How a view in the air answers to modes of light on the nodes.
+/// How a view in the air answers to light from a polar angle inside.
 #[derive(Debug)]
 pub(super) struct Response {
-    pub(super) first: Vec<f64>,
-    pub(super) later: Vec<f64>,
+    /// That angle among the fine nodes, and among the others.
+    pub(super) first: Stencil,
+    pub(super) later: Stencil,
+    pub(super) modes: Vec<f64>,
 }
 
 /// How views in the air answer to the light inside.
 #[derive(Debug)]
 pub(super) struct Windows {
     pub(super) grid: PolarGrid,
-    pub(super) responses: Vec<Response>,
+    pub(super) responses: Vec<Vec<Response>>,
     pub(super) modes: usize,
 }
 
 impl Windows {
     /// Flux per solid angle outside, in the plane of incidence.
     pub(super) fn profile(&self, sent: &Sent) -> Profile {
-        let value = |response: &Response| {
-            let mut product = vec![0.0; self.modes];
-            for (response, sent) in [(&response.first, &sent.first), (&response.later, &sent.later)]
-            {
-                let nodes = response.chunks_exact(self.modes).zip(sent.chunks_exact(self.modes));
-                for (r, s) in nodes {
-                    for ((p, r), s) in product.iter_mut().zip(r).zip(s) {
-                        *p += r * s;
+        let first = logarithms(&sent.first, self.modes);
+        let later = logarithms(&sent.later, self.modes);
+        let value = |responses: &Vec<Response>| {
+            let (mut product, mut light) = (vec![0.0; self.modes], vec![0.0; self.modes]);
+            for response in responses {
+                let mut add = |stencil: &Stencil, nodes: &[f64], logs: &[f64]| {
+                    if !nodes.is_empty() {
+                        stencil.steep(|k, _| logs[k]).gather(nodes, &mut light);
+                        for ((p, r), s) in product.iter_mut().zip(&response.modes).zip(&light) {
+                            *p += r * s;
+                        }
                     }
-                }
+                };
+                add(&response.first, &sent.first, &first);
+                add(&response.later, &sent.later, &later);
             }
             in_the_plane(&product)
         };
-        Profile { grid: self.grid.clone(), values: self.responses.iter().map(value).collect() }
+        Profile::new(self.grid.clone(), self.responses.iter().map(value).collect())
     }
+}
+
+/// Of the means over azimuths: mode zero of each node.
+pub(super) fn logarithms(nodes: &[f64], modes: usize) -> Vec<f64> {
+    nodes.iter().step_by(modes).map(|mean| mean.ln()).collect()
 }
 
 /// A function in the plane of incidence.
 #[derive(Debug)]
 pub(super) struct Profile {
-    pub(super) grid: PolarGrid,
+    grid: PolarGrid,
     /// At azimuth 0 and at pi.
-    pub(super) values: Vec<[f64; 2]>,
+    values: Vec<[f64; 2]>,
+    /// Their logarithms.
+    logs: Vec<[f64; 2]>,
 }
 
 impl Profile {
+    /// From values at azimuths 0 and pi of the nodes of a grid.
+    pub(super) fn new(grid: PolarGrid, values: Vec<[f64; 2]>) -> Self {
+        let logs = values.iter().map(|both| both.map(f64::ln)).collect();
+        Self { grid, values, logs }
+    }
+
     /// Both sides the same: what a beam along the normal gives but for the rounding of the rules.
-    pub(super) fn balanced(mut self) -> Self {
-        for [ahead, behind] in &mut self.values {
-            let mean = 0.5 * (*ahead + *behind);
-            (*ahead, *behind) = (mean, mean);
-        }
-        self
+    pub(super) fn balanced(self) -> Self {
+        let mean = |[ahead, behind]: &[f64; 2]| [0.5 * (ahead + behind); 2];
+        let values = self.values.iter().map(mean).collect();
+        Self::new(self.grid, values)
     }
 
     /// At a signed angle.
     pub(super) fn at(&self, angle: f64) -> f64 {
-        let stencil = self.grid.at(angle);
+        let stencil = self.grid.at(angle).steep(|k, turned| self.logs[k][usize::from(turned)]);
         stencil.iter().map(|(k, turned, w)| w * self.values[k][usize::from(turned)]).sum()
     }
 }
