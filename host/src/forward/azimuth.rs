@@ -201,31 +201,38 @@ impl Stencil {
         for (log, (node, turned, _)) in logs.iter_mut().zip(self.iter()) {
             *log = logarithm(node, turned);
         }
-        let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
-        let is_positive = logs.iter().all(|log| log.is_finite());
-        if !is_positive || top - low > STEEPEST {
-            return self;
-        }
-        let mean: f64 = self.weights.iter().zip(&logs).map(|(w, log)| w * log).sum();
-        // a peak between nodes is little higher than they
-        let mean = mean.min(top + 0.5);
+        let Some(mean) = self.mean_logarithm(&logs) else { return self };
         for (weight, log) in self.weights.iter_mut().zip(&logs) {
             *weight *= (mean - log).exp();
         }
         self
     }
 
-    /// A function's modes at this place from those of the nodes, `modes.len()` a node.
-    pub(super) fn gather(&self, nodes: &[f64], modes: &mut [f64]) {
-        modes.fill(0.0);
-        for (node, turned, weight) in self.iter() {
-            let weights = [weight, if turned { -weight } else { weight }];
-            let node = &nodes[node * modes.len()..][..modes.len()];
-            for (m, (mode, value)) in modes.iter_mut().zip(node).enumerate() {
-                *mode += weights[m & 1] * value;
-            }
+    /// An even function at this place: as it is, and by its logarithm where that can be.
+    pub(super) fn means(
+        &self,
+        value: impl Fn(usize) -> f64,
+        logarithm: impl Fn(usize) -> f64,
+    ) -> [f64; 2] {
+        let plain = self.iter().map(|(node, _, weight)| weight * value(node)).sum();
+        let mut logs = [0.0; STENCIL];
+        for (log, (node, ..)) in logs.iter_mut().zip(self.iter()) {
+            *log = logarithm(node);
         }
+        [plain, self.mean_logarithm(&logs).map_or(plain, f64::exp)]
+    }
+
+    /// The logarithm of a function from that at the nodes; `None` where it is not positive, or next to nothing.
+    fn mean_logarithm(&self, logs: &[f64; STENCIL]) -> Option<f64> {
+        let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_positive = logs.iter().all(|log| log.is_finite());
+        if !is_positive || top - low > STEEPEST {
+            return None;
+        }
+        let mean: f64 = self.weights.iter().zip(logs).map(|(w, log)| w * log).sum();
+        // a peak between nodes is little higher than they
+        Some(mean.min(top + 0.5))
     }
 
     /// Adds a function's modes at this place to the sums of the nodes, `modes.len()` a node.

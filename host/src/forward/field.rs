@@ -13,9 +13,10 @@ use asperity_core::direction::Direction;
 use rayon::prelude::*;
 
 use super::aperture::asinh;
-use super::azimuth::{Azimuths, PolarGrid, Stencil, gauss, graded};
+use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
+use super::between::{Between, Nodes, logarithms};
 use super::polar::{Polar, Sizes};
-use super::profile::{Profile, Response, Sent, Windows, in_the_plane, logarithms};
+use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
 use super::triangles::{factorise, solve};
 
 /// What the inside of a plate does to light, whatever its incidence.
@@ -46,13 +47,6 @@ pub(super) struct Inside<'a, B> {
     factors: Vec<f64>,
     /// By nodes: what light from there is divided by, so that the rough face gives no more than it receives.
     excess: Vec<f64>,
-}
-
-/// Light that arrives at the rough face from a polar angle: its place among the nodes, and its modes.
-#[derive(Debug)]
-struct Arriving {
-    at: Stencil,
-    modes: Vec<f64>,
 }
 
 impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
@@ -187,27 +181,16 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         self.factors = factors;
     }
 
-    /// Modes of what the rough face sends inwards of light that arrives: at every node, those of any polar angles interpolated
-    /// in the kernel's own steepness there.
-    fn bounced(&self, arriving: &[Arriving]) -> Vec<f64> {
+    /// Modes of what the rough face sends inwards of light that arrives from any polar angles.
+    fn bounced(&self, arriving: &[(f64, Vec<f64>)]) -> Vec<f64> {
         let (n, count) = (self.count(), self.sizes.modes);
-        let mut moments = vec![0.0; n * count];
-        let to = |kernel: &[f64], logs: &[f64]| {
-            moments.fill(0.0);
-            for light in arriving {
-                light.at.steep(|k, _| logs[k]).spread(1.0, &light.modes, &mut moments);
-            }
-            let mut sent = vec![0.0; count];
-            for (kernel, moments) in kernel.chunks_exact(count).zip(moments.chunks_exact(count)) {
-                for ((sent, kernel), moment) in sent.iter_mut().zip(kernel).zip(moments) {
-                    *sent += kernel * moment;
-                }
-            }
-            sent
-        };
+        let arriving = Between::new(&self.grid, arriving, count);
+        let mut sent = vec![0.0; n * count];
         let rows = self.kernel.chunks_exact(n * count).zip(self.logs.chunks_exact(n));
-        let mut to = to;
-        rows.flat_map(|(kernel, logs)| to(kernel, logs)).collect()
+        for (sent, (modes, logs)) in sent.chunks_exact_mut(count).zip(rows) {
+            arriving.times(Nodes { modes, logs }, sent);
+        }
+        sent
     }
 
     /// Light sent inwards over all hits, from what a first hit sends: `U = U_first + K F U`.
@@ -238,8 +221,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             for mode in &mut *modes {
                 *mode *= flux;
             }
-            let modes = modes.iter().map(|mode| weight * mode).collect();
-            Arriving { at: self.grid.at(to.theta), modes }
+            (to.theta, modes.iter().map(|mode| weight * mode).collect())
         };
         let arriving: Vec<_> = nodes.zip(first.chunks_exact_mut(count)).map(arriving).collect();
         Sent { first, later: self.all_passes(&self.bounced(&arriving)) }
@@ -259,7 +241,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             for mode in &mut modes {
                 *mode *= factor;
             }
-            Arriving { at: self.grid.at(theta), modes }
+            (theta, modes)
         };
         let nodes = self.about(&[peak.theta], self.upright(w.z()), lobe);
         let arriving: Vec<_> = nodes.into_iter().map(arriving).collect();
@@ -323,10 +305,14 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
                 for mode in &mut modes {
                     *mode *= factor;
                 }
-                Response { first: self.fine_grid.at(theta), later: self.grid.at(theta), modes }
+                (theta, modes)
             };
             let nodes = self.about(&[peak.theta], self.upright(cos), lobe);
-            nodes.into_iter().map(answer).collect()
+            let answers: Vec<_> = nodes.into_iter().map(answer).collect();
+            Response {
+                first: Between::new(&self.fine_grid, &answers, count),
+                later: Between::new(&self.grid, &answers, count),
+            }
         };
         let responses = grid.theta.par_iter().map(response).collect();
         Windows { grid, responses, modes: count }

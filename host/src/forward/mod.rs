@@ -7,6 +7,7 @@
 mod optics;
 mod aperture;
 mod azimuth;
+mod between;
 mod profile;
 mod returns;
 mod polar;

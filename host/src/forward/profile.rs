@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::azimuth::{PolarGrid, Stencil};
+use super::azimuth::PolarGrid;
+use super::between::{Between, Nodes, logarithms};
 
 /// Modes of the light that the rough face sends inwards, those of each node together.
 #[derive(Debug)]
@@ -27,20 +28,19 @@ impl Sent {
     }
 }
 
-/// How a view in the air answers to light from a polar angle inside.
+/// How a view in the air answers to light inside.
 #[derive(Debug)]
 pub(super) struct Response {
-    /// That angle among the fine nodes, and among the others.
-    pub(super) first: Stencil,
-    pub(super) later: Stencil,
-    pub(super) modes: Vec<f64>,
+    /// To that of the fine nodes, and of the others.
+    pub(super) first: Between,
+    pub(super) later: Between,
 }
 
 /// How views in the air answer to the light inside.
 #[derive(Debug)]
 pub(super) struct Windows {
     pub(super) grid: PolarGrid,
-    pub(super) responses: Vec<Vec<Response>>,
+    pub(super) responses: Vec<Response>,
     pub(super) modes: usize,
 }
 
@@ -49,29 +49,18 @@ impl Windows {
     pub(super) fn profile(&self, sent: &Sent) -> Profile {
         let first = logarithms(&sent.first, self.modes);
         let later = logarithms(&sent.later, self.modes);
-        let value = |responses: &Vec<Response>| {
-            let (mut product, mut light) = (vec![0.0; self.modes], vec![0.0; self.modes]);
-            for response in responses {
-                let mut add = |stencil: &Stencil, nodes: &[f64], logs: &[f64]| {
-                    if !nodes.is_empty() {
-                        stencil.steep(|k, _| logs[k]).gather(nodes, &mut light);
-                        for ((p, r), s) in product.iter_mut().zip(&response.modes).zip(&light) {
-                            *p += r * s;
-                        }
-                    }
-                };
-                add(&response.first, &sent.first, &first);
-                add(&response.later, &sent.later, &later);
+        let first = Nodes { modes: &sent.first, logs: &first };
+        let later = Nodes { modes: &sent.later, logs: &later };
+        let value = |response: &Response| {
+            let mut product = vec![0.0; self.modes];
+            if !first.modes.is_empty() {
+                response.first.times(first, &mut product);
             }
+            response.later.times(later, &mut product);
             in_the_plane(&product)
         };
         Profile::new(self.grid.clone(), self.responses.iter().map(value).collect())
     }
-}
-
-/// Of the means over azimuths: mode zero of each node.
-pub(super) fn logarithms(nodes: &[f64], modes: usize) -> Vec<f64> {
-    nodes.iter().step_by(modes).map(|mean| mean.ln()).collect()
 }
 
 /// A function in the plane of incidence.
