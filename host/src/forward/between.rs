@@ -7,7 +7,7 @@
 use super::azimuth::{PolarGrid, Stencil};
 
 /// What a place may err by as it is, as a share of the sum.
-const ENOUGH: f64 = 1e-5;
+const ENOUGH: f64 = 1e-4;
 
 /// Modes at polar angles between nodes: of light that arrives, or of a view's answer to it.
 #[derive(Debug)]

@@ -30,6 +30,7 @@ pub(super) struct Inside<'a, B> {
     sizes: Sizes,
     azimuths: Azimuths,
     panel: Vec<(f64, f64)>,
+    beyond: Vec<(f64, f64)>,
     pair: Vec<(f64, f64)>,
     grid: PolarGrid,
     polar: Vec<Polar>,
@@ -74,6 +75,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             sizes,
             azimuths: Azimuths::new(),
             panel: gauss(sizes.panel),
+            beyond: gauss(sizes.beyond),
             pair: gauss(sizes.pair),
             weights: weigh(&grid, &polar),
             fine_weights: weigh(&fine_grid, &fine),
@@ -236,7 +238,11 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             let to = self.polar(theta);
             let width = Self::spread(lobe, &peak, &to);
             let mut modes = vec![0.0; self.sizes.modes];
-            self.azimuths.modes(width, |c, s| self.boundary.ars(from, to.towards(c, s)), &mut modes);
+            self.azimuths.modes(
+                width,
+                |c, s| self.boundary.ars(from, to.towards(c, s)),
+                &mut modes,
+            );
             let factor = weight * to.kept * to.sin;
             for mode in &mut modes {
                 *mode *= factor;
@@ -262,17 +268,21 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
     /// A rule in the polar angle from 0 to `last`, dense at peaks of a width, of panels that end at the critical angle and at
     /// twice that angle.
     fn about(&self, peaks: &[f64], last: f64, width: f64) -> Vec<(f64, f64)> {
-        let panel = if peaks.len() > 1 { &self.pair } else { &self.panel };
         let mut ends = vec![0.0, last];
         let inner = [self.critical, 2.0 * self.critical];
         ends.extend(peaks.iter().chain(&inner).filter(|end| **end < last));
         ends.sort_by(f64::total_cmp);
         let nearest =
             |theta: f64| peaks.iter().map(|p| (p - theta).abs()).fold(f64::INFINITY, f64::min);
-        let mut nodes = Vec::with_capacity(ends.len() * panel.len());
+        let mut nodes = Vec::with_capacity(ends.len() * self.panel.len());
         for pair in ends.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let off = [nearest(from), nearest(to)];
+            let panel = match (peaks.len(), off[0].min(off[1]) <= 0.0) {
+                (1, true) => &self.panel,
+                (1, false) => &self.beyond,
+                _ => &self.pair,
+            };
             if peaks.len() > 1 && off[0].max(off[1]) <= 0.0 {
                 let middle = 0.5 * (from + to);
                 graded(panel, from, middle, width, &mut nodes);

@@ -46,21 +46,24 @@ pub(super) struct Sizes {
     pub(super) step: f64,
     pub(super) fine: f64,
     pub(super) views: f64,
-    /// Polar angles of a panel of a graded rule.
+    /// Polar angles of a panel of a graded rule, at the peak and beyond.
     pub(super) panel: usize,
+    pub(super) beyond: usize,
     /// The same where two lobes meet.
     pub(super) pair: usize,
 }
 
 impl Sizes {
     pub(super) fn new(slope: f64) -> Self {
-        let step = (1.1 * slope).clamp(0.02, 0.11);
+        let step = (1.1 * slope).clamp(0.02, 0.08);
         Self {
             modes: (4.0 / slope).clamp(16.0, 256.0) as usize,
             step,
             fine: step.min(0.04),
-            views: step.min(0.1),
-            panel: 8,
+            views: (1.1 * slope).clamp(0.02, 0.1),
+            // tails of two narrow lobes meet where each of them has fallen far
+            panel: 12,
+            beyond: 8,
             pair: if slope < 0.1 { 10 } else { 8 },
         }
     }
