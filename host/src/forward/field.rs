@@ -126,18 +126,15 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             (given(from) / left.max(1e-9)).max(1.0)
         };
         self.excess = self.polar.iter().enumerate().map(excess).collect();
-        for ((polar, weight), excess) in
-            self.polar.iter_mut().zip(&mut self.weights).zip(&self.excess)
-        {
-            polar.kept /= excess;
-            *weight /= excess;
-        }
         let fine: Vec<f64> = self.fine.iter().map(|p| self.excess_at(p.theta)).collect();
-        for ((polar, weight), excess) in self.fine.iter_mut().zip(&mut self.fine_weights).zip(fine)
-        {
-            polar.kept /= excess;
-            *weight /= excess;
-        }
+        let divide = |polar: &mut [Polar], weights: &mut [f64], excess: &[f64]| {
+            for ((polar, weight), excess) in polar.iter_mut().zip(weights).zip(excess) {
+                polar.kept /= excess;
+                *weight /= excess;
+            }
+        };
+        divide(&mut self.polar, &mut self.weights, &self.excess);
+        divide(&mut self.fine, &mut self.fine_weights, &fine);
     }
 
     /// Number of nodes of the polar angle.

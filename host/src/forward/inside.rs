@@ -2,7 +2,6 @@
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
-use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use super::aperture::Node;
@@ -35,9 +34,7 @@ impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
             return None;
         }
         let inside = Inside::new(boundary, eta.get());
-        let through_the_rough =
-            (setup.geometry == Geometry::Reflection) == (rough_side == RoughSide::Source);
-        let windows = through_the_rough.then(|| inside.windows());
+        let windows = setup.sees_rough_face().then(|| inside.windows());
         Some(Self { boundary, inside, windows, rough_side })
     }
 

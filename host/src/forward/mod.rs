@@ -64,6 +64,18 @@ pub struct Setup {
     pub quantity: Quantity,
 }
 
+impl Setup {
+    /// Whether the detector looks at the rough face itself, not through a smooth one.
+    pub(crate) fn sees_rough_face(&self) -> bool {
+        match self.sample {
+            Sample::Plate { rough_side, .. } => {
+                (self.geometry == Geometry::Reflection) == (rough_side == RoughSide::Source)
+            }
+            Sample::Opaque => true,
+        }
+    }
+}
+
 /// The angles of one incidence, degrees; observation angles ascend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incidence {
