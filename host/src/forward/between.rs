@@ -75,3 +75,42 @@ impl Between {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Between, Nodes, logarithms};
+    use crate::forward::azimuth::PolarGrid;
+
+    /// The sum over one place between nodes of a function whose mean is `mean`, with a second mode beside it.
+    fn sum(mean: impl Fn(f64) -> f64, place: f64) -> [f64; 2] {
+        let grid = PolarGrid::new(&[1.5], 0.1);
+        let second = |theta: f64| mean(theta) * theta;
+        let modes: Vec<f64> = grid.theta.iter().flat_map(|t| [mean(*t), second(*t)]).collect();
+        let logs = logarithms(&modes, 2);
+        let between = Between::new(&grid, &[(place, vec![1.0, 2.0])], 2);
+        let mut product = [0.0; 2];
+        between.times(Nodes { modes: &modes, logs: &logs }, &mut product);
+        [product[0] / mean(place), product[1] / (2.0 * second(place))]
+    }
+
+    #[test]
+    fn a_function_that_falls_to_a_tenth_from_node_to_node_is_known_between_them() {
+        for place in [0.62, 0.95, 1.23] {
+            for (name, ratio) in [
+                ("gauss", sum(|t| (-0.5 * (t / 0.15).powi(2)).exp(), place)),
+                ("fourth power", sum(|t| (-0.5 * (t / 0.5).powi(4)).exp(), place)),
+                ("constant", sum(|_| 1.0, place)),
+                ("negative", sum(|t| -2.0 - t, place)),
+            ] {
+                let worst = ratio.map(|r| (r - 1.0).abs()).into_iter().fold(0.0, f64::max);
+                assert!(worst < 1e-6, "{name} at {place}: {ratio:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_function_that_ends_is_zero_beyond() {
+        let ratio = sum(|t| if t < 0.5 { 1.0 } else { 0.0 }, 0.2);
+        assert!(ratio.iter().all(|r| (r - 1.0).abs() < 1e-9), "{ratio:?}");
+    }
+}
