@@ -169,6 +169,9 @@ impl PolarGrid {
     }
 }
 
+/// The largest difference of logarithms at the nodes of a stencil where they are interpolated.
+const STEEPEST: f64 = 600.0;
+
 /// Weights of the nodes that interpolate at one place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stencil {
@@ -188,6 +191,48 @@ impl Stencil {
             let node = if k < 0 { -k - 1 } else { k };
             (node as usize, (k < 0) != turned, weight)
         })
+    }
+
+    /// The same for a function that falls steeply, from its logarithm at the nodes (half a turn off or not), or that of another
+    /// as steep: one over the other is interpolated, and the other by its logarithm, which is smooth where the function itself
+    /// falls to a tenth from node to node. What is not positive is left as it was.
+    pub(super) fn steep(mut self, logarithm: impl Fn(usize, bool) -> f64) -> Self {
+        let mut logs = [0.0; STENCIL];
+        for (log, (node, turned, _)) in logs.iter_mut().zip(self.iter()) {
+            *log = logarithm(node, turned);
+        }
+        let Some(mean) = self.mean_logarithm(&logs) else { return self };
+        for (weight, log) in self.weights.iter_mut().zip(&logs) {
+            *weight *= (mean - log).exp();
+        }
+        self
+    }
+
+    /// An even function at this place: as it is, and by its logarithm where that can be.
+    pub(super) fn means(
+        &self,
+        value: impl Fn(usize) -> f64,
+        logarithm: impl Fn(usize) -> f64,
+    ) -> [f64; 2] {
+        let plain = self.iter().map(|(node, _, weight)| weight * value(node)).sum();
+        let mut logs = [0.0; STENCIL];
+        for (log, (node, ..)) in logs.iter_mut().zip(self.iter()) {
+            *log = logarithm(node);
+        }
+        [plain, self.mean_logarithm(&logs).map_or(plain, f64::exp)]
+    }
+
+    /// The logarithm of a function from that at the nodes; `None` where it is not positive, or next to nothing.
+    fn mean_logarithm(&self, logs: &[f64; STENCIL]) -> Option<f64> {
+        let top = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let low = logs.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_positive = logs.iter().all(|log| log.is_finite());
+        if !is_positive || top - low > STEEPEST {
+            return None;
+        }
+        let mean: f64 = self.weights.iter().zip(logs).map(|(w, log)| w * log).sum();
+        // a peak between nodes is little higher than they
+        Some(mean.min(top + 0.5))
     }
 
     /// Adds a function's modes at this place to the sums of the nodes, `modes.len()` a node.

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::aperture::asinh;
 use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
+use super::between::{Between, Nodes, logarithms};
 use super::polar::{Polar, Sizes};
 use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
 use super::triangles::{factorise, solve};
@@ -24,12 +25,12 @@ pub(super) struct Inside<'a, B> {
     boundary: &'a B,
     pub(super) eta: f64,
     pub(super) critical: f64,
-    /// Widths of the rough face's lobes inside, rad: reflected, and transmitted.
-    mirror_width: f64,
-    pub(super) snell_width: f64,
+    /// Typical slope of the facets.
+    slope: f64,
     sizes: Sizes,
     azimuths: Azimuths,
     panel: Vec<(f64, f64)>,
+    beyond: Vec<(f64, f64)>,
     pair: Vec<(f64, f64)>,
     grid: PolarGrid,
     polar: Vec<Polar>,
@@ -39,8 +40,10 @@ pub(super) struct Inside<'a, B> {
     fine_grid: PolarGrid,
     fine: Vec<Polar>,
     fine_weights: Vec<f64>,
-    /// Modes of the kernel, a matrix (to, from) each.
+    /// The kernel: (to, from), modes of each together.
     kernel: Vec<f64>,
+    /// Logarithms of its means over azimuths.
+    logs: Vec<f64>,
     /// The factors of `1 - K F` of each mode, below the diagonal and from it on.
     factors: Vec<f64>,
     /// By nodes: what light from there is divided by, so that the rough face gives no more than it receives.
@@ -68,11 +71,11 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             boundary,
             eta,
             critical,
-            mirror_width: 2.0 * slope,
-            snell_width: (slope * (eta - 1.0) / eta).min(0.5),
+            slope,
             sizes,
             azimuths: Azimuths::new(),
             panel: gauss(sizes.panel),
+            beyond: gauss(sizes.beyond),
             pair: gauss(sizes.pair),
             weights: weigh(&grid, &polar),
             fine_weights: weigh(&fine_grid, &fine),
@@ -81,6 +84,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             fine_grid,
             fine,
             kernel: Vec::new(),
+            logs: Vec::new(),
             factors: Vec::new(),
             excess: Vec::new(),
         };
@@ -108,12 +112,12 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// Where a law sends back more light than it receives, as the one of waves does at grazing incidence, light that meets it
     /// many times would grow: there it is divided by what it gives, which the azimuthal mean of the kernel tells.
-    fn limit(&mut self, kernel: &[f64]) {
-        let n = self.count();
+    fn limit(&mut self) {
+        let (n, count) = (self.count(), self.sizes.modes);
         let rule: Vec<f64> =
             self.polar.iter().zip(&self.grid.weights).map(|(p, w)| p.sin * w).collect();
         let given = |from: usize| -> f64 {
-            let column = kernel.iter().skip(from).step_by(n).take(n);
+            let column = self.kernel.iter().step_by(count).skip(from).step_by(n);
             column.zip(&rule).map(|(k, w)| k * w).sum()
         };
         let excess = |(from, polar): (usize, &Polar)| {
@@ -122,18 +126,15 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             (given(from) / left.max(1e-9)).max(1.0)
         };
         self.excess = self.polar.iter().enumerate().map(excess).collect();
-        for ((polar, weight), excess) in
-            self.polar.iter_mut().zip(&mut self.weights).zip(&self.excess)
-        {
-            polar.kept /= excess;
-            *weight /= excess;
-        }
         let fine: Vec<f64> = self.fine.iter().map(|p| self.excess_at(p.theta)).collect();
-        for ((polar, weight), excess) in self.fine.iter_mut().zip(&mut self.fine_weights).zip(fine)
-        {
-            polar.kept /= excess;
-            *weight /= excess;
-        }
+        let divide = |polar: &mut [Polar], weights: &mut [f64], excess: &[f64]| {
+            for ((polar, weight), excess) in polar.iter_mut().zip(weights).zip(excess) {
+                polar.kept /= excess;
+                *weight /= excess;
+            }
+        };
+        divide(&mut self.polar, &mut self.weights, &self.excess);
+        divide(&mut self.fine, &mut self.fine_weights, &fine);
     }
 
     /// Number of nodes of the polar angle.
@@ -149,7 +150,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
 
     /// Modes of what the rough face sends from `from` so that it arrives again from `to`.
     fn bounce(&self, from: Direction<f64>, at: &Polar, to: &Polar, modes: &mut [f64]) {
-        let width = Self::spread(self.mirror_width, at, to);
+        let width = Self::spread(2.0 * self.slope, at, to);
         self.azimuths.modes(width, |c, s| self.boundary.ars(from, to.towards(c, s)), modes);
     }
 
@@ -163,37 +164,30 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             row
         };
         let rows: Vec<Vec<f64>> = self.polar.par_iter().map(row).collect();
-        let mut kernel = vec![0.0; count * n * n];
-        for (t, row) in rows.iter().enumerate() {
-            for (f, modes) in row.chunks_exact(count).enumerate() {
-                for (m, value) in modes.iter().enumerate() {
-                    kernel[(m * n + t) * n + f] = *value;
-                }
-            }
-        }
-        self.limit(&kernel[..n * n]);
-        let mut factors = kernel.clone();
-        factors.par_chunks_exact_mut(n * n).for_each(|matrix| {
+        self.kernel = rows.concat();
+        self.logs = logarithms(&self.kernel, count);
+        self.limit();
+        let mut factors = vec![0.0; count * n * n];
+        factors.par_chunks_exact_mut(n * n).enumerate().for_each(|(m, matrix)| {
             for (t, row) in matrix.chunks_exact_mut(n).enumerate() {
                 for (f, (value, weight)) in row.iter_mut().zip(&self.weights).enumerate() {
-                    *value = if t == f { 1.0 } else { 0.0 } - *value * weight;
+                    let kernel = self.kernel[(t * n + f) * count + m];
+                    *value = if t == f { 1.0 } else { 0.0 } - kernel * weight;
                 }
             }
             factorise(matrix, n);
         });
-        (self.kernel, self.factors) = (kernel, factors);
+        self.factors = factors;
     }
 
-    /// Multiplies moments of arriving light, `count` modes a node, by the kernel: modes of what is sent inwards.
-    fn bounced(&self, moments: &[f64]) -> Vec<f64> {
+    /// Modes of what the rough face sends inwards of light that arrives from any polar angles.
+    fn bounced(&self, arriving: &[(f64, Vec<f64>)]) -> Vec<f64> {
         let (n, count) = (self.count(), self.sizes.modes);
+        let arriving = Between::new(&self.grid, arriving, count);
         let mut sent = vec![0.0; n * count];
-        for (m, matrix) in self.kernel.chunks_exact(n * n).enumerate() {
-            for (t, row) in matrix.chunks_exact(n).enumerate() {
-                let sum: f64 =
-                    row.iter().enumerate().map(|(f, k)| k * moments[f * count + m]).sum();
-                sent[t * count + m] = sum;
-            }
+        let rows = self.kernel.chunks_exact(n * count).zip(self.logs.chunks_exact(n));
+        for (sent, (modes, logs)) in sent.chunks_exact_mut(count).zip(rows) {
+            arriving.times(Nodes { modes, logs }, sent);
         }
         sent
     }
@@ -220,37 +214,46 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         let at = self.polar(w.x().abs().min(1.0).asin());
         let count = self.sizes.modes;
         let mut first = vec![0.0; self.fine.len() * count];
-        let mut moments = vec![0.0; self.count() * count];
         let nodes = self.fine.iter().zip(&self.fine_weights);
-        for ((to, weight), modes) in nodes.zip(first.chunks_exact_mut(count)) {
+        let arriving = |((to, weight), modes): ((&Polar, &f64), &mut [f64])| {
             self.bounce(at.from(1.0, 0.0), &at, to, modes);
             for mode in &mut *modes {
                 *mode *= flux;
             }
-            self.grid.at(to.theta).spread(*weight, modes, &mut moments);
-        }
-        Sent { first, later: self.all_passes(&self.bounced(&moments)) }
+            (to.theta, modes.iter().map(|mode| weight * mode).collect())
+        };
+        let arriving: Vec<_> = nodes.zip(first.chunks_exact_mut(count)).map(arriving).collect();
+        Sent { first, later: self.all_passes(&self.bounced(&arriving)) }
     }
 
     /// Light sent inwards from the second hit on, for a beam of unit flux that arrives from the air.
     pub(super) fn of_beam_outside(&self, w: Direction<f64>) -> Sent {
         let peak = self.polar((w.x().abs() / self.eta).asin());
-        let count = self.sizes.modes;
-        let mut moments = vec![0.0; self.count() * count];
-        let mut modes = vec![0.0; count];
         let from = Direction::from_unit(-w.x().abs(), 0.0, w.z());
-        for (theta, weight) in self.about(&[peak.theta], self.upright(w.z()), self.snell_width) {
+        let lobe = self.snell_width(w.z(), &peak);
+        let arriving = |(theta, weight): (f64, f64)| {
             let to = self.polar(theta);
-            let width = Self::spread(self.snell_width, &peak, &to);
+            let width = Self::spread(lobe, &peak, &to);
+            let mut modes = vec![0.0; self.sizes.modes];
             self.azimuths.modes(
                 width,
                 |c, s| self.boundary.ars(from, to.towards(c, s)),
                 &mut modes,
             );
             let factor = weight * to.kept * to.sin;
-            self.grid.at(theta).spread(factor, &modes, &mut moments);
-        }
-        Sent { first: Vec::new(), later: self.all_passes(&self.bounced(&moments)) }
+            for mode in &mut modes {
+                *mode *= factor;
+            }
+            (theta, modes)
+        };
+        let nodes = self.about(&[peak.theta], self.upright(w.z()), lobe);
+        let arriving: Vec<_> = nodes.into_iter().map(arriving).collect();
+        Sent { first: Vec::new(), later: self.all_passes(&self.bounced(&arriving)) }
+    }
+
+    /// Width of a lobe between the air, at an angle of this cosine, and a polar angle inside: of that angle, rad.
+    pub(super) fn snell_width(&self, air: f64, inside: &Polar) -> f64 {
+        (self.slope * (1.0 - air / (self.eta * inside.cos))).min(0.5)
     }
 
     /// The polar angle inside up to which facets that face up connect it with an angle of this cosine in the air: there the
@@ -262,17 +265,21 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
     /// A rule in the polar angle from 0 to `last`, dense at peaks of a width, of panels that end at the critical angle and at
     /// twice that angle.
     fn about(&self, peaks: &[f64], last: f64, width: f64) -> Vec<(f64, f64)> {
-        let panel = if peaks.len() > 1 { &self.pair } else { &self.panel };
         let mut ends = vec![0.0, last];
         let inner = [self.critical, 2.0 * self.critical];
         ends.extend(peaks.iter().chain(&inner).filter(|end| **end < last));
         ends.sort_by(f64::total_cmp);
         let nearest =
             |theta: f64| peaks.iter().map(|p| (p - theta).abs()).fold(f64::INFINITY, f64::min);
-        let mut nodes = Vec::with_capacity(ends.len() * panel.len());
+        let mut nodes = Vec::with_capacity(ends.len() * self.panel.len());
         for pair in ends.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let off = [nearest(from), nearest(to)];
+            let panel = match (peaks.len(), off[0].min(off[1]) <= 0.0) {
+                (1, true) => &self.panel,
+                (1, false) => &self.beyond,
+                _ => &self.pair,
+            };
             if peaks.len() > 1 && off[0].max(off[1]) <= 0.0 {
                 let middle = 0.5 * (from + to);
                 graded(panel, from, middle, width, &mut nodes);
@@ -294,19 +301,25 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             let (sin, cos) = theta.sin_cos();
             let view = Direction::from_unit(sin, 0.0, cos);
             let peak = self.polar((sin / self.eta).asin());
-            let mut modes = vec![0.0; count];
-            let mut first = vec![0.0; self.fine.len() * count];
-            let mut later = vec![0.0; self.count() * count];
-            for (theta, weight) in self.about(&[peak.theta], self.upright(cos), self.snell_width) {
+            let lobe = self.snell_width(cos, &peak);
+            let answer = |(theta, weight): (f64, f64)| {
                 let from = self.polar(theta);
-                let width = Self::spread(self.snell_width, &peak, &from);
+                let width = Self::spread(lobe, &peak, &from);
                 let value = |c, s| self.boundary.ars(from.from(c, s), view);
+                let mut modes = vec![0.0; count];
                 self.azimuths.modes(width, value, &mut modes);
                 let factor = weight * from.kept * from.sin;
-                self.fine_grid.at(theta).spread(factor, &modes, &mut first);
-                self.grid.at(theta).spread(factor, &modes, &mut later);
+                for mode in &mut modes {
+                    *mode *= factor;
+                }
+                (theta, modes)
+            };
+            let nodes = self.about(&[peak.theta], self.upright(cos), lobe);
+            let answers: Vec<_> = nodes.into_iter().map(answer).collect();
+            Response {
+                first: Between::new(&self.fine_grid, &answers, count),
+                later: Between::new(&self.grid, &answers, count),
             }
-            Response { first, later }
         };
         let responses = grid.theta.par_iter().map(response).collect();
         Windows { grid, responses, modes: count }
@@ -315,7 +328,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
     /// Flux per solid angle that light sent inwards from the second hit on has in the plane of incidence.
     pub(super) fn profile(&self, sent: &Sent) -> Profile {
         let values = sent.later.chunks_exact(self.sizes.modes).map(in_the_plane).collect();
-        Profile { grid: self.grid.clone(), values }
+        Profile::new(self.grid.clone(), values)
     }
 
     /// A rule over the inside for light with a peak at one signed angle of the plane of incidence, seen by a view with a peak at

@@ -2,7 +2,6 @@
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
-use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use super::aperture::Node;
@@ -35,9 +34,7 @@ impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
             return None;
         }
         let inside = Inside::new(boundary, eta.get());
-        let through_the_rough =
-            (setup.geometry == Geometry::Reflection) == (rough_side == RoughSide::Source);
-        let windows = through_the_rough.then(|| inside.windows());
+        let windows = setup.sees_rough_face().then(|| inside.windows());
         Some(Self { boundary, inside, windows, rough_side })
     }
 
@@ -114,7 +111,9 @@ impl<B: Bsdf<f64> + Sync> Light<'_, B> {
         }
         let view = |out: f64| Direction::from_unit(self.side * sin * along, out, cos * along);
         let peaks = [-self.beam.x(), self.side * sin * along].map(|x| (x / inside.eta).asin());
-        let width = inside.snell_width.hypot(psi / inside.eta);
+        let cosines = [self.beam.z(), cos * along];
+        let lobe = |k: usize| inside.snell_width(cosines[k], &inside.polar(peaks[k].abs()));
+        let width = lobe(0).min(lobe(1)).hypot(psi / inside.eta);
         let mut sum = 0.0;
         inside.between(peaks[0], peaks[1], width, |at, c, s, weight| {
             let from = at.from(c, s);

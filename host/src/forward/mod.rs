@@ -7,6 +7,7 @@
 mod optics;
 mod aperture;
 mod azimuth;
+mod between;
 mod profile;
 mod returns;
 mod polar;
@@ -62,6 +63,18 @@ pub struct Setup {
     pub aperture_deg: f64,
     /// Relative flux, or BSDF in 1/sr.
     pub quantity: Quantity,
+}
+
+impl Setup {
+    /// Whether the detector looks at the rough face itself, not through a smooth one.
+    pub(crate) fn sees_rough_face(&self) -> bool {
+        match self.sample {
+            Sample::Plate { rough_side, .. } => {
+                (self.geometry == Geometry::Reflection) == (rough_side == RoughSide::Source)
+            }
+            Sample::Opaque => true,
+        }
+    }
 }
 
 /// The angles of one incidence, degrees; observation angles ascend.

@@ -59,11 +59,7 @@ pub(super) fn look(setup: &Setup, wo: Direction<f64>) -> Option<View> {
         RoughSide::Source => w,
         RoughSide::Detector => w.turned_over(),
     };
-    let straight_out = match setup.geometry {
-        Geometry::Reflection => rough_side == RoughSide::Source,
-        Geometry::Transmission => rough_side == RoughSide::Detector,
-    };
-    if straight_out {
+    if setup.sees_rough_face() {
         return Some(View { towards: in_rough_frame(wo), factor: 1.0 });
     }
     let [x, y, z] = wo.xyz();

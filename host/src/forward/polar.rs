@@ -46,8 +46,9 @@ pub(super) struct Sizes {
     pub(super) step: f64,
     pub(super) fine: f64,
     pub(super) views: f64,
-    /// Polar angles of a panel of a graded rule.
+    /// Polar angles of a panel of a graded rule, at the peak and beyond.
     pub(super) panel: usize,
+    pub(super) beyond: usize,
     /// The same where two lobes meet.
     pub(super) pair: usize,
 }
@@ -60,7 +61,8 @@ impl Sizes {
             step,
             fine: step.min(0.04),
             views: step.min(0.1),
-            panel: 8,
+            panel: 12, // tails of two narrow lobes meet where each has fallen far
+            beyond: 8,
             pair: if slope < 0.1 { 10 } else { 8 },
         }
     }

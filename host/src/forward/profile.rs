@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::azimuth::PolarGrid;
+use super::between::{Between, Nodes, logarithms};
 
 /// Modes of the light that the rough face sends inwards, those of each node together.
 #[derive(Debug)]
@@ -27,11 +28,12 @@ impl Sent {
     }
 }
 
-/// How a view in the air answers to modes of light on the nodes.
+/// How a view in the air answers to light inside.
 #[derive(Debug)]
 pub(super) struct Response {
-    pub(super) first: Vec<f64>,
-    pub(super) later: Vec<f64>,
+    /// To that of the fine nodes, and of the others.
+    pub(super) first: Between,
+    pub(super) later: Between,
 }
 
 /// How views in the air answer to the light inside.
@@ -45,44 +47,49 @@ pub(super) struct Windows {
 impl Windows {
     /// Flux per solid angle outside, in the plane of incidence.
     pub(super) fn profile(&self, sent: &Sent) -> Profile {
+        let first = logarithms(&sent.first, self.modes);
+        let later = logarithms(&sent.later, self.modes);
+        let first = Nodes { modes: &sent.first, logs: &first };
+        let later = Nodes { modes: &sent.later, logs: &later };
         let value = |response: &Response| {
             let mut product = vec![0.0; self.modes];
-            for (response, sent) in [(&response.first, &sent.first), (&response.later, &sent.later)]
-            {
-                let nodes = response.chunks_exact(self.modes).zip(sent.chunks_exact(self.modes));
-                for (r, s) in nodes {
-                    for ((p, r), s) in product.iter_mut().zip(r).zip(s) {
-                        *p += r * s;
-                    }
-                }
+            if !first.modes.is_empty() {
+                response.first.times(first, &mut product);
             }
+            response.later.times(later, &mut product);
             in_the_plane(&product)
         };
-        Profile { grid: self.grid.clone(), values: self.responses.iter().map(value).collect() }
+        Profile::new(self.grid.clone(), self.responses.iter().map(value).collect())
     }
 }
 
 /// A function in the plane of incidence.
 #[derive(Debug)]
 pub(super) struct Profile {
-    pub(super) grid: PolarGrid,
+    grid: PolarGrid,
     /// At azimuth 0 and at pi.
-    pub(super) values: Vec<[f64; 2]>,
+    values: Vec<[f64; 2]>,
+    /// Their logarithms.
+    logs: Vec<[f64; 2]>,
 }
 
 impl Profile {
+    /// From values at azimuths 0 and pi of the nodes of a grid.
+    pub(super) fn new(grid: PolarGrid, values: Vec<[f64; 2]>) -> Self {
+        let logs = values.iter().map(|both| both.map(f64::ln)).collect();
+        Self { grid, values, logs }
+    }
+
     /// Both sides the same: what a beam along the normal gives but for the rounding of the rules.
-    pub(super) fn balanced(mut self) -> Self {
-        for [ahead, behind] in &mut self.values {
-            let mean = 0.5 * (*ahead + *behind);
-            (*ahead, *behind) = (mean, mean);
-        }
-        self
+    pub(super) fn balanced(self) -> Self {
+        let mean = |[ahead, behind]: &[f64; 2]| [0.5 * (ahead + behind); 2];
+        let values = self.values.iter().map(mean).collect();
+        Self::new(self.grid, values)
     }
 
     /// At a signed angle.
     pub(super) fn at(&self, angle: f64) -> f64 {
-        let stencil = self.grid.at(angle);
+        let stencil = self.grid.at(angle).steep(|k, turned| self.logs[k][usize::from(turned)]);
         stencil.iter().map(|(k, turned, w)| w * self.values[k][usize::from(turned)]).sum()
     }
 }

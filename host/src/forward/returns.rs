@@ -8,7 +8,6 @@
 use asperity_core::bsdf::{Bsdf, Smooth};
 use asperity_core::direction::Direction;
 use asperity_core::fresnel;
-use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use super::optics::{Entry, View};
@@ -39,7 +38,7 @@ impl Ways {
     }
 }
 
-/// What light that keeps its direction at some hits adds to the readings of an incidence.
+/// The part of an incidence's readings that is scattered at some hits and keeps its direction at others.
 #[derive(Debug)]
 pub(super) struct Returns<'a, B> {
     boundary: &'a B,
@@ -77,8 +76,7 @@ impl<'a, B: Bsdf<f64>> Returns<'a, B> {
             }
             RoughSide::Detector => entry.flux * (times - 1.0),
         };
-        let is_straight =
-            (setup.geometry == Geometry::Reflection) == (rough_side == RoughSide::Source);
+        let is_straight = setup.sees_rough_face();
         Some(Self { boundary, eta, is_straight, entry: *entry, beam, arriving })
     }
 
