@@ -37,8 +37,10 @@ const BEYOND: f64 = 0.5;
 const LIT: f64 = 5e-4;
 /// What a place without light counts beside the peak.
 const DIM: f64 = 0.1;
-/// What the square of a relative error of the light counts beside that of an error over the peak: a sharp peak may hold little light.
+/// What the mean square of relative errors, by the light, counts beside that of errors over the peak: a sharp peak may hold little light.
 const LIGHT: f64 = 0.006;
+/// What the square of the relative error of the flux counts.
+const FLUX: f64 = 0.02;
 /// Facets along a line through the lobe.
 const POINTS: u32 = 48;
 
@@ -49,7 +51,7 @@ struct Probe {
     ars: f64,
     /// Of the square of an error over the peak.
     weight: f64,
-    /// Of its slopes, for integrals over them; then of the square of the error in the light.
+    /// Of an error in the flux, roughly, as a part of it.
     light: f64,
 }
 
@@ -58,6 +60,9 @@ struct Incidence {
     probes: Vec<Probe>,
     counts: f64,
     peak: f64,
+    /// Value of the light, spread over all slopes.
+    mean: f64,
+    /// Share of the light, roughly.
     flux: f64,
 }
 
@@ -156,15 +161,18 @@ fn refined(mut best: LobeHeader, least: &impl Fn(Vec<LobeHeader>) -> LobeHeader)
     best
 }
 
-/// Root mean square errors over the peak of each incidence, of which the mean of fourth powers is taken: the worst leads.
+/// Errors of each incidence, over its peak and of its light, of which the mean of fourth powers is taken: the worst leads.
 fn error<S: Storage>(grid: &LobeGrid, incidences: &[Incidence]) -> f64 {
     let sum = grid.with_table::<S, _>(|table| {
-        let square = |probe: &Probe| {
-            let off = table.ars(probe.wi, probe.wo) - probe.ars;
-            off * off * probe.weight
-        };
         let fourth = |of: &Incidence| {
-            let mean: f64 = of.probes.iter().map(square).sum();
+            let (mut of_peak, mut of_light, mut of_flux) = (0.0, 0.0, 0.0);
+            for probe in &of.probes {
+                let off = table.ars(probe.wi, probe.wo) - probe.ars;
+                of_peak += off * off * probe.weight;
+                of_light += off * off * probe.light / (probe.ars + of.mean);
+                of_flux += off * probe.light;
+            }
+            let mean = of_peak + LIGHT * of_light + FLUX * of_flux * of_flux;
             of.counts * mean * mean
         };
         let counted: f64 = incidences.iter().map(|of| of.counts).sum();
@@ -219,7 +227,8 @@ fn probes(law: &dyn Law, eta: f64, which: (Side, Lobe), median: f64) -> Vec<Inci
         let own = (*flux / LIT).min(1.0);
         let scale = peak.powf(own) * highest.powf(1.0 - own);
         for probe in probes {
-            probe.weight = probe.weight / (scale * scale) + LIGHT * own * probe.light;
+            probe.weight /= scale * scale;
+            probe.light *= own;
         }
     }
     incidences
@@ -262,10 +271,10 @@ fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<I
     let light: f64 = probes.iter().map(|probe| probe.ars * probe.light).sum();
     for probe in &mut probes {
         probe.weight /= all;
-        probe.light /= (probe.ars + light / area) * light;
+        probe.light /= light;
     }
     let counts = if deg > 60.0 { BEYOND } else { 1.0 };
-    Some(Incidence { probes, counts, peak, flux: flux(law, &beam, lines.lobe) })
+    Some(Incidence { probes, counts, peak, mean: light / area, flux: flux(law, &beam, lines.lobe) })
 }
 
 /// Flux of a lobe, roughly.
