@@ -84,7 +84,10 @@ fn what_a_map_cannot_do_is_refused() {
         with_map("scan m.json --map map.txt --pixel-um 1 --ior 1.49", &["--map"]),
         with_map("scan --map none.txt --pixel-um 1 --ior 1.49", &["none.txt"]),
         with_map("scan --map map.txt --pixel-um 1 --ior 1.49 --aperture 0", &["--aperture"]),
-        with_map("scan --map map.txt --pixel-um 1 --ior 1.49 --crop 0:1,0:9", &["2 x 2"]),
+        with_map(
+            "scan --map map.txt --pixel-um 1 --ior 1.49 --crop 0:1,0:9",
+            &["profile, not a map", "x and y"],
+        ),
         with_map("scan --map map.txt --pixel-um 1 --ior 1.49 --crop 0:99,0:9", &["--crop"]),
         case("scan --map map.txt --pixel-um 1 --ior 1.49", &["map.txt"]).file("map.txt", &holed),
         case("fit scan.csv --method measured-ray", &["--map"]).file("scan.csv", scan),

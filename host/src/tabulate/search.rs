@@ -19,6 +19,8 @@ const MASKING: [f64; 6] = [0.0, 0.35, 0.7, 1.0, 2.0, 20.0];
 const INCIDENCES: [u16; 7] = [26, 20, 16, 12, 9, 7, 5];
 const GRAZING: [f32; 4] = [0.0, -0.4, -0.7, 1.0];
 const AZIMUTHS: [u16; 6] = [2, 3, 4, 5, 7, 9];
+/// Incidences and azimuths with which kinds are compared: what is best with few azimuths need not be with many.
+const START: [(u16, u16); 2] = [(9, 5), (16, 3)];
 /// Error, over the peak, below which shapes serve alike.
 const FINE: f64 = 3e-6;
 /// Factors by which scale and masking are tried.
@@ -76,6 +78,12 @@ pub(super) fn fitted<S: Storage>(incidences: u16, azimuths: u16, bytes: usize) -
     Shape { incidences, azimuths, radii, intervals }
 }
 
+/// A shape of given incidences and azimuths to compare kinds with.
+fn coarse<S: Storage>((incidences, azimuths): (u16, u16), bytes: usize) -> Shape {
+    let shape = fitted::<S>(incidences, azimuths, bytes);
+    Shape { radii: 40.min(shape.radii.max(16)), ..shape }
+}
+
 /// The lobe of a law that errs least within a number of bytes.
 pub(super) fn best<S: Storage>(
     law: &dyn Law,
@@ -87,10 +95,7 @@ pub(super) fn best<S: Storage>(
     let moved = median_slope(law, (eta, Form::Direct), which);
     let probes = probes(law, eta, which, median);
     let start = LobeHeader {
-        shape: Shape {
-            radii: 40.min(fitted::<S>(9, 5, bytes).radii.max(16)),
-            ..fitted::<S>(9, 5, bytes)
-        },
+        shape: coarse::<S>(START[0], bytes),
         form: Form::Masked,
         fall: Fall::Fourth,
         scale: median as f32,
@@ -124,7 +129,11 @@ pub(super) fn best<S: Storage>(
     // GGX itself, of which one `v` is all: the median, far off where steep facets reflect totally, need not lead there
     let own = law.slope() as f32;
     kinds.push(LobeHeader { scale: own, masking: own, ..start });
-    let kind = refined(least(kinds), &least);
+    let kinds = START.map(|counts| {
+        let shape = coarse::<S>(counts, bytes);
+        let shaped = kinds.iter().map(|kind| LobeHeader { shape, ..*kind });
+        refined(least(shaped.collect()), &least)
+    });
     let mut shapes = Vec::new();
     for incidences in INCIDENCES {
         for azimuths in AZIMUTHS {
@@ -132,14 +141,15 @@ pub(super) fn best<S: Storage>(
             let used = shape.values() * S::BYTES;
             if shape.radii >= 12 && (2 * used > bytes || shape.values() >= MANY) {
                 for grazing in GRAZING {
-                    shapes.push(LobeHeader { shape, grazing, ..kind });
+                    shapes.extend(kinds.map(|kind| LobeHeader { shape, grazing, ..kind }));
                 }
             }
         }
     }
     if shapes.is_empty() {
         // too few bytes for any of them
-        shapes.push(LobeHeader { shape: fitted::<S>(5, 2, bytes), ..kind });
+        let shape = fitted::<S>(5, 2, bytes);
+        shapes.extend(kinds.map(|kind| LobeHeader { shape, ..kind }));
     }
     let mut grid = LobeGrid::new(eta, which, refined(least_above(shapes, FINE), &least));
     grid.fill(law);

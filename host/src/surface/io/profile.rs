@@ -99,7 +99,7 @@ pub(super) fn refuse(format: &'static str, values: &[f64], nx: usize) -> Result<
     }
     let positions = [("row", row(0), row(1)), ("column", &column(0), &column(1))];
     for (what, first, second) in positions {
-        if first.len() >= LEAST_ROWS && is_axis(first, EVEN) && !is_axis(second, UNLIKE) {
+        if first.len() >= LEAST_ROWS && is_axis(first) && !is_nearly_even(second) {
             return Err(MapFault::Unsupported {
                 format,
                 what: format!("a matrix whose first {what} is evenly spaced, as positions are,"),
@@ -125,23 +125,30 @@ fn is_ordered(values: &[f64]) -> bool {
 
 /// Whether numbers are equally far apart.
 fn is_even(values: &[f64]) -> bool {
-    is_even_within(values, EVEN)
+    let distances = values.len().saturating_sub(1);
+    distances > 0 && even_distances(values, EVEN) == distances
 }
 
-/// The same, each distance within a share of their mean.
-fn is_even_within(values: &[f64], share: f64) -> bool {
-    let (Some(first), Some(last)) = (values.first(), values.last()) else { return false };
+/// How many distances of neighbours are their mean, but for a share of it.
+fn even_distances(values: &[f64], share: f64) -> usize {
+    let (Some(first), Some(last)) = (values.first(), values.last()) else { return 0 };
     let step = (last - first) / (values.len() as f64 - 1.0);
-    let even = |pair: &[f64]| match pair {
-        [a, b] => ((b - a) / step - 1.0).abs() < share,
+    let even = |pair: &&[f64]| match pair {
+        [a, b] => step.abs() > 0.0 && ((b - a) / step - 1.0).abs() < share,
         _ => false,
     };
-    step.abs() > 0.0 && values.windows(2).all(even)
+    values.windows(2).filter(even).count()
 }
 
 /// Whether numbers are equally far apart, but for what may stand in the corner.
-fn is_axis(values: &[f64], share: f64) -> bool {
-    is_even_within(values.get(1..).unwrap_or_default(), share)
+fn is_axis(values: &[f64]) -> bool {
+    is_even(values.get(1..).unwrap_or_default())
+}
+
+/// Whether most of the numbers that are there are about equally far apart, but for the corner.
+fn is_nearly_even(values: &[f64]) -> bool {
+    let there: Vec<f64> = values.iter().skip(1).copied().filter(|v| v.is_finite()).collect();
+    2 * even_distances(&there, UNLIKE) >= there.len()
 }
 
 /// Whether the first two of the numbers of a row run over a grid.
@@ -223,6 +230,15 @@ mod tests {
                     format!("{k} {}", rows(8, |c| format!("{}", z(k + c))).replace('\n', " "))
                 }),
                 "first column is evenly spaced",
+            ),
+            // a slope with a hole
+            (
+                rows(12, |y| {
+                    let at =
+                        |x: f64| if x == y { "nan".to_owned() } else { format!("{}", 0.3 * x) };
+                    rows(10, at).replace('\n', " ")
+                }),
+                "read",
             ),
         ] {
             assert!(fault(&text).contains(what), "{text:.60}: {}", fault(&text));
