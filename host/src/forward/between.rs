@@ -81,7 +81,7 @@ mod tests {
     use super::{Between, Nodes, logarithms};
     use crate::forward::azimuth::PolarGrid;
 
-    /// The sum over one place between nodes of a function whose mean is `mean`, with a second mode beside it.
+    /// The sum over a single place between nodes. The function has two azimuthal modes: its mean, and a second one.
     fn sum(mean: impl Fn(f64) -> f64, place: f64) -> [f64; 2] {
         let grid = PolarGrid::new(&[1.5], 0.1);
         let second = |theta: f64| mean(theta) * theta;

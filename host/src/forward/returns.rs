@@ -38,7 +38,7 @@ impl Ways {
     }
 }
 
-/// The part of an incidence's readings that is scattered at some hits and keeps its direction at others.
+/// Readings, at one incidence, of light that is scattered at some hits and coherent at others.
 #[derive(Debug)]
 pub(super) struct Returns<'a, B> {
     boundary: &'a B,

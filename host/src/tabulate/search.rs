@@ -32,10 +32,10 @@ const ANGLES: [f64; 15] =
     [0.0, 8.0, 15.0, 22.0, 30.0, 37.0, 45.0, 52.0, 60.0, 66.0, 72.0, 78.0, 83.0, 86.5, 89.0];
 /// Degrees from the critical angle at which they are looked at as well.
 const CRITICAL: [f64; 5] = [-4.0, -1.0, 1.0, 8.0, 13.0];
-/// What an incidence beyond the instrument's counts.
+/// Weight of an incidence beyond 60 degrees; 1 within the angles of the instrument.
 const BEYOND: f64 = 0.5;
-/// Share of the light from which an incidence is judged by its own peak: below it that of the whole lobe takes over by and by, since
-/// beyond the critical angle peaks vanish.
+/// Flux of a lobe from which an incidence is judged by its own peak. With less flux the peak of the whole lobe takes over
+/// gradually: beyond the critical angle peaks vanish.
 const LIT: f64 = 5e-4;
 /// What a place without light counts beside the peak.
 const DIM: f64 = 0.1;
@@ -272,7 +272,7 @@ fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<I
     if peak <= 0.0 {
         return None;
     }
-    // within an incidence light counts most
+    // bright places have the largest weight within an incidence
     for probe in &mut probes {
         probe.weight *= probe.ars / peak + DIM;
     }
