@@ -7,6 +7,7 @@ use super::map::MapFlags;
 use super::print;
 use super::validity::{KirchhoffFlags, Verdict};
 use crate::report::{MapFigureFiles, MapFigures};
+use crate::surface::sanity::Insane;
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 
@@ -71,10 +72,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let figures = Roughness { missing_fraction: loaded.missing_fraction, ..Roughness::of(map) };
     if !figures.is_finite() {
-        return Err(Failure::bad(format!(
-            "{}: its heights, slopes or pixels are too large to compute with, or too small; check their units",
-            args.map.display()
-        )));
+        return Err(Failure::bad(format!("{}: {}", args.map.display(), Insane::Infinite)));
     }
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
