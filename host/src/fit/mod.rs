@@ -1,7 +1,8 @@
 //! Fitting a method's parameters to a measurement.
 //!
 //! Two stages: from several starts with first hits only and thinned readings, then from the best of
-//! them with all internal passes and every reading.
+//! them with all internal passes and every reading (light of later hits linear in the parameters about the best values so
+//! far, until these stay where they are).
 
 mod objective;
 mod problem;
@@ -10,6 +11,7 @@ mod uncertainty;
 mod profile;
 mod simplest;
 mod fitted;
+mod later;
 mod verdict;
 
 pub use fitted::Fitted;
@@ -223,7 +225,7 @@ pub fn fit(
     if problem.is_traced() {
         choose_rays(&mut problem, &start, measurement, options)?;
     }
-    let found = match search.minimise(&problem, &start, Effort::Full, tolerance) {
+    let found = match later::minimise(&mut search, &problem, &start, tolerance) {
         Ok(end) if end.converged => (end.values, Termination::Converged),
         Ok(end) => (end.values, Termination::MaxEvaluations),
         Err(Stopped) => (search.best_or(start), Termination::Interrupted),
@@ -267,8 +269,11 @@ fn fitted(
     values: &[f64],
     simulated: &[f64],
 ) -> Vec<Fitted> {
-    let curvature = uncertainty::curvature(problem, values, simulated);
-    let profiles = curvature.as_ref().map(|c| profile::profiles(problem, values, c));
+    // the errors ask for small changes about the fitted values
+    let near = later::about(problem, values).ok().flatten().map(|later| problem.with_later(later));
+    let near = near.as_ref().unwrap_or(problem);
+    let curvature = uncertainty::curvature(near, values, simulated);
+    let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c));
     let mut free = 0..values.len();
     let one = |(p, held): (&Parameter, &Option<f64>)| {
         let k = if held.is_none() { free.next() } else { None };

@@ -1,8 +1,10 @@
 //! The fit as a function of numbers: from values to readings to one cost.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use super::later::Later;
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, Objective};
 use crate::forward::{Effort, Plan, Rays, Readings, Sample, Setup, simulate};
@@ -24,6 +26,8 @@ pub(super) struct Problem<'a> {
     held: Vec<Option<f64>>,
     /// Rays an incidence in full effort, for traced methods.
     full_rays: u64,
+    /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
+    later: Option<Arc<Later>>,
 }
 
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
@@ -58,6 +62,7 @@ impl<'a> Problem<'a> {
             held: vec![None; parameters.len()],
             parameters,
             full_rays: options.rays.fit.unwrap_or(options.rays.draft),
+            later: None,
         }
     }
 
@@ -77,7 +82,14 @@ impl<'a> Problem<'a> {
         if self.is_traced() {
             let measured = self.measured.to_vec().into();
             let (plan, parameters) = (self.plan.clone(), self.parameters.clone());
-            return Self { plan, measured, parameters, held: self.held.clone(), ..*self };
+            return Self {
+                plan,
+                measured,
+                parameters,
+                held: self.held.clone(),
+                later: None,
+                ..*self
+            };
         }
         let mut plan = Plan::default();
         let mut measured = Vec::new();
@@ -95,7 +107,7 @@ impl<'a> Problem<'a> {
             plan.incidences.push(part);
         }
         let (parameters, held) = (self.parameters.clone(), self.held.clone());
-        Self { plan, measured: measured.into(), parameters, held, ..*self }
+        Self { plan, measured: measured.into(), parameters, held, later: None, ..*self }
     }
 
     /// The same with a free parameter held at a value.
@@ -107,7 +119,22 @@ impl<'a> Problem<'a> {
             parameters.remove(free);
         }
         let measured = self.measured.to_vec().into();
-        Self { plan: self.plan.clone(), measured, parameters, held, ..*self }
+        Self { plan: self.plan.clone(), measured, parameters, held, later: None, ..*self }
+    }
+
+    /// The same with light of later hits as it is known near some values.
+    pub(super) fn with_later(&self, later: Later) -> Self {
+        let measured = self.measured.to_vec().into();
+        let (plan, parameters) = (self.plan.clone(), self.parameters.clone());
+        let (held, later) = (self.held.clone(), Some(Arc::new(later)));
+        Self { plan, measured, parameters, held, later, ..*self }
+    }
+
+    /// Whether light of later hits is there, and known apart from that of first ones.
+    pub(super) fn has_later_hits(&self) -> bool {
+        matches!(self.setup.sample, Sample::Plate { .. })
+            && !self.is_traced()
+            && self.method.wave().is_none()
     }
 
     /// The values of all parameters from those of the free ones.
@@ -200,7 +227,7 @@ impl<'a> Problem<'a> {
     fn rays(&self, effort: Effort) -> Rays {
         let count = match effort {
             Effort::Draft => self.options.rays.draft,
-            Effort::Full | Effort::Fine | Effort::Passes => self.full_rays,
+            Effort::First | Effort::Full | Effort::Fine | Effort::Passes => self.full_rays,
         };
         Rays { count, seed: self.options.rays.seed }
     }
@@ -211,7 +238,22 @@ impl<'a> Problem<'a> {
         values: &[f64],
         effort: Effort,
     ) -> Result<Option<Readings>, BuildError> {
-        Ok(self.ready(values)?.readings(effort, self.rays(effort), self.stop))
+        let ready = self.ready(values)?;
+        let Some(later) = self.later.as_ref().filter(|_| effort == Effort::Full) else {
+            return Ok(ready.readings(effort, self.rays(effort), self.stop));
+        };
+        let first = ready.readings(Effort::First, self.rays(effort), self.stop);
+        Ok(first.map(|readings| later.added(readings, &self.to_free(values))))
+    }
+
+    /// Free coordinates of values.
+    pub(super) fn to_free(&self, values: &[f64]) -> Vec<f64> {
+        self.parameters.iter().zip(values).map(|(p, &v)| p.to_free(v)).collect()
+    }
+
+    /// The values of free coordinates.
+    pub(super) fn to_bounded(&self, free: &[f64]) -> Vec<f64> {
+        self.parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect()
     }
 
     /// The same in full with given rays, also if the user stops.
@@ -231,11 +273,11 @@ impl<'a> Problem<'a> {
     /// independent simulations has no such part; it may be negative where the model is as good as the
     /// noise allows to see. So the cost is the objective for quadrature, and this mean, times 10^4, for rays.
     pub(super) fn cost(&self, values: &[f64], effort: Effort) -> Result<Option<f64>, BuildError> {
+        if !self.is_traced() {
+            return Ok(self.simulate(values, effort)?.map(|r| self.cost_of(&r.values)));
+        }
         let ready = self.ready(values)?;
         let rays = self.rays(effort);
-        if !self.is_traced() {
-            return Ok(ready.readings(effort, rays, self.stop).map(|r| self.cost_of(&r.values)));
-        }
         let half = |seed| {
             let rays = Rays { count: rays.count.div_ceil(2), seed };
             ready.readings(effort, rays, self.stop).map(|r| r.values)

@@ -6,6 +6,7 @@
 //! standard errors of the rays, which both sums are computed with anew.
 
 use super::Termination;
+use super::later;
 use super::problem::Problem;
 use super::simplex::{Search, Stopped};
 use super::uncertainty::correlated_sum;
@@ -87,7 +88,7 @@ fn fitted(
     let end = search.minimise(&draft, &start, Effort::Draft, draft_tolerance)?;
     let mut start = end.values;
     held.solve_linear(&mut start);
-    let end = search.minimise(held, &start, Effort::Full, tolerance)?;
+    let end = later::minimise(search, held, &start, tolerance)?;
     Ok(end.converged.then_some(end.values))
 }
 

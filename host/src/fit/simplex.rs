@@ -46,6 +46,12 @@ impl<'a> Search<'a> {
         self.evaluations.load(Ordering::Relaxed)
     }
 
+    /// Counts an evaluation.
+    pub(super) fn count(&self) {
+        let done = self.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
+        (self.progress)(done);
+    }
+
     pub(super) fn interrupted(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
@@ -74,9 +80,7 @@ impl<'a> Search<'a> {
         let mut rated: Vec<(f64, Vec<f64>)> = starts
             .into_iter()
             .map_while(|start| {
-                let free: Vec<f64> =
-                    problem.parameters().iter().zip(&start).map(|(p, &v)| p.to_free(v)).collect();
-                let cost = target.cost(&free).ok()?;
+                let cost = target.cost(&problem.to_free(&start)).ok()?;
                 (!self.interrupted()).then_some((cost, start))
             })
             .collect();
@@ -97,7 +101,7 @@ impl<'a> Search<'a> {
             *best = None;
         }
         let parameters = problem.parameters();
-        let first: Vec<f64> = parameters.iter().zip(start).map(|(p, &v)| p.to_free(v)).collect();
+        let first = problem.to_free(start);
         let mut simplex = vec![first.clone()];
         for (k, p) in parameters.iter().enumerate() {
             let mut corner = first.clone();
@@ -142,8 +146,7 @@ impl<'a> Search<'a> {
             Some(free) => (run.state().get_best_cost(), free.clone()),
             None => (at_start, first),
         };
-        let values = parameters.iter().zip(&free).map(|(p, &f)| p.to_bounded(f)).collect();
-        Ok(End { values, cost, converged })
+        Ok(End { values: problem.to_bounded(&free), cost, converged })
     }
 }
 
@@ -163,10 +166,8 @@ impl CostFunction for Target<'_, '_> {
         if self.search.interrupted() || self.search.evaluations() >= self.search.budget {
             return Ok(IMPOSSIBLE);
         }
-        let done = self.search.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
-        (self.search.progress)(done);
-        let parameters = self.problem.parameters();
-        let values: Vec<f64> = parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect();
+        self.search.count();
+        let values = self.problem.to_bounded(free);
         let cost = self.problem.cost(&values, self.effort).ok().flatten().unwrap_or(IMPOSSIBLE);
         // NaN compares false: it becomes impossible too.
         let cost = if cost < IMPOSSIBLE { cost } else { IMPOSSIBLE };

@@ -21,14 +21,23 @@ const OBLIQUE: f64 = 0.7;
 /// How much work a simulation may cost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// First hits only: for the coarse search of a fit.
+    /// First hits only, coarse: for the search of a fit.
     Draft,
+    /// First hits only, as fine as in full.
+    First,
     /// Internal passes included: what a result is computed with.
     Full,
     /// The same, where rays are followed inside with eight times as many: those of a table weigh unevenly.
     Fine,
     /// Internal passes alone, where first hits are known otherwise.
     Passes,
+}
+
+impl Effort {
+    /// Whether light that meets the rough face again is meant too.
+    pub(super) fn has_passes(self) -> bool {
+        !matches!(self, Self::Draft | Self::First)
+    }
 }
 
 /// Readings of a scan, in the order of its plan.
@@ -69,7 +78,7 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
     plan: &Plan,
     effort: Effort,
 ) -> Readings {
-    let shared = if effort == Effort::Draft { None } else { Shared::new(boundary, setup) };
+    let shared = if effort.has_passes() { Shared::new(boundary, setup) } else { None };
     let one = |incidence| OneIncidence::new(boundary, setup, incidence, effort, shared.as_ref());
     let parts: Vec<(Vec<f64>, Neglected)> =
         plan.incidences.par_iter().map(|incidence| one(incidence).readings()).collect();
@@ -128,16 +137,11 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
     ) -> Self {
         let sigma = incidence.sigma_deg.to_radians();
         let scale = lobe_width(boundary.slope(), setup);
-        let cells_per_unit = match effort {
-            Effort::Draft => 6.0,
-            Effort::Full | Effort::Fine | Effort::Passes => 16.0,
-        };
+        let cells_per_unit = if effort == Effort::Draft { 6.0 } else { 16.0 };
         let warp = Warp::new(sigma, scale, cells_per_unit);
         let entry = enter(setup, sigma);
-        let returns = match effort {
-            Effort::Draft => None,
-            Effort::Full | Effort::Fine | Effort::Passes => Returns::new(boundary, setup, &entry),
-        };
+        let returns =
+            if effort.has_passes() { Returns::new(boundary, setup, &entry) } else { None };
         let light = shared.map(|shared| shared.light(&entry, returns.as_ref()));
         let returns = if light.is_some() { returns } else { returns.map(Returns::without_beam) };
         Self { boundary, setup, incidence, effort, sigma, entry, scale, warp, light, returns }
@@ -305,7 +309,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             if self.setup.geometry == Geometry::Reflection { STRIDE / 2 } else { STRIDE };
         let fine = nodes.len();
         let eta = match self.setup.sample {
-            Sample::Plate { eta, .. } if self.effort != Effort::Draft => eta.get(),
+            Sample::Plate { eta, .. } if self.effort.has_passes() => eta.get(),
             _ => return (vec![0.0; fine], Neglected::default()),
         };
         let views: Vec<Option<View>> =

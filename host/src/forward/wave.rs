@@ -57,14 +57,13 @@ fn kept(
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Option<Readings> {
-    let mut readings = match effort {
-        Effort::Draft => Readings {
+    let mut readings = if effort.has_passes() {
+        quadrature(boundary, setup, plan, Effort::Passes)
+    } else {
+        Readings {
             values: vec![0.0; plan.len()],
             neglected: super::Neglected::default(),
             std_errors: None,
-        },
-        Effort::Full | Effort::Fine | Effort::Passes => {
-            quadrature(boundary, setup, plan, Effort::Passes)
         }
     };
     let all: Vec<Beams<'_>> =
@@ -90,7 +89,7 @@ fn kept(
             *sum += value;
         }
         std_errors.extend(errors);
-        if effort != Effort::Draft {
+        if effort.has_passes() {
             one.add_coherent(mine, Hits::Later);
         }
     }

@@ -1,0 +1,102 @@
+//! Light that meets the rough face more than once, linear in the parameters about a point.
+//!
+//! It takes nearly all the time of a simulation, is a small part of the readings, and changes slowly with the parameters. So a
+//! search takes it as `l(p) = l(p0) + (p - p0) dl/dp` in free coordinates and simulates first hits alone; from where that ends
+//! it begins again, until it ends where it began. There value and derivatives are those of the full simulation, and so
+//! is the minimum.
+
+use super::problem::Problem;
+use super::simplex::{End, Search, Stopped};
+use crate::forward::{Effort, Readings};
+use crate::method::BuildError;
+
+/// Rounds of a search; what still moves then is searched for in full.
+const ROUNDS: usize = 5;
+/// Free coordinates that move by less than this share of a parameter's step stay where they are: what a straight line of the
+/// later light misses falls with the square of the move.
+const STAYS: f64 = 0.01;
+/// The step of a derivative, as a share of a parameter's step.
+const STEP: f64 = 0.02;
+
+/// Readings of light of later hits near a point.
+#[derive(Debug)]
+pub(super) struct Later {
+    /// The point, in free coordinates.
+    point: Vec<f64>,
+    /// The part of the readings there, and what else a full simulation says.
+    full: Readings,
+    part: Vec<f64>,
+    /// Derivatives of that part, by parameter.
+    slopes: Vec<Vec<f64>>,
+}
+
+impl Later {
+    /// Readings of first hits at a place near the point with the light of later ones added.
+    pub(super) fn added(&self, mut first: Readings, free: &[f64]) -> Readings {
+        let moves: Vec<f64> = free.iter().zip(&self.point).map(|(f, p)| f - p).collect();
+        for (k, (value, part)) in first.values.iter_mut().zip(&self.part).enumerate() {
+            let more: f64 = self.slopes.iter().zip(&moves).map(|(slope, by)| slope[k] * by).sum();
+            *value = (*value + part + more).max(0.0);
+        }
+        Readings { values: first.values, ..self.full.clone() }
+    }
+}
+
+/// Light of later hits near given values; `None` if there is none to be told apart, or the user stopped it.
+pub(super) fn about(problem: &Problem<'_>, values: &[f64]) -> Result<Option<Later>, BuildError> {
+    if !problem.has_later_hits() {
+        return Ok(None);
+    }
+    let point = problem.to_free(values);
+    let Some((full, part)) = parts(problem, values)? else { return Ok(None) };
+    let mut slopes = Vec::with_capacity(point.len());
+    for (k, parameter) in problem.parameters().iter().enumerate() {
+        let step = STEP * parameter.step(values[k]);
+        let mut moved = point.clone();
+        moved[k] += step;
+        let Some((_, there)) = parts(problem, &problem.to_bounded(&moved))? else {
+            return Ok(None);
+        };
+        slopes.push(there.iter().zip(&part).map(|(there, here)| (there - here) / step).collect());
+    }
+    Ok(Some(Later { point, full, part, slopes }))
+}
+
+/// A full simulation, and the part of later hits in it.
+fn parts(
+    problem: &Problem<'_>,
+    values: &[f64],
+) -> Result<Option<(Readings, Vec<f64>)>, BuildError> {
+    let Some(full) = problem.simulate(values, Effort::Full)? else { return Ok(None) };
+    let Some(first) = problem.simulate(values, Effort::First)? else { return Ok(None) };
+    let part = full.values.iter().zip(&first.values).map(|(full, first)| full - first).collect();
+    Ok(Some((full, part)))
+}
+
+/// Minimises the cost in full effort from a start that is near.
+pub(super) fn minimise(
+    search: &mut Search<'_>,
+    problem: &Problem<'_>,
+    start: &[f64],
+    tolerance: f64,
+) -> Result<End, Stopped> {
+    let mut values = start.to_vec();
+    for _ in 0..ROUNDS {
+        let Ok(Some(later)) = about(problem, &values) else { break };
+        for _ in 0..=values.len() {
+            search.count();
+        }
+        let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
+        let stays = problem.parameters().iter().zip(values.iter().zip(&end.values)).all(
+            |(p, (&before, &after))| {
+                let most = STAYS * p.step(before).abs();
+                (p.to_free(after) - p.to_free(before)).abs() <= most
+            },
+        );
+        if stays || !end.converged {
+            return Ok(end);
+        }
+        values = end.values;
+    }
+    search.minimise(problem, &values, Effort::Full, tolerance)
+}
