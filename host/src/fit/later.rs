@@ -5,6 +5,8 @@
 //! it begins again, until it ends where it began. There value and derivatives are those of the full simulation, and so
 //! is the minimum.
 
+use std::sync::atomic::Ordering;
+
 use super::problem::Problem;
 use super::simplex::{End, Search, Stopped};
 use crate::forward::{Effort, Readings};
@@ -42,21 +44,29 @@ impl Later {
     }
 }
 
-/// Light of later hits near given values; `None` if there is none to be told apart, or the user stopped it.
-pub(super) fn about(problem: &Problem<'_>, values: &[f64]) -> Result<Option<Later>, BuildError> {
+/// Light of later hits near given values; `None` if there is none to be told apart, or the user stopped it. Calls `count`
+/// before each simulation in full.
+pub(super) fn about(
+    problem: &Problem<'_>,
+    values: &[f64],
+    count: impl Fn(),
+) -> Result<Option<Later>, BuildError> {
     if !problem.has_later_hits() {
         return Ok(None);
     }
+    let parts = |values: &[f64]| {
+        count();
+        let is_stopped = problem.stop().load(Ordering::Relaxed);
+        if is_stopped { Ok(None) } else { parts(problem, values) }
+    };
     let point = problem.to_free(values);
-    let Some((full, part)) = parts(problem, values)? else { return Ok(None) };
+    let Some((full, part)) = parts(values)? else { return Ok(None) };
     let mut slopes = Vec::with_capacity(point.len());
     for (k, parameter) in problem.parameters().iter().enumerate() {
         let step = STEP * parameter.step(values[k]);
         let mut moved = point.clone();
         moved[k] += step;
-        let Some((_, there)) = parts(problem, &problem.to_bounded(&moved))? else {
-            return Ok(None);
-        };
+        let Some((_, there)) = parts(&problem.to_bounded(&moved))? else { return Ok(None) };
         slopes.push(there.iter().zip(&part).map(|(there, here)| (there - here) / step).collect());
     }
     Ok(Some(Later { point, full, part, slopes }))
@@ -80,12 +90,14 @@ pub(super) fn minimise(
     start: &[f64],
     tolerance: f64,
 ) -> Result<End, Stopped> {
+    search.begin();
     let mut values = start.to_vec();
     for _ in 0..ROUNDS {
-        let Ok(Some(later)) = about(problem, &values) else { break };
-        for _ in 0..=values.len() {
-            search.count();
+        let later = about(problem, &values, || search.count());
+        if search.interrupted() {
+            return Err(Stopped);
         }
+        let Ok(Some(later)) = later else { break };
         let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
         let stays = problem.parameters().iter().zip(values.iter().zip(&end.values)).all(
             |(p, (&before, &after))| {

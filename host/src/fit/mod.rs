@@ -270,7 +270,8 @@ fn fitted(
     simulated: &[f64],
 ) -> Vec<Fitted> {
     // the errors ask for small changes about the fitted values
-    let near = later::about(problem, values).ok().flatten().map(|later| problem.with_later(later));
+    let later = later::about(problem, values, || ()).ok().flatten();
+    let near = later.map(|later| problem.with_later(later));
     let near = near.as_ref().unwrap_or(problem);
     let curvature = uncertainty::curvature(near, values, simulated);
     let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c));

@@ -46,6 +46,13 @@ impl<'a> Search<'a> {
         self.evaluations.load(Ordering::Relaxed)
     }
 
+    /// Begins a search: what earlier ones found counts no more.
+    pub(super) fn begin(&self) {
+        if let Ok(mut best) = self.best.lock() {
+            *best = None;
+        }
+    }
+
     /// Counts an evaluation.
     pub(super) fn count(&self) {
         let done = self.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
@@ -97,9 +104,7 @@ impl<'a> Search<'a> {
         effort: Effort,
         tolerance: f64,
     ) -> Result<End, Stopped> {
-        if let Ok(mut best) = self.best.lock() {
-            *best = None;
-        }
+        self.begin();
         let parameters = problem.parameters();
         let first = problem.to_free(start);
         let mut simplex = vec![first.clone()];
