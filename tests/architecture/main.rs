@@ -10,14 +10,15 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 7] = [
+const MAY_IMPORT: [(&str, &[&str]); 8] = [
     ("asperity-core", &[]),
     ("asperity-fourier", &[]),
-    ("asperity", &["asperity-core", "asperity-fourier"]),
+    ("asperity-needs", &[]),
+    ("asperity", &["asperity-core", "asperity-fourier", "asperity-needs"]),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
     ("asperity-evaluator", &["asperity-core"]),
-    ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim"]),
+    ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim", "asperity-needs"]),
 ];
 
 /// The only places for `unsafe`: the hardware square root, the registers of the firmware's board, and the
