@@ -3,6 +3,7 @@
 
 mod source;
 mod layers;
+mod links;
 mod manifest;
 
 use std::path::{Path, PathBuf};
@@ -10,14 +11,15 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 7] = [
+const MAY_IMPORT: [(&str, &[&str]); 8] = [
     ("asperity-core", &[]),
     ("asperity-fourier", &[]),
-    ("asperity", &["asperity-core", "asperity-fourier"]),
+    ("asperity-needs", &[]),
+    ("asperity", &["asperity-core", "asperity-fourier", "asperity-needs"]),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
     ("asperity-evaluator", &["asperity-core"]),
-    ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim"]),
+    ("asperity-tests", &["asperity-core", "asperity", "asperity-firmware-sim", "asperity-needs"]),
 ];
 
 /// The only places for `unsafe`: the hardware square root, the registers of the firmware's board, and the
@@ -184,4 +186,27 @@ fn no_source_file_is_too_long() {
     let long = all.filter(|m| m.lines > MOST_LINES);
     let said = long.map(|m| format!("{}: {} lines without tests", m.file.display(), m.lines));
     assert_none(&said.collect::<Vec<_>>());
+}
+
+#[test]
+fn links_between_pages_lead_somewhere() {
+    let mut broken = Vec::new();
+    for file in links::markdown_files(&workspace()) {
+        for target in links::targets(&read(&file)) {
+            if !file.parent().unwrap().join(&target).exists() {
+                broken.push(format!("{}: {target}", file.display()));
+            }
+        }
+    }
+    assert_none(&broken);
+}
+
+#[test]
+fn every_page_of_the_guide_is_in_its_summary() {
+    let book = workspace().join("docs/book/src");
+    let listed = links::targets(&read(&book.join("SUMMARY.md")));
+    for page in links::markdown_files(&book) {
+        let name = page.strip_prefix(&book).unwrap().to_str().unwrap().replace('\\', "/");
+        assert!(name == "SUMMARY.md" || listed.contains(&name), "{name} is not in SUMMARY.md");
+    }
 }

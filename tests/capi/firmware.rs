@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use asperity_needs::absent;
 use asperity_tests::code;
 
 use crate::table::Example;
-use crate::tools::{Scope, capi, compiler, device_library, run, skip};
+use crate::tools::{Scope, capi, compiler, device_library, run};
 
 /// Bytes of flash of a firmware that evaluates GGX.
 const GGX: usize = 4096;
@@ -74,7 +75,7 @@ fn a_firmware_in_c_is_small_and_neither_panics_nor_allocates() {
         let elf = folder.path().join(name).with_extension("elf");
         let settings = ["-nostartfiles", "-Wl,-e,reset"];
         if let Err(remedy) = link(&source.with_extension("c"), scope, &elf, &settings) {
-            return skip(&remedy);
+            return absent(&remedy);
         }
         let bytes = flash(&elf) - beside;
         let most = code::limit(most);
@@ -92,7 +93,7 @@ fn the_c_example_links_for_a_cortex_m4f() {
     let elf = folder.path().join("evaluate.elf");
     match link(&capi().join("examples/evaluate.c"), Scope::Whole, &elf, &[]) {
         Ok(()) => println!("{}", ask("arm-none-eabi-size", &[], &elf)),
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     }
     // printf of newlib allocates; nothing of Rust does
     assert_clean(&elf, &RUST);

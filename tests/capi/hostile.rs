@@ -2,7 +2,9 @@
 
 use std::process::Command;
 
-use crate::tools::{program, run, skip};
+use asperity_needs::absent;
+
+use crate::tools::{program, run};
 
 #[test]
 fn hostile_calls_come_back_with_the_reason() {
@@ -10,11 +12,11 @@ fn hostile_calls_come_back_with_the_reason() {
     let source = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("capi/hostile.c");
     let binary = folder.path().join("hostile");
     if let Err(remedy) = program(&source, &binary) {
-        return skip(&remedy);
+        return absent(&remedy);
     }
     run(&mut Command::new(&binary), "").unwrap();
     if let Err(remedy) = valgrind(&binary) {
-        skip(&remedy);
+        absent(&remedy);
     }
 }
 

@@ -9,10 +9,11 @@ use asperity_core::math::Fast;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 use asperity_core::quantity::{Alpha, RelativeIor};
+use asperity_needs::absent;
 
 use crate::hostile::valgrind;
 use crate::table::Example;
-use crate::tools::{capi, program, run, skip};
+use crate::tools::{capi, program, run};
 
 const WI: [f32; 3] = [0.6, 0.0, 0.8];
 const WO: [[f32; 3]; 4] = [[-0.4, 0.0, -0.9], [-0.5, 0.1, 0.7], [0.1, -0.3, -1.0], [0.2, 0.2, 0.0]];
@@ -87,7 +88,7 @@ fn the_c_example_prints_the_bits_of_core_and_valgrind_finds_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let binary = folder.path().join("evaluate");
     if let Err(remedy) = program(&capi().join("examples/evaluate.c"), &binary) {
-        return skip(&remedy);
+        return absent(&remedy);
     }
     let out = output_of(&binary);
 
@@ -117,7 +118,7 @@ fn the_c_example_prints_the_bits_of_core_and_valgrind_finds_nothing() {
 
     match valgrind(&binary) {
         Ok(said) => assert!(said.contains("ERROR SUMMARY: 0 errors"), "{said}"),
-        Err(remedy) => skip(&remedy),
+        Err(remedy) => absent(&remedy),
     }
 }
 
@@ -126,7 +127,7 @@ fn the_cpp_example_prints_the_bits_of_core() {
     let folder = tempfile::tempdir().unwrap();
     let binary = folder.path().join("evaluate");
     if let Err(remedy) = program(&capi().join("examples/evaluate.cpp"), &binary) {
-        return skip(&remedy);
+        return absent(&remedy);
     }
     let out = output_of(&binary);
     let (wi, wo) = (fast(WI), fast(WO[0]));

@@ -5,6 +5,7 @@
 //! | `program` | where the program is, and how it is run |
 //! | `refusal` | how a refusal is judged |
 //! | `help` | help, version, completions |
+//! | `book` | the commands of the user guide |
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
 //! | `map_verbs` | light on height maps |
@@ -35,6 +36,7 @@
 mod program;
 mod refusal;
 mod help;
+mod book;
 mod happy;
 mod maps;
 mod stats_waves;

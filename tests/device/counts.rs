@@ -1,10 +1,9 @@
 //! Instructions a call of the evaluators on a Cortex-M4F. Counts of an emulator, the same everywhere: no time.
 
+use asperity_needs::absent;
 use asperity_tests::code;
 
 use crate::emulator::{self, Firmware};
-use crate::skip;
-
 /// Most instructions of a call: law, tier, what (see `firmware-sim/src/bin/counts.rs`).
 const MOST: [(&str, usize); 12] = [
     // directions made of ready components; a C compiler makes 161 of the same formula
@@ -27,7 +26,7 @@ const MOST: [(&str, usize); 12] = [
 fn a_call_takes_a_few_hundred_instructions() {
     let said = match Firmware::Counts.path().and_then(|elf| emulator::run(&elf)) {
         Ok(said) => said,
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     };
     println!("{said}");
     for (what, most) in MOST {

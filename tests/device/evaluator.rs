@@ -14,11 +14,10 @@ use asperity_core::math::{Fast, Real};
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 use asperity_core::quantity::{Alpha, RelativeIor};
+use asperity_needs::absent;
 
 use crate::elf;
 use crate::emulator::{TARGET, build};
-use crate::skip;
-
 /// What `FROM_SENSOR` of the firmware holds.
 const WI: [f32; 3] = [-0.36, 0.0, 0.8];
 const WO: [f32; 3] = [0.28, 0.1, -0.9];
@@ -144,7 +143,7 @@ fn the_least_firmware_of_each_law_is_small_clean_and_right() {
     {
         let elf = match firmware(law) {
             Ok(elf) => elf,
-            Err(remedy) => return skip(&remedy),
+            Err(remedy) => return absent(&remedy),
         };
         assert_clean(&elf);
         let path = folder.path().join(law);
@@ -155,7 +154,7 @@ fn the_least_firmware_of_each_law_is_small_clean_and_right() {
             (elf::address(&elf, "TO_MOTOR").unwrap(), elf::address(&elf, "_stack_end").unwrap());
         let words = match memory(&path, result) {
             Ok(words) => words,
-            Err(remedy) => return skip(&remedy),
+            Err(remedy) => return absent(&remedy),
         };
         let got = f32::from_bits(words[(result - RAM.0) / 4]);
         assert!(got > 0.0);

@@ -1,8 +1,8 @@
 //! Core with some of its features only: every choice that makes sense builds for the device without a warning.
 
-use crate::emulator::build;
-use crate::skip;
+use asperity_needs::absent;
 
+use crate::emulator::build;
 const CHOICES: [&str; 15] = [
     "",
     "f32",
@@ -27,7 +27,7 @@ fn core_builds_without_warnings_for_any_choice_of_features() {
         let arguments =
             ["--package", "asperity-core", "--no-default-features", "--features", choice];
         if let Err(remedy) = build(&arguments, "-Dwarnings") {
-            return skip(&remedy);
+            return absent(&remedy);
         }
     }
 }

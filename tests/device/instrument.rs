@@ -9,11 +9,10 @@ use asperity::acquire::transport::{Transport, open};
 use asperity::acquire::{Client, Draft, InProcess, Job, Patience, Peer, Plan, run};
 use asperity_core::protocol::Diagnostics;
 use asperity_firmware_sim::{Config, Instant, Simulator};
+use asperity_needs::absent;
 
 use crate::elf;
 use crate::emulator::{Firmware, Instrument};
-use crate::skip;
-
 /// What a small instrument has.
 const FLASH: usize = 64 * 1024;
 const RAM: usize = 16 * 1024;
@@ -71,11 +70,11 @@ fn measure(line: &mut dyn Transport, folder: &Path) -> (Vec<Vec<u8>>, Diagnostic
 fn the_firmware_measures_the_same_bits_over_its_serial_port() {
     let elf = match Firmware::Instrument.path() {
         Ok(path) => path,
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     };
     let instrument = match Instrument::start(&elf) {
         Ok(instrument) => instrument,
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     };
     let folder = tempfile::tempdir().unwrap();
     let mut line = open(&instrument.port, 115_200).unwrap();
@@ -101,7 +100,7 @@ fn the_firmware_measures_the_same_bits_over_its_serial_port() {
 fn the_firmware_neither_allocates_nor_formats_panics() {
     let elf = match Firmware::Instrument.path() {
         Ok(path) => fs::read(path).unwrap(),
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     };
     let names = elf::symbols(&elf).unwrap();
     // if the names were stripped, finding none would mean nothing

@@ -1,16 +1,15 @@
 //! The self test, on the device and here: the same bits.
 
 use asperity_firmware_sim::selftest;
+use asperity_needs::absent;
 
 use crate::emulator::{self, Firmware};
-use crate::skip;
-
 #[test]
 #[allow(clippy::print_stdout, reason = "shown with --nocapture")]
 fn the_self_test_gives_the_same_bits_on_a_cortex_m4f() {
     let firmware = match Firmware::SelfTest.path().and_then(|elf| emulator::run(&elf)) {
         Ok(output) => output,
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     };
     println!("{firmware}");
     let mut lines = firmware.lines();

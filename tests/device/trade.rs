@@ -7,9 +7,9 @@ use asperity::forward::Rays;
 use asperity::model::Model;
 use asperity::trade::{Device, Evaluator, NoDevice, Row, Subject, Work, rows};
 
-use crate::emulator::Firmware;
-use crate::skip;
+use asperity_needs::absent;
 
+use crate::emulator::Firmware;
 fn counted(boundary: &Boundary, table_kib: &[usize], device: &Device) -> Vec<Row> {
     let subject =
         Subject { method: "model", boundary, misfit_percent: None, fit_seconds: None, scan: None };
@@ -31,9 +31,9 @@ fn counted(boundary: &Boundary, table_kib: &[usize], device: &Device) -> Vec<Row
 fn the_users_models_are_counted_on_a_cortex_m4f_with_the_same_bits() {
     let device = match Firmware::Trade.path().map(|elf| Device::open(&elf)) {
         Ok(Ok(device)) => device,
-        Ok(Err(why @ NoDevice::Emulator)) => return skip(&why.to_string()),
+        Ok(Err(why @ NoDevice::Emulator)) => return absent(&why.to_string()),
         Ok(Err(why)) => panic!("{why}"),
-        Err(remedy) => return skip(&remedy),
+        Err(remedy) => return absent(&remedy),
     };
     for text in [
         r#"{"asperity": 1, "method": "ggx", "ior": 1.49, "parameters": {"alpha": {"value": 0.23}}}"#,

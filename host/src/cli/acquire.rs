@@ -23,8 +23,8 @@ use crate::acquire::{AboveBeam, Job, Patience, Plan, Progress, Summary, estimate
 /// without the break. Ctrl-C, the end of the terminal and `kill` stop the stage at once.
 ///
 /// A setting that the instrument does not report as it was set, a reference hardly above the dark
-/// current, and readings above twice the beam without the sample are errors; nothing measured so
-/// is kept.
+/// current, and readings above twice the beam without the sample are errors; nothing measured so is
+/// kept.
 ///
 /// A plan file (TOML) says the same as the flags, which come first where both say something:
 ///   sigma_deg = [0, 15, 30, 45, 60]
@@ -50,10 +50,6 @@ use crate::acquire::{AboveBeam, Job, Patience, Plan, Progress, Summary, estimate
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    #[command(flatten)]
-    port: PortFlags,
-    #[command(flatten)]
-    plan: PlanFlags,
     /// Scan file to write
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -76,6 +72,10 @@ pub(super) struct Args {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    port: PortFlags,
+    #[command(flatten)]
+    plan: PlanFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -37,8 +37,6 @@ enum SideFlag {
 /// finite.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    #[command(flatten)]
-    subject: SubjectFlags,
     /// Angles of incidence in degrees, in the medium the light comes from
     #[arg(long, value_name = "DEG,...", value_delimiter = ',',
           default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0])]
@@ -55,6 +53,8 @@ pub(super) struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    subject: SubjectFlags,
 }
 
 #[derive(Serialize)]

@@ -11,12 +11,12 @@ use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side
 ///
-/// A sample is a scan, with its height map if it has one: give none, or as many as scans, in the same order.
-/// A method that cannot be used (no map, an opaque body) is listed with the reason, and one that fails
-/// does not stop the others. Written into the folder: compare.csv, .md and .json with one row a sample and
-/// one column a method, as in the paper's Table 2, and all details; SAMPLE-METHOD.json, each fit as a model;
-/// plots of measured and fitted readings, SAMPLE-all and SAMPLE-sigmaDEG, linear and log, svg and png; and
-/// report.html with all of it.
+/// A sample is a scan, with its height map if it has one: give none, or as many as scans, in the
+/// same order. A method that cannot be used (no map, an opaque body) is listed with the reason, and
+/// one that fails does not stop the others. Written into the folder: compare.csv, .md and .json
+/// with one row a sample and one column a method, as in the paper's Table 2, and all details;
+/// SAMPLE-METHOD.json, each fit as a model; plots of measured and fitted readings, SAMPLE-all and
+/// SAMPLE-sigmaDEG, linear and log, svg and png; and report.html with all of it.
 ///
 /// Exit 1 if no method describes one of the samples; all is written all the same.
 ///

@@ -21,16 +21,16 @@ use crate::report::{self, Entry, FigureFiles};
 ///
 /// The scan is CSV with the columns sigma_deg,theta_deg,reading and `# key: value` lines above; a
 /// foreign CSV is read with --columns. Methods: ggx (alpha), normals (delta, n), heights (delta),
-/// measured-ray, measured-wave and measured-hybrid (scale, cutoff_um; need --map, the latter two also
-/// --wavelength-nm). The error
-/// printed is eq. (18): rms deviation over all angles, in % of the largest reading. heights and measured-ray
-/// trace rays: their figures are found with rays that the fit has not seen, and the noise of these is
-/// printed beside. measured-wave says where its approximation does not hold, and what is left of the speckle.
-/// measured-hybrid is seldom better than the better one of measured-ray and measured-wave (docs/bench/hybrid.md).
+/// measured-ray, measured-wave and measured-hybrid (scale, cutoff_um; need --map, the latter two
+/// also --wavelength-nm). The error printed is eq. (18): rms deviation over all angles, in % of the
+/// largest reading. heights and measured-ray trace rays: their figures are found with rays that the
+/// fit has not seen, and the noise of these is printed beside. measured-wave says where its
+/// approximation does not hold, and what is left of the speckle. measured-hybrid is seldom better
+/// than the better one of measured-ray and measured-wave (docs/bench/hybrid.md).
 ///
-/// A filter (cutoff_um), a floor (lambert) or an offset (theta0, z0) is `none` unless the scan is described significantly
-/// better with it. Standard errors are checked by moving each value by two of them; where the error of the fit rises
-/// less than they say they are enlarged, and it is said.
+/// A filter (cutoff_um), a floor (lambert) or an offset (theta0, z0) is `none` unless the scan is
+/// described significantly better with it. Standard errors are checked by moving each value by two
+/// of them; where the error of the fit rises less than they say they are enlarged, and it is said.
 ///
 /// Exit 1 if the fit did not converge or the model does not describe the surface; what was found is
 /// written all the same.

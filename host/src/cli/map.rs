@@ -66,6 +66,7 @@ enum EdgesFlag {
 
 /// The flags of a height map; done in the order crop, fill, form.
 #[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Height map")]
 pub(super) struct MapFlags {
     /// Pixel size, for files that give none
     #[arg(long, value_name = "UM", allow_negative_numbers = true)]

@@ -66,16 +66,16 @@ pub(super) struct Args {
     /// Seed of the heights of `heights`
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
-    #[command(flatten)]
-    light: LightFlags,
-    #[command(flatten)]
-    map_flags: MapFlags,
     /// File to write; stdout without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Print the model as JSON (also with -o)
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    light: LightFlags,
+    #[command(flatten)]
+    map_flags: MapFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -30,8 +30,6 @@ use crate::surface::{Edges, Form};
 /// A table (.bsdft) is scanned as the model that it was made of, if it holds the lobes that the scan is made of.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    #[command(flatten)]
-    subject: SubjectFlags,
     /// Angles of incidence in degrees
     #[arg(long, value_name = "DEG,...", value_delimiter = ',',
           default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0])]
@@ -66,6 +64,8 @@ pub(super) struct Args {
     /// Print where the flux went as JSON (needs -o)
     #[arg(long, requires = "output")]
     json: bool,
+    #[command(flatten)]
+    subject: SubjectFlags,
 }
 
 /// Rays an incidence where there is no other way.

@@ -13,20 +13,23 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 
 /// Print the roughness figures of a height map
 ///
-/// Reads x3p, SDF, Alicona al3d, Wyko opd, Bruker/DI, Digital Surf sur, Gwyddion gwy and text, matrix text,
-/// xyz, npy, 16-bit PNG and float TIFF, told apart by content. Units are those that the file says, in a line such as
-/// "# x [um] y [um] z [nm]" or "# heights in nm, pixel size 0.5 um"; what it does not say --xy-unit, --z-unit and
-/// --pixel-um must. Arrays of floats are in um unless --z-unit says otherwise.
+/// Reads x3p, SDF, Alicona al3d, Wyko opd, Bruker/DI, Digital Surf sur, Gwyddion gwy and text,
+/// matrix text, xyz, npy, 16-bit PNG and float TIFF, told apart by content. Units are those that
+/// the file says, in a line such as "# x [um] y [um] z [nm]" or "# heights in nm, pixel size 0.5
+/// um"; what it does not say --xy-unit, --z-unit and --pixel-um must. Arrays of floats are in um
+/// unless --z-unit says otherwise.
 ///
-/// Figures are those of the paper's eqs 12-17 (Rz5 is of single points, as there), the ten-point height Rz JIS of JIS B 0601
-/// (five peaks and valleys of each sampling length, a fifth of a row or column),
-/// rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e. The anisotropy is 0
-/// where slopes have no preferred direction and 1 for parallel grooves; it needs a map without missing points.
-/// A periodic map is taken with its tilt there, in the spectrum and for waves: to subtract it would tear the borders open.
+/// Figures are those of the paper's eqs 12-17 (Rz5 is of single points, as there), the ten-point
+/// height Rz JIS of JIS B 0601 (five peaks and valleys of each sampling length, a fifth of a row or
+/// column), rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e.
+/// The anisotropy is 0 where slopes have no preferred direction and 1 for parallel grooves; it
+/// needs a map without missing points. A periodic map is taken with its tilt there, in the spectrum
+/// and for waves: to subtract it would tear the borders open.
 ///
-/// With --ior and --wavelength-nm it also says where waves on this map may be trusted, for light from both sides: the reading with
-/// the specular light, and the diffuse light alone, each to 1 % of its peak. It looks at the facets, at the pixel, and at R + T as
-/// `check --method wave` finds it; failures are warnings. The figures of the paper's eqs 9-11 are given beside.
+/// With --ior and --wavelength-nm it also says where waves on this map may be trusted, for light
+/// from both sides: the reading with the specular light, and the diffuse light alone, each to 1 %
+/// of its peak. It looks at the facets, at the pixel, and at R + T as `check --method wave` finds
+/// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside.
 ///
 /// Examples:
 ///   asperity stats map.x3p
@@ -37,16 +40,16 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 pub(super) struct Args {
     /// The height map
     map: PathBuf,
-    #[command(flatten)]
-    flags: MapFlags,
-    #[command(flatten)]
-    kirchhoff: KirchhoffFlags,
     /// Write plots of heights, their histogram and spectrum: STEM-map, STEM-histogram, STEM-spectrum, each .svg and .png
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    flags: MapFlags,
+    #[command(flatten)]
+    kirchhoff: KirchhoffFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {

@@ -27,6 +27,9 @@ enum EngineFlag {
     Hybrid,
 }
 
+/// Heading of the flags of a map that takes the place of a model.
+const HEIGHT_MAP: &str = "A height map in place of a model";
+
 /// A model file, a table, or a height map with its refractive index.
 #[derive(Debug, clap::Args)]
 pub(super) struct SubjectFlags {
@@ -34,13 +37,13 @@ pub(super) struct SubjectFlags {
     #[arg(required_unless_present = "map", conflicts_with = "map")]
     model: Option<PathBuf>,
     /// A height map in place of a model
-    #[arg(long, value_name = "FILE", requires = "ior")]
+    #[arg(long, value_name = "FILE", requires = "ior", help_heading = HEIGHT_MAP)]
     map: Option<PathBuf>,
     /// How light is sent on the map
-    #[arg(long, value_enum, requires = "map", default_value = "ray")]
+    #[arg(long, value_enum, requires = "map", default_value = "ray", help_heading = HEIGHT_MAP)]
     method: EngineFlag,
     /// Refractive index of the material under the map over that of air
-    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true, help_heading = HEIGHT_MAP)]
     ior: Option<f64>,
     #[command(flatten)]
     light: LightFlags,

@@ -19,21 +19,27 @@ use crate::trade::{Axis, Device, NoDevice, Scan, Subject, Work, choose, rows};
 
 /// Measure what each way to evaluate a model costs, and how near it is
 ///
-/// Of a scan every method is fitted, as `compare` does it; models are taken as they are. Each is then evaluated in every way
-/// there is: its formula in double and single precision with exact and with fast functions, tables of several sizes as a
-/// microcontroller evaluates them (single precision, fast), and, for methods without a formula, the model itself.
+/// Of a scan every method is fitted, as `compare` does it; models are taken as they are. Each is
+/// then evaluated in every way there is: its formula in double and single precision with exact and
+/// with fast functions, tables of several sizes as a microcontroller evaluates them (single
+/// precision, fast), and, for methods without a formula, the model itself.
 ///
-/// Errors, in percent: eq. (18) between the scan and the model (fit) and between the scan and the evaluator (scan); eq. (18)
-/// between scans of the model and of the evaluator (from model: GP-200 angles, all internal passes; of a traced model both its own and
-/// the table's noise drop out, 0 is less than that noise); the largest and the rms
-/// error of f |cos| against the model in double precision, in % of the largest value of the beam, over beams of both sides and lobes
-/// at 0, 5 .. 85 degrees (those of at least 1 % of the light) with 256 directions the model sends light to and 256 spread over the hemisphere in each; the largest error
-/// of the flux of a lobe. Costs: nanoseconds of a value and of a sample, medians of 9 repeats over 256 pairs of directions in one
-/// thread; with --firmware instructions of the same calls on a Cortex-M4F in QEMU, where the same bits must come out, bytes of
-/// their code with all it calls, of the table, and of the evaluator in RAM without its stack. What was not measured stays empty.
+/// Errors, in percent: eq. (18) between the scan and the model (fit) and between the scan and the
+/// evaluator (scan); eq. (18) between scans of the model and of the evaluator (from model: GP-200
+/// angles, all internal passes; of a traced model both its own and the table's noise drop out, 0 is
+/// less than that noise); the largest and the rms error of f |cos| against the model in double
+/// precision, in % of the largest value of the beam, over beams of both sides and lobes at 0, 5 ..
+/// 85 degrees (those of at least 1 % of the light) with 256 directions the model sends light to and
+/// 256 spread over the hemisphere in each; the largest error of the flux of a lobe. Costs:
+/// nanoseconds of a value and of a sample, medians of 9 repeats over 256 pairs of directions in one
+/// thread; with --firmware instructions of the same calls on a Cortex-M4F in QEMU, where the same
+/// bits must come out, bytes of their code with all it calls, of the table, and of the evaluator in
+/// RAM without its stack. What was not measured stays empty.
 ///
-/// Marked are the rows that no other beats in error and cost of a value (front; times count with two digits, errors in steps of 0.001 %), the knee of the front, and with --max-error
-/// the cheapest that is near enough; the error is that against the scan, without a scan that against the model.
+/// Marked are the rows that no other beats in error and cost of a value (front; times count with
+/// two digits, errors in steps of 0.001 %), the knee of the front, and with --max-error the
+/// cheapest that is near enough; the error is that against the scan, without a scan that against
+/// the model.
 ///
 /// Exit 1 if --max-error is not reached.
 ///

@@ -17,6 +17,7 @@ use crate::surface::{Edges, HeightMap};
 
 /// Light on a map; both the index and the wavelength, or neither.
 #[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Waves on the map")]
 pub(super) struct KirchhoffFlags {
     /// Relative index of the material, for the validity of waves on the map
     #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "wavelength_nm")]

@@ -192,7 +192,7 @@ mod tests {
     use asperity_core::gonio::Geometry;
     use asperity_core::plate::RoughSide;
 
-    use super::super::{Quantity, data_file};
+    use super::super::Quantity;
     use super::*;
 
     #[test]
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn the_virtual_sample_5_is_read() {
-        let Some(path) = data_file("samples/scan5.csv") else {
+        let Some(path) = asperity_needs::data("samples/scan5.csv") else {
             return;
         };
         let scan = read(path).unwrap();

@@ -117,7 +117,6 @@ impl Import {
 #[cfg(test)]
 mod tests {
     use super::super::columns::Column;
-    use super::super::data_file;
     use super::*;
 
     fn import(columns: &str, filters: &[&str]) -> Import {
@@ -132,7 +131,8 @@ mod tests {
 
     #[test]
     fn measured_aluminium_is_read() {
-        let Some(path) = data_file("scatter/jsss-mwir-brdf/inplane_radiance_brdf.csv") else {
+        let Some(path) = asperity_needs::data("scatter/jsss-mwir-brdf/inplane_radiance_brdf.csv")
+        else {
             return;
         };
         let map = "sigma=theta_i_deg,theta=theta_o_deg,reading=brdf_per_sr";

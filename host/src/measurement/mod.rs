@@ -228,20 +228,6 @@ pub enum ReadingFault {
     AllDark,
 }
 
-/// A file of the common data folder; `None`, with a note, where the folder is not there.
-#[cfg(test)]
-#[expect(clippy::print_stderr, reason = "a skipped test says so")]
-fn data_file(name: &str) -> Option<std::path::PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
-    let folder = std::env::var_os("ASPERITY_DATA").unwrap_or_else(|| beside.into());
-    let path = std::path::Path::new(&folder).join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: no data: {} is missing (set ASPERITY_DATA)", path.display());
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

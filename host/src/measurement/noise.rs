@@ -244,7 +244,7 @@ fn quantum(readings: &[Reading]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Metadata, csv, data_file};
+    use super::super::{Metadata, csv};
     use super::*;
 
     /// Uniform in [0, 1), the same on every machine.
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn shot_noise_of_the_virtual_samples_is_found() {
         for (name, percent) in [("scan5", 0.12), ("scan8", 0.17)] {
-            let Some(path) = data_file(&format!("samples/{name}.csv")) else {
+            let Some(path) = asperity_needs::data(&format!("samples/{name}.csv")) else {
                 return;
             };
             let noise = estimate(&csv::read(path).unwrap()).unwrap();

@@ -29,7 +29,7 @@ fn one_line(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Metadata, Reading, csv, data_file};
+    use super::super::{Metadata, Reading, csv};
     use super::*;
 
     fn written(scan: &Measurement) -> String {
@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn a_written_scan_reads_back_as_itself() {
-        let Some(path) = data_file("samples/scan8.csv") else {
+        let Some(path) = asperity_needs::data("samples/scan8.csv") else {
             return;
         };
         let scan = csv::read(path).unwrap();

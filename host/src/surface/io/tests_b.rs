@@ -1,22 +1,10 @@
 //! Measured files of text and arrays, against figures that another reader gave.
 
-use std::path::PathBuf;
-
 use super::{OpenOptions, RawMap, gwyddion_text, matrix, npy, xyz};
 
-/// A file of the shared data; says so and gives `None` where there is none.
-#[expect(clippy::print_stderr, reason = "a skipped test must not pass in silence")]
+/// A file of the measured data.
 fn data(name: &str) -> Option<Vec<u8>> {
-    let folder = std::env::var_os("ASPERITY_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
-        PathBuf::from,
-    );
-    let path = folder.join(name);
-    let bytes = std::fs::read(&path);
-    if let Err(error) = &bytes {
-        eprintln!("skipped: no data ({}: {error})", path.display());
-    }
-    bytes.ok()
+    asperity_needs::data(name).map(|path| std::fs::read(path).unwrap())
 }
 
 /// Root mean square of the heights over their least-squares plane.

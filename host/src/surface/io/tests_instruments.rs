@@ -1,7 +1,5 @@
 //! Files of real instruments, against figures that two independent readers agreed on.
 
-use std::path::PathBuf;
-
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
@@ -18,21 +16,9 @@ const READERS: [(Detect, Read); 5] = [
     (x3p::detect, |bytes| x3p::read(bytes, false)),
 ];
 
-/// A file of the shared measured surfaces; `None`, and a line that says so, without them.
+/// A file of the measured surfaces.
 fn shared(name: &str) -> Option<Vec<u8>> {
-    let root = std::env::var_os("ASPERITY_DATA").map_or_else(
-        || PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"),
-        PathBuf::from,
-    );
-    let path = root.join("topography").join(name);
-    let bytes = std::fs::read(&path).ok();
-    if bytes.is_none() {
-        #[expect(clippy::print_stderr, reason = "a skipped test says so")]
-        {
-            eprintln!("skipped: no data, {} is absent", path.display());
-        }
-    }
-    bytes
+    asperity_needs::data(&format!("topography/{name}")).map(|path| std::fs::read(path).unwrap())
 }
 
 /// Reads a file with the one reader that knows it.
