@@ -55,12 +55,12 @@ pub(super) struct Sizes {
 
 impl Sizes {
     pub(super) fn new(slope: f64) -> Self {
-        // beyond the critical angle of a facet the kernel has a kink, of wide laws too
-        let step = (1.1 * slope).clamp(0.02, 0.05);
+        // where facets begin to mirror totally the kernel rises with a root, however wide the law is
+        let step = (1.1 * slope).clamp(0.02, 0.03);
         Self {
             modes: (4.0 / slope).clamp(16.0, 256.0) as usize,
             step,
-            fine: step.min(0.04),
+            fine: if slope < 0.1 { step } else { 0.015 },
             views: step,
             panel: 12, // tails of two narrow lobes meet where each has fallen far
             beyond: 8,
