@@ -11,6 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 static RUN: Mutex<Option<Custody>> = Mutex::new(None);
 
 /// From here on everything that is read or written counts, what stdin, stdout and stderr were turned to included.
+#[cfg(feature = "cli")]
 pub(crate) fn watch() {
     let mut custody = Custody::default();
     custody.add_standard();
@@ -157,6 +158,7 @@ impl Custody {
 
     /// Files that the shell has opened for the program.
     #[cfg(unix)]
+    #[cfg(feature = "cli")]
     fn add_standard(&mut self) {
         use std::os::fd::AsFd;
         let nameless = |inode| Identity { path: PathBuf::new(), inode: Some(inode) };

@@ -1,5 +1,8 @@
 //! Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
 //!
+//! Features, all on by default: `cli`, the program `asperity`; `plots`, plots and reports; `serial`, instruments at a serial
+//! port.
+//!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 
 pub mod message;
@@ -27,6 +30,9 @@ pub mod energy;
 pub mod tabulate;
 pub mod trade;
 pub mod fit;
+#[cfg(feature = "plots")]
 pub mod plot;
+#[cfg(feature = "plots")]
 pub mod report;
+#[cfg(feature = "cli")]
 pub mod cli;

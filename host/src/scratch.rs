@@ -32,6 +32,7 @@ fn registry() -> MutexGuard<'static, Registry> {
 
 /// Removes all temporary files and the empty folders that were made, and lets no new ones come. What is being renamed is
 /// waited for, so that files of one commit appear together.
+#[cfg(feature = "cli")]
 pub(crate) fn remove_all() {
     let mut registry = registry();
     registry.closed = true;
@@ -78,6 +79,7 @@ impl Scratch {
     }
 
     /// Its temporary name.
+    #[cfg(feature = "cli")]
     pub(crate) fn path(&self) -> &Path {
         self.file.as_ref().map_or(Path::new(""), NamedTempFile::path)
     }

@@ -3,6 +3,7 @@
 
 mod source;
 mod layers;
+mod licences;
 mod links;
 mod manifest;
 

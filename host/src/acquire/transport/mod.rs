@@ -1,5 +1,6 @@
 //! Bytes to and from an instrument, and the clock by which is waited for them.
 
+#[cfg(feature = "serial")]
 mod serial;
 mod tcp;
 mod in_process;
@@ -10,6 +11,7 @@ use std::time::Duration;
 use super::error::{LinkError, Trouble};
 
 pub use self::in_process::{InProcess, Peer};
+#[cfg(feature = "serial")]
 pub use self::serial::{PortName, Serial, list};
 pub use self::tcp::Tcp;
 
@@ -84,11 +86,21 @@ pub fn open(port: &str, baud: u32) -> Result<Box<dyn Transport>, LinkError> {
     if port.trim().is_empty() || baud == 0 {
         return Err(failed(Trouble::BadPort));
     }
-    let serial = Serial::open(port, baud).map_err(|e| match e.kind() {
+    serial_port(port, baud).map_err(|e| match e.kind() {
         io::ErrorKind::ResourceBusy => failed(Trouble::Locked),
         _ => failed(Trouble::Open(e)),
-    })?;
-    Ok(Box::new(serial))
+    })
+}
+
+#[cfg(feature = "serial")]
+fn serial_port(port: &str, baud: u32) -> io::Result<Box<dyn Transport>> {
+    Ok(Box::new(Serial::open(port, baud)?))
+}
+
+#[cfg(not(feature = "serial"))]
+fn serial_port(_: &str, _: u32) -> io::Result<Box<dyn Transport>> {
+    let text = "this program was built without the feature `serial`; use tcp:HOST:PORT";
+    Err(io::Error::new(io::ErrorKind::Unsupported, text))
 }
 
 /// Whether an error only says that nothing came in time, or that a signal came in between.
