@@ -5,6 +5,7 @@
 //! | `program` | where the program is, and how it is run |
 //! | `refusal` | how a refusal is judged |
 //! | `help` | help, version, completions |
+//! | `snapshots` | help, JSON, tables and errors held still |
 //! | `book` | the commands of the user guide |
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
@@ -36,6 +37,7 @@
 mod program;
 mod refusal;
 mod help;
+mod snapshots;
 mod book;
 mod happy;
 mod maps;
