@@ -448,7 +448,7 @@ fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
     // every method there is, in its order
     let fits = answer["fits"].as_array().unwrap();
     let found: Vec<&str> = fits.iter().map(|f| f["method"].as_str().unwrap()).collect();
-    assert_eq!(found, asperity::method::PAPER);
+    assert_eq!(found, asperity::method::Kind::of_paper());
     // the map is the truth, the others are models of it
     let of = |method: &str| fits.iter().find(|f| f["method"] == method).unwrap();
     close(&of("measured-ray")["parameters"]["scale"]["value"], 1.0, 0.02);

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use asperity::fit::{Fit, FitOptions, FitRays};
 use asperity::forward::{Incidence, Plan, Rays, monte_carlo};
 use asperity::measurement::{Measurement, csv};
-use asperity::method::{Choice, Method, Surface};
+use asperity::method::{Choice, Kind, Method, Surface};
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, Preparation, Prepared, Purpose};
 use asperity_core::metric::rmsd_percent;
@@ -71,7 +71,7 @@ fn traced_fit(number: u32, pixel_um: f64, name: &str) -> Option<Fit> {
     let (scan, prepared) = sample(number, pixel_um)?;
     let choice = Choice {
         asked: &|name| name == "cutoff_um",
-        map: Choice::needs_map(name).then_some((&prepared.map, prepared.edges)),
+        map: Kind::named(name).unwrap().needs_map.then_some((&prepared.map, prepared.edges)),
         ..Choice::new(name, CLEAR)
     };
     let method: Box<dyn Method> = choice.method().unwrap();

@@ -5,7 +5,7 @@ use asperity::fit::{
 };
 use asperity::forward::{Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity};
-use asperity::method::{Choice, METHODS, Method, Surface};
+use asperity::method::{Choice, Kind, Method, Surface};
 use asperity::model::{self, IncidenceRecord, Timing};
 use asperity::provenance::Provenance;
 use asperity_core::gonio::Geometry;
@@ -99,16 +99,17 @@ fn methods(
     surface: Surface,
     seed: u64,
 ) -> PyResult<Vec<Box<dyn Method>>> {
-    if METHODS.contains(&name) && Choice::needs_map(name) {
+    let kind = Kind::named(name).map_err(bad)?;
+    if kind.needs_map {
         let what =
             format!("method {name} needs a height map; fit it with `asperity fit --map FILE`");
         return Err(bad(what));
     }
-    if law.is_some() && !Choice::has_law(name) && METHODS.contains(&name) {
+    if law.is_some() && !kind.has_law {
         return Err(bad(format!("method {name} has no law; leave it out")));
     }
     let laws: &[Option<&str>] = match law {
-        None if Choice::has_law(name) => &[Some("gauss"), Some("cauchy")],
+        None if kind.has_law => &[Some("gauss"), Some("cauchy")],
         law => &[law],
     };
     let asked = |parameter: &str| free.iter().any(|f| f == parameter);

@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use crate::method::Lack;
+
 /// The ways to fail, by exit status.
 #[derive(Debug)]
 pub(super) enum Failure {
@@ -41,6 +43,20 @@ impl From<crate::report::FigureError> for Failure {
             crate::report::FigureError::Output(e) => e.into(),
             e @ crate::report::FigureError::Plot(_) => Self::Trouble(e.to_string()),
         }
+    }
+}
+/// What a method lacks, and the flag that gives it.
+pub(super) fn remedy(lack: &Lack) -> String {
+    match lack {
+        Lack::Map(_) => format!("{lack}; give --map FILE"),
+        Lack::Wavelength(_) => format!("{lack}; give --wavelength-nm in nm"),
+        _ => lack.to_string(),
+    }
+}
+
+impl From<Lack> for Failure {
+    fn from(lack: Lack) -> Self {
+        Self::Bad(remedy(&lack))
     }
 }
 impl From<crate::measurement::ScanError> for Failure {

@@ -10,10 +10,10 @@ use super::map::MapFlags;
 use super::model::LawFlag;
 use super::print;
 use super::source::{ReadFlags, SetupFlags};
-use super::trial::{EffortFlags, check_method, usually_asked};
+use super::trial::{EffortFlags, usually_asked};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
-use crate::method::{Choice, Surface};
+use crate::method::{Kind, Lack, Surface, in_words};
 use crate::output::AtomicFile;
 use crate::report::{self, Entry, FigureFiles};
 
@@ -102,7 +102,6 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    check_method(&args.method)?;
     check_flags(args)?;
     args.effort.check()?;
     let (measurement, input) = args.read.read(&args.scan)?;
@@ -181,24 +180,38 @@ impl Args {
 
 /// Refuses flags that belong to another method.
 fn check_flags(args: &Args) -> Result<(), Failure> {
-    let method = args.method.as_str();
-    let heights = args.fit_n || args.fit_h_max || args.fit_z0;
-    let wrong = if args.law.is_some() && !Choice::has_law(method) {
-        "--law belongs to the methods normals and heights; leave it out"
-    } else if args.fit_theta0 && method != "normals" {
-        "--fit-theta0 belongs to --method normals; leave it out"
-    } else if heights && method != "heights" {
-        "--fit-n, --fit-h-max and --fit-z0 belong to --method heights; leave them out"
-    } else if args.map.is_some() && !Choice::needs_map(method) {
-        "--map belongs to the methods measured-ray, measured-wave and measured-hybrid; leave it out"
-    } else if args.light.are_given() && !Choice::is_wave(method) {
-        "--wavelength-nm, --speckle and --shadowing belong to --method measured-wave or measured-hybrid; leave them out"
-    } else if args.map.is_none() && Choice::needs_map(method) {
-        "this method needs a height map; give --map FILE"
-    } else {
-        return Ok(());
+    let kind = Kind::named(&args.method)?;
+    let belongs = |flags: &str, names: Vec<&str>| {
+        let (those, it) = if names.len() == 1 { ("method", "it") } else { ("methods", "them") };
+        let (belong, it) = if flags.contains("and") { ("belong", it) } else { ("belongs", "it") };
+        Err(Failure::bad(format!(
+            "{flags} {belong} to the {those} {}; leave {it} out",
+            in_words(&names)
+        )))
     };
-    Err(Failure::bad(wrong))
+    for (is_given, flag, parameter) in [
+        (args.fit_theta0, "--fit-theta0", "theta0"),
+        (args.fit_n, "--fit-n", "n"),
+        (args.fit_h_max, "--fit-h-max", "h_max"),
+        (args.fit_z0, "--fit-z0", "z0"),
+        (args.no_cutoff, "--no-cutoff", "cutoff_um"),
+    ] {
+        let has = |kind: &Kind| kind.optional.contains(&parameter);
+        if is_given && !has(kind) {
+            return belongs(flag, Kind::names(has));
+        }
+    }
+    if args.law.is_some() && !kind.has_law {
+        belongs("--law", Kind::names(|kind| kind.has_law))
+    } else if args.map.is_some() && !kind.needs_map {
+        belongs("--map", Kind::names(|kind| kind.needs_map))
+    } else if args.light.are_given() && !kind.is_wave() {
+        belongs("--wavelength-nm, --speckle and --shadowing", Kind::names(Kind::is_wave))
+    } else if args.map.is_none() && kind.needs_map {
+        Err(Lack::Map(kind.name).into())
+    } else {
+        Ok(())
+    }
 }
 
 fn open_plots(stem: &std::path::Path) -> Result<FigureFiles, Failure> {

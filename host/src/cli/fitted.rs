@@ -5,7 +5,7 @@ use crate::boundary::Boundary;
 use crate::fit::{Fit, FitOptions, Fitted, Objective, Termination};
 use crate::forward::Setup;
 use crate::measurement::Measurement;
-use crate::method::{Choice, Method, Surface};
+use crate::method::{Kind, Method, Surface};
 use crate::model::{IncidenceRecord, MapRecord, Model, Timing};
 use crate::provenance::{InputFile, Provenance};
 use crate::report::{self, Entry};
@@ -29,7 +29,7 @@ pub(super) struct Job<'a> {
 /// The fit as a model file.
 pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model {
     let fit = &entry.fit;
-    let map = job.map.filter(|_| Choice::needs_map(method.name()));
+    let map = job.map.filter(|_| Kind::named(method.name()).is_ok_and(|kind| kind.needs_map));
     let surface = match fit.ior {
         Some(ior) => Surface::Dielectric { ior },
         None => job.options.surface,

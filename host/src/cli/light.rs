@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use super::error::Failure;
 use crate::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use crate::measurement::Metadata;
-use crate::method::Choice;
+use crate::method::{Kind, Waves, in_words};
 use crate::surface::{Edges, HeightMap};
 
 /// What wave readings are of, as a flag.
@@ -142,9 +142,10 @@ impl Light {
     /// The ways of a method to treat the speckle of a map: the one that is asked for, else all that it allows.
     pub(super) fn variants(
         &self,
-        method: &str,
+        waves: Waves,
         map: Option<(&HeightMap, Edges)>,
     ) -> Result<Vec<WaveOptions>, String> {
+        let averages = waves == Waves::AveragedSpeckle;
         if let Some((map, _)) = map.filter(|(map, _)| map.nx() * map.ny() > MOST_POINTS) {
             return Err(format!(
                 "{} x {} points are too many for waves (at most {MOST_POINTS}); take a part with --crop",
@@ -154,15 +155,16 @@ impl Light {
         }
         let may_average = map.is_none_or(|(map, edges)| WaveBoundary::may_average(map, edges));
         let other = self.speckle.filter(|s| *s != Speckle::Averaged);
-        if Choice::is_averaged(method) && (other.is_some() || !may_average) {
+        if averages && (other.is_some() || !may_average) {
             return Err(format!(
-                "method {method} averages the speckle over azimuths: the surface must have no direction, and \
+                "method {} averages the speckle over azimuths: the surface must have no direction, and \
                  --speckle {} is not for it",
+                in_words(&Kind::names(|kind| kind.waves == waves)),
                 other.unwrap_or(Speckle::Kept).name()
             ));
         }
         let speckles: &[Speckle] = match self.speckle {
-            _ if Choice::is_averaged(method) => &[Speckle::Averaged],
+            _ if averages => &[Speckle::Averaged],
             Some(Speckle::Averaged) if !may_average => {
                 return Err(format!(
                     "the surface has a direction: its speckle cannot be averaged over azimuths; use \
@@ -186,11 +188,11 @@ impl Light {
     /// The one way to treat the speckle of a map: the one that is asked for, else the first of these that it allows.
     pub(super) fn variant(
         &self,
-        method: &str,
+        waves: Waves,
         map: (&HeightMap, Edges),
         usual: &[Speckle],
     ) -> Result<WaveOptions, String> {
-        let variants = self.variants(method, Some(map))?;
+        let variants = self.variants(waves, Some(map))?;
         let of = |speckle: &Speckle| variants.iter().find(|v| v.speckle == *speckle);
         usual
             .iter()

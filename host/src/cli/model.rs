@@ -9,7 +9,7 @@ use super::light::LightFlags;
 use super::map::MapFlags;
 use super::print;
 use crate::kirchhoff::Speckle;
-use crate::method::{Choice, Surface};
+use crate::method::{Choice, Kind, Surface};
 use crate::model::{MapRecord, Model, Value};
 use crate::output::AtomicFile;
 use crate::provenance::Provenance;
@@ -86,10 +86,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             return Err(Failure::bad("the refractive index is missing; give --ior N, or --opaque"));
         }
     };
-    if args.law.is_some() && !Choice::has_law(&args.method) {
+    let kind = Kind::named(&args.method)?;
+    if args.law.is_some() && !kind.has_law {
         return Err(Failure::bad(format!("method {} has no law; leave --law out", args.method)));
     }
-    if args.map.is_some() && !Choice::needs_map(&args.method) {
+    if args.map.is_some() && !kind.needs_map {
         return Err(Failure::bad(format!("method {} has no map; leave --map out", args.method)));
     }
     let pairs = args.set.iter().map(|text| split(text)).collect::<Result<Vec<_>, _>>()?;
@@ -98,16 +99,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         None => None,
     };
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
-    if args.light.are_given() && !Choice::is_wave(&args.method) {
+    if args.light.are_given() && !kind.is_wave() {
         return Err(Failure::bad(format!(
             "method {} sends no waves; leave --wavelength-nm, --speckle and --shadowing out",
             args.method
         )));
     }
-    let wave = match (&map, Choice::is_wave(&args.method)) {
+    let wave = match (&map, kind.is_wave()) {
         (Some(m), true) => {
             let light = args.light.light(None)?;
-            let light = light.variant(&args.method, (&m.map, m.edges), &[Speckle::Averaged]);
+            let light = light.variant(kind.waves, (&m.map, m.edges), &[Speckle::Averaged]);
             Some(light.map_err(Failure::Bad)?)
         }
         _ => None,
@@ -120,7 +121,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         seed: args.seed,
         ..Choice::new(&args.method, surface)
     };
-    let method = choice.method().map_err(Failure::Bad)?;
+    let method = choice.method()?;
     let mut values = Vec::new();
     for (name, text) in &pairs {
         let names = || method.parameters().iter().map(|p| p.name).collect::<Vec<_>>().join(", ");

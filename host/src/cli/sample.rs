@@ -7,11 +7,11 @@ use super::fitted::Job;
 use super::light::{Light, LightFlags};
 use super::map::MapFlags;
 use super::source::{ReadFlags, SetupFlags};
-use super::trial::{EffortFlags, check_method};
+use super::trial::EffortFlags;
 use crate::fit::FitOptions;
 use crate::forward::Setup;
 use crate::measurement::Measurement;
-use crate::method::PAPER;
+use crate::method::Kind;
 use crate::provenance::InputFile;
 use crate::surface::Prepared;
 
@@ -73,24 +73,24 @@ impl Loaded {
 pub(super) fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
     let mut methods: Vec<String> = Vec::new();
     for name in asked.iter().map(|n| n.trim()) {
-        check_method(name)?;
+        Kind::named(name)?;
         if !methods.iter().any(|m| m == name) {
             methods.push(name.to_owned());
         }
     }
     if methods.is_empty() {
-        methods = PAPER.map(String::from).to_vec();
+        methods = Kind::of_paper().into_iter().map(String::from).collect();
     }
     Ok(methods)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{PAPER, methods};
+    use super::{Kind, methods};
 
     #[test]
     fn methods_are_taken_once_and_all_without_a_word() {
-        assert_eq!(methods(&[]).unwrap(), PAPER);
+        assert_eq!(methods(&[]).unwrap(), Kind::of_paper());
         let asked = ["normals", "ggx", "normals"].map(String::from);
         assert_eq!(methods(&asked).unwrap(), ["normals", "ggx"]);
         assert!(methods(&["phong".into()]).is_err());

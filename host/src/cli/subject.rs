@@ -12,7 +12,7 @@ use crate::boundary::Boundary;
 use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::law_file::{self, Kind};
-use crate::method::Surface;
+use crate::method::{Surface, Waves};
 use crate::raytrace::{Field, TracedBoundary};
 use crate::surface::Preparation;
 
@@ -107,7 +107,7 @@ impl SubjectFlags {
             EngineFlag::Wave => {
                 let (map, edges) = (&prepared.map, prepared.edges);
                 let light = self.light.light(None)?;
-                let options = light.variant("wave", (map, edges), usual);
+                let options = light.variant(Waves::AnySpeckle, (map, edges), usual);
                 let options = options.map_err(Failure::Bad)?;
                 let wave = WaveBoundary::of_map(map, edges, eta, &options);
                 (Boundary::Wave(Box::new(wave.map_err(|e| of_file(&e))?)), "wave")
@@ -115,7 +115,8 @@ impl SubjectFlags {
             EngineFlag::Hybrid => {
                 let (map, edges) = (&prepared.map, prepared.edges);
                 let light = self.light.light(None)?;
-                let options = light.variant("measured-hybrid", (map, edges), &[Speckle::Averaged]);
+                let options =
+                    light.variant(Waves::AveragedSpeckle, (map, edges), &[Speckle::Averaged]);
                 let options = options.map_err(Failure::Bad)?;
                 let hybrid = HybridBoundary::of_map(map, edges, eta, &options);
                 (Boundary::Hybrid(Box::new(hybrid.map_err(|e| of_file(&e))?)), "hybrid")

@@ -6,7 +6,7 @@ use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use clap::ValueEnum;
 
-use super::error::Failure;
+use super::error::{Failure, remedy};
 use super::fitted::{Job, record};
 use super::source::parse_rays;
 use super::{interrupt, progress};
@@ -14,7 +14,7 @@ use crate::boundary::Boundary;
 use crate::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, cost_at, fit};
 use crate::forward::Sample;
 use crate::kirchhoff::{WaveOptions, warning_for_rays};
-use crate::method::{Choice, METHODS, Method, Surface};
+use crate::method::{Choice, Kind, Method, Surface};
 use crate::model::Model;
 use crate::report::Entry;
 
@@ -90,18 +90,6 @@ impl EffortFlags {
     }
 }
 
-/// Refuses a name that is no method's.
-pub(super) fn check_method(name: &str) -> Result<(), Failure> {
-    if METHODS.contains(&name) {
-        return Ok(());
-    }
-    Err(Failure::bad(format!(
-        "method `{}` is unknown; the methods are {}",
-        crate::measurement::excerpt(name),
-        METHODS.join(", ")
-    )))
-}
-
 /// The optional parameters that are fitted unless the user says otherwise.
 pub(super) fn usually_asked(parameter: &str) -> bool {
     parameter == "cutoff_um"
@@ -121,13 +109,14 @@ impl Job<'_> {
         law: Option<&str>,
         asked: &dyn Fn(&str) -> bool,
     ) -> Trial {
+        let kind = Kind::named(name).map_err(|lack| remedy(&lack))?;
         let laws: &[Option<&str>] = match law {
-            None if Choice::has_law(name) => &[Some("gauss"), Some("cauchy")],
+            None if kind.has_law => &[Some("gauss"), Some("cauchy")],
             law => &[law],
         };
         let map = self.map.map(|m| (&m.map, m.edges));
-        let waves = if Choice::is_wave(name) && map.is_some() {
-            self.light.variants(name, map)?.into_iter().map(Some).collect()
+        let waves = if kind.is_wave() && map.is_some() {
+            self.light.variants(kind.waves, map)?.into_iter().map(Some).collect()
         } else {
             vec![None]
         };
@@ -140,7 +129,7 @@ impl Job<'_> {
                 seed: self.options.rays.seed,
                 ..Choice::new(name, self.options.surface)
             };
-            choice.method()
+            choice.method().map_err(|lack| remedy(&lack))
         };
         let variants = laws.iter().flat_map(|law| waves.iter().map(|w| (*law, w.as_ref())));
         let methods = variants.map(with).collect::<Result<Vec<_>, _>>()?;
@@ -255,7 +244,9 @@ impl Job<'_> {
                 let validity = wave.validity(&angles).map(|v| v.of_lobe(side, lobe));
                 validity.map(|v| v.warnings()).unwrap_or_default()
             }
-            Boundary::Traced(traced) if Choice::needs_map(method.name()) => {
+            Boundary::Traced(traced)
+                if Kind::named(method.name()).is_ok_and(|kind| kind.needs_map) =>
+            {
                 // of the map as it was measured: what the fit has made of it may be an escape from this
                 let missed = self.light.wavelengths().zip(self.map);
                 let missed = missed.and_then(|(light, prepared)| {

@@ -12,7 +12,7 @@ use super::{interrupt, progress};
 use crate::energy;
 use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeValidity};
 use crate::kirchhoff::{Speckle, Validity, WaveBoundary, Wavelengths};
-use crate::method::Surface;
+use crate::method::{Surface, Waves};
 use crate::surface::{Edges, HeightMap};
 
 /// Light on a map; both the index and the wavelength, or neither.
@@ -73,7 +73,8 @@ impl Question {
     /// The answer for a map; with the balance that `check` would find, unless the map is too large for waves.
     pub(super) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Verdict, Failure> {
         let light = Light::of(self.wavelengths.clone());
-        let Ok(options) = light.variant("wave", (map, edges), &[Speckle::Averaged]) else {
+        let Ok(options) = light.variant(Waves::AnySpeckle, (map, edges), &[Speckle::Averaged])
+        else {
             let found = Validity::of(map, edges, self.eta, &self.wavelengths, &self.incidences_deg);
             return found.map(Verdict).map_err(Failure::bad);
         };

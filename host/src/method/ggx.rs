@@ -6,6 +6,7 @@
 
 use asperity_core::bsdf::{Ggx, OpaqueGgx};
 
+use super::kind::{Kind, Waves};
 use super::{BuildError, Method, Parameter, Scale, Surface, alpha};
 use crate::boundary::Boundary;
 
@@ -31,9 +32,22 @@ const LAMBERT: Parameter =
 static CLEAR: [Parameter; 1] = [ALPHA];
 static OPAQUE: [Parameter; 3] = [ALPHA, GAIN, LAMBERT];
 
+/// What it is and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "ggx",
+    summary: "Walter's microfacets with the GGX law, closed form",
+    is_in_paper: true,
+    has_law: false,
+    needs_map: false,
+    waves: Waves::None,
+    takes_opaque: true,
+    optional: &[],
+    make: |choice| Ok(Box::new(GgxMethod::new(choice.surface))),
+};
+
 impl Method for GgxMethod {
     fn name(&self) -> &'static str {
-        "ggx"
+        KIND.name
     }
 
     fn references(&self) -> &'static [&'static str] {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use asperity_core::ndf::law::Profile;
 
+use super::kind::{Kind, Waves};
 use super::{BuildError, Method, Parameter, Scale, Surface};
 use crate::boundary::Boundary;
 use crate::raytrace::{Field, TracedBoundary};
@@ -74,9 +75,22 @@ impl HeightsMethod {
     }
 }
 
+/// What it is and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "heights",
+    summary: "random heights on a grid, traced with all bounces",
+    is_in_paper: true,
+    has_law: true,
+    needs_map: false,
+    waves: Waves::None,
+    takes_opaque: false,
+    optional: &HeightsMethod::OPTIONAL,
+    make: |choice| Ok(Box::new(HeightsMethod::new(choice.profile()?, choice.seed, choice.asked))),
+};
+
 impl Method for HeightsMethod {
     fn name(&self) -> &'static str {
-        "heights"
+        KIND.name
     }
 
     fn references(&self) -> &'static [&'static str] {

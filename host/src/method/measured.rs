@@ -6,6 +6,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::kind::Lack;
 use super::{BuildError, Parameter, Scale};
 use crate::surface::modify::ModifyError;
 use crate::surface::{Edges, HeightMap, Incomplete, LowPass};
@@ -89,6 +90,11 @@ fn out_of_domain(
     unit: &'static str,
 ) -> BuildError {
     BuildError::OutOfDomain { name, value, least, most, unit }
+}
+
+/// Why a map with holes makes no method.
+pub(super) fn unusable(holes: Incomplete) -> Lack {
+    BuildError::Map(holes.to_string()).into()
 }
 
 #[cfg(test)]

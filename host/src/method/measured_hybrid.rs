@@ -1,6 +1,7 @@
 //! Method `measured-hybrid`: the measured map, its long waves traced, its short ones diffracting. Beyond the paper.
 
-use super::measured::MeasuredMap;
+use super::kind::{Kind, Waves};
+use super::measured::{MeasuredMap, unusable};
 use super::{BuildError, Method, Parameter, Surface};
 use crate::boundary::Boundary;
 use crate::hybrid::HybridBoundary;
@@ -29,9 +30,28 @@ impl MeasuredHybridMethod {
     }
 }
 
+/// What it is and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "measured-hybrid",
+    summary: "the measured map, long waves of it traced, short ones diffracting",
+    is_in_paper: false,
+    has_law: false,
+    needs_map: true,
+    waves: Waves::AveragedSpeckle,
+    takes_opaque: false,
+    optional: &["cutoff_um"],
+    make: |choice| {
+        let (map, edges) = choice.need_map(&KIND)?;
+        let with_cutoff = (choice.asked)("cutoff_um");
+        let made = MeasuredHybridMethod::new(map, edges, with_cutoff, choice.need_wave(&KIND)?)
+            .map_err(unusable)?;
+        Ok(Box::new(made))
+    },
+};
+
 impl Method for MeasuredHybridMethod {
     fn name(&self) -> &'static str {
-        "measured-hybrid"
+        KIND.name
     }
 
     fn references(&self) -> &'static [&'static str] {

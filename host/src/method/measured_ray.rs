@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::measured::MeasuredMap;
+use super::kind::{Kind, Waves};
+use super::measured::{MeasuredMap, unusable};
 use super::{BuildError, Method, Parameter, Surface};
 use crate::boundary::Boundary;
 use crate::raytrace::{Field, TracedBoundary};
@@ -24,9 +25,27 @@ impl MeasuredRayMethod {
     }
 }
 
+/// What it is and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "measured-ray",
+    summary: "the measured map, traced with all bounces",
+    is_in_paper: true,
+    has_law: false,
+    needs_map: true,
+    waves: Waves::None,
+    takes_opaque: false,
+    optional: &["cutoff_um"],
+    make: |choice| {
+        let (map, edges) = choice.need_map(&KIND)?;
+        let with_cutoff = (choice.asked)("cutoff_um");
+        let made = MeasuredRayMethod::new(map, edges, with_cutoff).map_err(unusable)?;
+        Ok(Box::new(made))
+    },
+};
+
 impl Method for MeasuredRayMethod {
     fn name(&self) -> &'static str {
-        "measured-ray"
+        KIND.name
     }
 
     fn references(&self) -> &'static [&'static str] {

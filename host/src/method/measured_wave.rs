@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::measured::{Knobs, MeasuredMap};
+use super::kind::{Kind, Waves};
+use super::measured::{Knobs, MeasuredMap, unusable};
 use super::{BuildError, Method, Parameter, Surface, wave_job};
 use crate::boundary::Boundary;
 use crate::kirchhoff::{MeanSpectra, WaveBoundary, WaveOptions};
@@ -53,9 +54,28 @@ impl MeasuredWaveMethod {
     }
 }
 
+/// What it is and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "measured-wave",
+    summary: "the measured map, waves by Kirchhoff",
+    is_in_paper: true,
+    has_law: false,
+    needs_map: true,
+    waves: Waves::AnySpeckle,
+    takes_opaque: false,
+    optional: &["cutoff_um"],
+    make: |choice| {
+        let (map, edges) = choice.need_map(&KIND)?;
+        let with_cutoff = (choice.asked)("cutoff_um");
+        let made = MeasuredWaveMethod::new(map, edges, with_cutoff, choice.need_wave(&KIND)?)
+            .map_err(unusable)?;
+        Ok(Box::new(made))
+    },
+};
+
 impl Method for MeasuredWaveMethod {
     fn name(&self) -> &'static str {
-        "measured-wave"
+        KIND.name
     }
 
     fn references(&self) -> &'static [&'static str] {

@@ -10,6 +10,7 @@
 //! | `measured-hybrid` | [`measured_hybrid`] | the same map, long waves traced, short ones diffracting, by `hybrid` |
 
 mod parameter;
+mod kind;
 pub mod ggx;
 pub mod normals;
 pub mod heights;
@@ -18,16 +19,17 @@ mod wave_job;
 pub mod measured_ray;
 pub mod measured_wave;
 pub mod measured_hybrid;
-mod choice;
+mod registry;
 
-pub use choice::{Choice, METHODS, PAPER};
 pub use ggx::GgxMethod;
 pub use heights::HeightsMethod;
+pub use kind::{Choice, Kind, Lack, Waves};
 pub use measured_hybrid::MeasuredHybridMethod;
 pub use measured_ray::MeasuredRayMethod;
 pub use measured_wave::MeasuredWaveMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
+pub use registry::{KINDS, in_words};
 
 use asperity_core::ndf::law::Profile;
 use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};

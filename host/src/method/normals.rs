@@ -8,6 +8,7 @@ use asperity_core::bsdf::Normals;
 use asperity_core::ndf::law::{Law, LawError, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 
+use super::kind::{Kind, Waves};
 use super::{BuildError, Method, Parameter, Scale, Surface};
 use crate::boundary::Boundary;
 
@@ -29,9 +30,24 @@ const THETA0: Parameter =
 static PLAIN: [Parameter; 2] = [DELTA, N];
 static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];
 
+/// What it is and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "normals",
+    summary: "a fitted density of facet normals, one facet at each hit",
+    is_in_paper: true,
+    has_law: true,
+    needs_map: false,
+    waves: Waves::None,
+    takes_opaque: false,
+    optional: &["theta0"],
+    make: |choice| {
+        Ok(Box::new(NormalsMethod { profile: choice.profile()?, centre: (choice.asked)("theta0") }))
+    },
+};
+
 impl Method for NormalsMethod {
     fn name(&self) -> &'static str {
-        "normals"
+        KIND.name
     }
 
     fn references(&self) -> &'static [&'static str] {

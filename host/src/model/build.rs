@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Body, Model};
 use crate::boundary::Boundary;
 use crate::measurement::excerpt;
-use crate::method::{BuildError, Choice, Surface};
+use crate::method::{BuildError, Choice, Kind, Lack, Surface};
 
 impl Model {
     /// The body and its index.
@@ -32,7 +32,9 @@ impl Model {
     /// The key at fault and what is wrong.
     pub fn boundary(&self, folder: Option<&Path>) -> Result<Boundary, (String, String)> {
         let surface = self.surface()?;
-        if Choice::has_law(&self.method) && self.law.is_none() {
+        let in_method = |lack: Lack| ("method".to_owned(), lack.to_string());
+        let kind = Kind::named(&self.method).map_err(in_method)?;
+        if kind.has_law && self.law.is_none() {
             let what = "`law` is missing; write gauss or cauchy";
             return Err(("method".into(), what.into()));
         }
@@ -42,7 +44,7 @@ impl Model {
             let what = format!("`ior` is {ior}, but {} among the parameters", fitted.value);
             return Err(("ior".into(), what + "; keep one of the two"));
         }
-        let map = match (&self.map, Choice::needs_map(&self.method)) {
+        let map = match (&self.map, kind.needs_map) {
             (Some(record), true) => Some(record.load(folder).map_err(|e| ("map".to_owned(), e))?),
             (None, false) => None,
             (None, true) => {
@@ -54,7 +56,7 @@ impl Model {
                 return Err(("map".into(), what));
             }
         };
-        match (&self.wave, Choice::is_wave(&self.method)) {
+        match (&self.wave, kind.is_wave()) {
             (Some(_), true) | (None, false) => {}
             (None, true) => {
                 let what = format!("method {} needs `wave`; fit it again", self.method);
@@ -73,7 +75,7 @@ impl Model {
             seed: self.surface_seed.unwrap_or(1),
             ..Choice::new(&self.method, surface)
         };
-        let method = choice.method().map_err(|what| ("method".to_owned(), what))?;
+        let method = choice.method().map_err(in_method)?;
         // A fit of a plate keeps these two besides the method's own.
         let common = ["ior", "gain"];
         for (name, value) in &self.parameters {

@@ -1,0 +1,143 @@
+//! What a method is before it is made, and what it takes to make it.
+
+use std::fmt;
+
+use asperity_core::ndf::law::Profile;
+
+use super::{BuildError, Method, Surface};
+use crate::kirchhoff::WaveOptions;
+use crate::measurement::excerpt;
+use crate::surface::{Edges, HeightMap};
+
+/// A method that is not made yet.
+#[derive(Clone, Copy)]
+pub struct Kind {
+    /// Name in files and on the command line.
+    pub name: &'static str,
+    /// What it is, in a line.
+    pub summary: &'static str,
+    /// Whether it is one of the five of the paper: what `compare` tries unless told otherwise.
+    pub is_in_paper: bool,
+    /// Whether it has a profile, gauss or cauchy.
+    pub has_law: bool,
+    /// Whether it uses a measured height map.
+    pub needs_map: bool,
+    /// How it sends waves.
+    pub waves: Waves,
+    /// Whether it describes an opaque body too.
+    pub takes_opaque: bool,
+    /// Parameters that are there only if they are asked for.
+    pub optional: &'static [&'static str],
+    /// Makes it.
+    pub(super) make: fn(&Choice<'_>) -> Result<Box<dyn Method>, Lack>,
+}
+
+/// How a method sends waves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Waves {
+    /// Not at all.
+    None,
+    /// With speckle kept or averaged.
+    AnySpeckle,
+    /// With speckle averaged over azimuths only.
+    AveragedSpeckle,
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Kind").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl Kind {
+    /// Whether it sends waves, and needs their length.
+    pub fn is_wave(&self) -> bool {
+        self.waves != Waves::None
+    }
+}
+
+/// What it takes to make a method.
+#[derive(Clone, Copy)]
+pub struct Choice<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Shape of the law, for methods that have one; gauss if not said.
+    pub law: Option<&'a str>,
+    /// The body.
+    pub surface: Surface,
+    /// Which of the optional parameters are wanted.
+    pub asked: &'a dyn Fn(&str) -> bool,
+    /// The measured map and how it goes on, for methods that need one.
+    pub map: Option<(&'a HeightMap, Edges)>,
+    /// How waves are sent, for methods that do.
+    pub wave: Option<&'a WaveOptions>,
+    /// Seed of the heights, for methods that draw them.
+    pub seed: u64,
+}
+
+impl fmt::Debug for Choice<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Choice").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Choice<'a> {
+    /// A method for a body, nothing optional asked for.
+    pub fn new(name: &'a str, surface: Surface) -> Self {
+        Self { name, law: None, surface, asked: &|_| false, map: None, wave: None, seed: 1 }
+    }
+
+    /// The profile of the law.
+    pub(super) fn profile(&self) -> Result<Profile, Lack> {
+        match self.law {
+            None | Some("gauss") => Ok(Profile::Gauss),
+            Some("cauchy") => Ok(Profile::Cauchy),
+            Some(other) => Err(Lack::Law(other.into())),
+        }
+    }
+
+    /// The map of a method that needs one.
+    pub(super) fn need_map(&self, method: &Kind) -> Result<(&'a HeightMap, Edges), Lack> {
+        self.map.ok_or(Lack::Map(method.name))
+    }
+
+    /// The waves of a method that sends some.
+    pub(super) fn need_wave(&self, method: &Kind) -> Result<WaveOptions, Lack> {
+        self.wave.cloned().ok_or(Lack::Wavelength(method.name))
+    }
+}
+
+/// Why a method cannot be made. A front end says by which flag or argument the missing thing is given.
+#[derive(Debug, thiserror::Error)]
+pub enum Lack {
+    /// There is no method of this name.
+    #[error("method `{}` is unknown; the methods are {known}", excerpt(name))]
+    Method {
+        /// What was asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// There is no law of this name.
+    #[error("law `{}` is unknown; write gauss or cauchy", excerpt(.0))]
+    Law(String),
+    /// The body is opaque.
+    #[error(
+        "method {method} needs a dielectric with a refractive index; an opaque body can be described with {others}"
+    )]
+    Index {
+        /// The method.
+        method: &'static str,
+        /// Methods that describe an opaque body.
+        others: String,
+    },
+    /// There is no height map.
+    #[error("method {0} needs a height map")]
+    Map(&'static str),
+    /// There is no wavelength.
+    #[error("method {0} needs the wavelength of the light")]
+    Wavelength(&'static str),
+    /// The map cannot be used.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}

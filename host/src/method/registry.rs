@@ -1,0 +1,95 @@
+//! The registry of methods.
+//!
+//! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and what
+//! comparisons try come from here.
+
+use super::kind::{Choice, Kind, Lack};
+use super::{Method, Surface, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals};
+
+/// All methods, in the order of tables.
+pub const KINDS: [Kind; 6] = [
+    ggx::KIND,
+    normals::KIND,
+    heights::KIND,
+    measured_ray::KIND,
+    measured_wave::KIND,
+    measured_hybrid::KIND,
+];
+
+impl Kind {
+    /// The method of a name.
+    ///
+    /// # Errors
+    /// [`Lack::Method`], which says what names there are.
+    pub fn named(name: &str) -> Result<&'static Self, Lack> {
+        static ALL: [Kind; KINDS.len()] = KINDS;
+        let unknown =
+            || Lack::Method { name: name.into(), known: Self::names(|_| true).join(", ") };
+        ALL.iter().find(|kind| kind.name == name).ok_or_else(unknown)
+    }
+
+    /// The names of all methods of which something is true.
+    pub fn names(of: impl Fn(&Self) -> bool) -> Vec<&'static str> {
+        KINDS.iter().filter(|kind| of(kind)).map(|kind| kind.name).collect()
+    }
+
+    /// The five methods of the paper.
+    pub fn of_paper() -> Vec<&'static str> {
+        Self::names(|kind| kind.is_in_paper)
+    }
+}
+
+impl Choice<'_> {
+    /// The method.
+    ///
+    /// # Errors
+    /// What it lacks.
+    pub fn method(&self) -> Result<Box<dyn Method>, Lack> {
+        let kind = Kind::named(self.name)?;
+        self.profile()?;
+        if self.surface == Surface::Opaque && !kind.takes_opaque {
+            let others = in_words(&Kind::names(|kind| kind.takes_opaque));
+            return Err(Lack::Index { method: kind.name, others });
+        }
+        (kind.make)(self)
+    }
+}
+
+/// Names as a list in a sentence: `a`, `a and b`, `a, b and c`.
+pub fn in_words(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).into(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Choice, KINDS, Kind, Surface, in_words};
+
+    #[test]
+    fn what_is_made_has_the_name_and_the_optional_parameters_of_its_kind() {
+        let clear = Surface::Dielectric { ior: 1.49 };
+        for kind in &KINDS {
+            let asked = |name: &str| kind.optional.contains(&name);
+            let choice = Choice { asked: &asked, ..Choice::new(kind.name, clear) };
+            match choice.method() {
+                Ok(method) => {
+                    assert_eq!(method.name(), kind.name);
+                    let names: Vec<&str> = method.parameters().iter().map(|p| p.name).collect();
+                    assert!(kind.optional.iter().all(|o| names.contains(o)), "{names:?}");
+                    assert_eq!(method.law().is_some(), kind.has_law);
+                }
+                Err(lack) => assert!(kind.needs_map, "{}: {lack}", kind.name),
+            }
+        }
+        assert_eq!(Kind::of_paper().len(), 5);
+    }
+
+    #[test]
+    fn names_stand_in_a_sentence() {
+        assert_eq!(in_words(&["a"]), "a");
+        assert_eq!(in_words(&["a", "b", "c"]), "a, b and c");
+    }
+}
