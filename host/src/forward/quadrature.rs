@@ -363,7 +363,12 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             if !twice.is_empty() {
                 let (k, t) = (half / STRIDE, (half % STRIDE) as f64 / STRIDE as f64);
                 let ends = [at(k.saturating_sub(1)), at(k), at(k + 1), at(k + 2)];
-                density += cubic(ends, t).max(0.0);
+                // two narrow lobes fall off so steeply that their logarithm is the smoother one
+                density += if ends.iter().all(|end| *end > 0.0) {
+                    cubic(ends.map(f64::ln), t).exp()
+                } else {
+                    cubic(ends, t).max(0.0)
+                };
             }
             density * view.factor
         };
