@@ -30,6 +30,7 @@ pub mod energy;
 pub mod tabulate;
 pub mod trade;
 pub mod fit;
+pub mod reconstruct;
 #[cfg(feature = "plots")]
 pub mod plot;
 #[cfg(feature = "plots")]

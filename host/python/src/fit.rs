@@ -3,12 +3,10 @@
 use asperity::fit::{
     self as library, Fit, FitError, FitOptions, FitRays, Fitted, MISFIT_PERCENT, Objective,
 };
-use asperity::forward::{Sample, Setup};
-use asperity::measurement::{Measurement, Metadata, Quantity};
 use asperity::method::{Choice, Kind, Method, Surface};
 use asperity::model::{self, IncidenceRecord, Timing};
 use asperity::provenance::Provenance;
-use asperity_core::gonio::Geometry;
+use asperity::reconstruct::{Said, Situation, Unclear};
 use pyo3::prelude::*;
 
 use crate::error::bad;
@@ -50,7 +48,14 @@ pub(crate) fn fit(
             said.set(key, value).map_err(bad)?;
         }
     }
-    let (surface, setup) = resolve(&said, measurement, (ior, opaque), aperture_deg)?;
+    let said = Said {
+        geometry: said.geometry,
+        ior,
+        opaque,
+        rough_side: said.rough_side,
+        aperture_deg: aperture_deg.or(said.aperture_deg),
+    };
+    let Situation { surface, setup } = said.about(measurement).map_err(|e| unclear(&e))?;
     if rays == Some(0) || fit_rays == Some(0) || max_evaluations == 0 {
         return Err(bad("rays, fit_rays and max_evaluations must be positive"));
     }
@@ -126,52 +131,22 @@ fn methods(
     Ok(methods)
 }
 
-/// The body and the instrument, from arguments and header; what neither says is asked for.
-fn resolve(
-    said: &Metadata,
-    scan: &Measurement,
-    (ior, opaque): (Option<f64>, bool),
-    aperture_deg: Option<f64>,
-) -> PyResult<(Surface, Setup)> {
-    let ask = |what: &str, how: &str| bad(format!("the scan does not say {what}; give {how}"));
-    if opaque && ior.is_some() {
-        return Err(bad("an opaque body has no refractive index; leave ior or opaque out"));
-    }
-    let geometry = said
-        .geometry
-        .or(opaque.then_some(Geometry::Reflection))
-        .ok_or_else(|| ask("the geometry", "geometry=\"transmission\" or \"reflection\""))?;
-    let (surface, sample) = if opaque {
-        if geometry == Geometry::Transmission {
-            return Err(bad("an opaque body transmits nothing; give ior instead of opaque"));
+/// What is unclear about a scan, and the argument that says it.
+fn unclear(what: &Unclear) -> PyErr {
+    let argument = match what {
+        Unclear::Geometry => "give geometry=\"transmission\" or \"reflection\"",
+        Unclear::Index { .. } => "give ior, or opaque=True",
+        Unclear::RoughSide => "give rough_side=\"source\" or \"detector\"",
+        Unclear::Aperture => "give aperture_deg (full angle)",
+        Unclear::OpaqueIndex => "leave ior or opaque out",
+        Unclear::OpaqueTransmits => "give ior instead of opaque",
+        Unclear::NoPlate => "give another ior",
+        Unclear::UnusableAperture(_) => {
+            "give the full angle of the detector's cone as aperture_deg, above 0 to 30 (0 only for BSDF values)"
         }
-        (Surface::Opaque, Sample::Opaque)
-    } else {
-        let ior =
-            ior.or(said.ior).ok_or_else(|| ask("the refractive index", "ior, or opaque=True"))?;
-        let surface = Surface::Dielectric { ior };
-        let eta = surface.eta().map_err(bad)?;
-        if eta.is_matched() {
-            return Err(bad("a plate of the index of air is no plate; give another ior"));
-        }
-        let rough_side = said
-            .rough_side
-            .ok_or_else(|| ask("which side is rough", "rough_side=\"source\" or \"detector\""))?;
-        (surface, Sample::Plate { eta, rough_side })
+        Unclear::Domain(_) => return bad(what),
     };
-    let quantity = scan.quantity();
-    let aperture_deg = match aperture_deg.or(said.aperture_deg) {
-        Some(a) => a,
-        // a BSDF is a property of the sample; without an aperture its values are taken as they are
-        None if quantity == Quantity::Bsdf => 0.0,
-        None => return Err(ask("the detector's aperture", "aperture_deg (full angle)")),
-    };
-    let least_ok = aperture_deg > 0.0 || (quantity == Quantity::Bsdf && aperture_deg >= 0.0);
-    if !(least_ok && aperture_deg <= 30.0) {
-        let what = format!("aperture_deg {aperture_deg} is not usable; give the full angle");
-        return Err(bad(what + " of the detector's cone, above 0 to 30 (0 only for BSDF values)"));
-    }
-    Ok((surface, Setup { sample, geometry, aperture_deg, quantity }))
+    bad(format!("{what}; {argument}"))
 }
 
 /// The fit as a model.

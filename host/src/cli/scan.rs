@@ -7,9 +7,7 @@ use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
-use super::source::{
-    GeometryFlag, QuantityFlag, RoughSideFlag, check_aperture, check_plate, parse_rays,
-};
+use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, parse_rays};
 use super::subject::{Subject, SubjectFlags};
 use super::{interrupt, partial, print, progress, scan_header};
 use crate::boundary::Boundary;
@@ -19,6 +17,7 @@ use crate::forward::{
 use crate::kirchhoff::Speckle;
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading, write};
 use crate::output::AtomicFile;
+use crate::reconstruct::{check_aperture, check_plate};
 use crate::surface::{Edges, Form};
 
 /// Simulate a goniophotometer scan of a model, or of a height map

@@ -4,15 +4,15 @@ use std::path::Path;
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
-use asperity_core::quantity::RelativeIor;
 use clap::ValueEnum;
 
 use super::error::Failure;
-use crate::forward::{Sample, Setup};
+use crate::forward::Setup;
 use crate::measurement::import::Import;
 use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
 use crate::method::Surface;
 use crate::provenance::InputFile;
+use crate::reconstruct::{Said, Situation, Unclear};
 
 /// Side of the detector, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -183,84 +183,52 @@ impl SetupFlags {
         scan: &Measurement,
         path: &Path,
     ) -> Result<(Surface, Setup), Failure> {
-        let ask = |what: &str, flags: &str| {
-            Failure::bad(format!(
-                "{}: the header does not say {what}; give {flags}",
-                path.display()
-            ))
+        let said = Said {
+            geometry: self.geometry.map(Geometry::from),
+            ior: self.ior,
+            opaque: self.opaque,
+            rough_side: self.rough_side.map(RoughSide::from),
+            aperture_deg: self.aperture,
         };
-        let meta = &scan.meta;
-        let geometry = self
-            .geometry
-            .map(Geometry::from)
-            .or(meta.geometry)
-            .or(self.opaque.then_some(Geometry::Reflection))
-            .ok_or_else(|| {
-                ask("the geometry", "--geometry transmission or --geometry reflection")
-            })?;
-        let surface = if self.opaque {
-            Surface::Opaque
-        } else {
-            let ior = self.ior.or(meta.ior).ok_or_else(|| {
-                let metal = if geometry == Geometry::Reflection { ", or --opaque" } else { "" };
-                ask("the refractive index", &format!("--ior N{metal}"))
-            })?;
-            Surface::Dielectric { ior }
-        };
-        let sample = match surface {
-            Surface::Opaque if geometry == Geometry::Transmission => {
-                return Err(Failure::bad(format!(
-                    "{}: an opaque body transmits nothing; use --geometry reflection, or give --ior N \
-                     instead of --opaque",
-                    path.display()
-                )));
+        match said.about(scan) {
+            Ok(Situation { surface, setup }) => Ok((surface, setup)),
+            Err(
+                unclear @ (Unclear::NoPlate | Unclear::UnusableAperture(_) | Unclear::Domain(_)),
+            ) => Err(unclear.into()),
+            Err(unclear) => {
+                Err(Failure::bad(format!("{}: {}", path.display(), with_flag(&unclear))))
             }
-            Surface::Opaque => Sample::Opaque,
-            Surface::Dielectric { .. } => {
-                let rough_side =
-                    self.rough_side.map(RoughSide::from).or(meta.rough_side).ok_or_else(|| {
-                        ask("which side is rough", "--rough-side source or --rough-side detector")
-                    })?;
-                let eta = surface.eta().map_err(Failure::bad)?;
-                check_plate(eta)?;
-                Sample::Plate { eta, rough_side }
-            }
-        };
-        let quantity = scan.quantity();
-        let aperture_deg = match self.aperture.or(meta.aperture_deg) {
-            Some(a) => a,
-            // A BSDF is a property of the sample; without an aperture its values are taken as they are.
-            None if quantity == Quantity::Bsdf => 0.0,
-            None => {
-                return Err(ask(
-                    "the detector's aperture",
-                    "--aperture DEG (full angle; GP-200: 0.6)",
-                ));
-            }
-        };
-        check_aperture(aperture_deg, quantity)?;
-        Ok((surface, Setup { sample, geometry, aperture_deg, quantity }))
+        }
     }
 }
 
-/// Refuses a plate that is not there.
-pub(super) fn check_plate(eta: RelativeIor<f64>) -> Result<(), Failure> {
-    if eta.is_matched() {
-        return Err(Failure::bad("a plate of the index of air is no plate; give another --ior"));
-    }
-    Ok(())
+/// What is unclear about a scan, and the flag that says it.
+fn with_flag(unclear: &Unclear) -> String {
+    let flag = match unclear {
+        Unclear::Geometry => "give --geometry transmission or --geometry reflection",
+        Unclear::Index { may_be_opaque: true } => "give --ior N, or --opaque",
+        Unclear::Index { may_be_opaque: false } => "give --ior N",
+        Unclear::RoughSide => "give --rough-side source or --rough-side detector",
+        Unclear::Aperture => "give --aperture DEG (full angle; GP-200: 0.6)",
+        Unclear::OpaqueIndex => "leave --ior or --opaque out",
+        Unclear::OpaqueTransmits => {
+            "use --geometry reflection, or give --ior N instead of --opaque"
+        }
+        Unclear::NoPlate => "give another --ior",
+        Unclear::UnusableAperture(aperture) => {
+            return format!(
+                "--aperture {aperture} is not usable; give the full angle of the detector's cone, above \
+                 0 to 30 degrees (0 only for BSDF values)"
+            );
+        }
+        Unclear::Domain(_) => return unclear.to_string(),
+    };
+    format!("{unclear}; {flag}")
 }
 
-/// Checks a full aperture angle in degrees.
-pub(super) fn check_aperture(aperture_deg: f64, quantity: Quantity) -> Result<(), Failure> {
-    let least_ok = aperture_deg > 0.0 || (quantity == Quantity::Bsdf && aperture_deg >= 0.0);
-    if least_ok && aperture_deg <= 30.0 {
-        Ok(())
-    } else {
-        Err(Failure::bad(format!(
-            "--aperture {aperture_deg} is not usable; give the full angle of the detector's cone, above \
-             0 to 30 degrees (0 only for BSDF values)"
-        )))
+impl From<Unclear> for Failure {
+    fn from(unclear: Unclear) -> Self {
+        Self::Bad(with_flag(&unclear))
     }
 }
 
