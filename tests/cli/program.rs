@@ -122,6 +122,8 @@ impl Folder {
         let mut command = Command::new(program());
         command.args(arguments).current_dir(self.0.path()).stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        // help is as wide as a terminal that is not there
+        command.env_remove("COLUMNS").env_remove("LINES");
         command
     }
 

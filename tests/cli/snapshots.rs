@@ -2,6 +2,8 @@
 //!
 //! After a change that is meant: `INSTA_UPDATE=always cargo test -p asperity-tests --test cli snapshots`, and read the difference.
 
+use std::fmt::Write;
+
 use insta::assert_snapshot;
 use serde_json::Value;
 
@@ -27,7 +29,8 @@ const VERBS: [&str; 12] = [
 fn known_plate() -> Folder {
     let folder = Folder::new();
     folder.run("model ggx --set alpha=0.2 --ior 1.49 -o model.json").ok();
-    folder.run("scan model.json --sigma 0,30 --step 2 -o scan.csv").ok();
+    // with noise: figures of a perfect fit are rounding, which differs from machine to machine
+    folder.run("scan model.json --sigma 0,30 --step 2 --rays 200000 --seed 1 -o scan.csv").ok();
     folder
 }
 
@@ -36,7 +39,7 @@ fn steady(mut value: Value) -> String {
     fn visit(value: &mut Value) {
         match value {
             Value::Object(map) => {
-                for gone in ["timing", "seconds", "threads", "machine"] {
+                for gone in ["timing", "evaluations"] {
                     map.remove(gone);
                 }
                 map.values_mut().for_each(visit);
@@ -85,7 +88,10 @@ fn help_of_every_verb() {
 #[test]
 fn json_of_the_verbs() {
     let folder = known_plate();
-    folder.write("pairs.csv", "0.6,0,0.8,-0.6,0,0.8\n0,0,1,0.1,0,-0.99498743710662\n");
+    folder.write(
+        "pairs.csv",
+        "wix,wiy,wiz,wox,woy,woz\n0.6,0,0.8,-0.6,0,0.8\n0,0,1,0.1,0,-0.99498743710662\n",
+    );
     let rows: Vec<String> = (0..32)
         .map(|y| {
             let height = |x: i32| 0.1 * (f64::from(x * 7 + y * 3) * 0.37).sin();
@@ -136,7 +142,8 @@ fn errors_say_what_to_do() {
         "instrument status --port ''",
     ] {
         let done = folder.run(line);
-        all += &format!("$ asperity {line}\n{}exit {}\n\n", done.err, done.code.unwrap_or(-1));
+        let code = done.code.unwrap_or(-1);
+        writeln!(all, "$ asperity {line}\n{}exit {code}\n", done.err).unwrap();
     }
     settings().bind(|| assert_snapshot!("errors", all));
 }

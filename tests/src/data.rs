@@ -1,4 +1,5 @@
 //! Measured data that tests read.
+#![allow(clippy::panic, reason = "for tests: a panic is the report")]
 
 pub use asperity_needs::data as find;
 

@@ -6,7 +6,7 @@
 
 use asperity_core::bsdf::{Ggx, OpaqueGgx};
 
-use super::kind::{Kind, Waves};
+use super::kind::{Kind, Origin, Waves};
 use super::{BuildError, Method, Parameter, Scale, Surface, alpha};
 use crate::boundary::Boundary;
 
@@ -36,7 +36,7 @@ static OPAQUE: [Parameter; 3] = [ALPHA, GAIN, LAMBERT];
 pub(super) const KIND: Kind = Kind {
     name: "ggx",
     summary: "Walter's microfacets with the GGX law, closed form",
-    is_in_paper: true,
+    origin: Origin::Paper,
     has_law: false,
     needs_map: false,
     waves: Waves::None,

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use asperity_core::ndf::law::Profile;
 
-use super::kind::{Kind, Waves};
+use super::kind::{Kind, Origin, Waves};
 use super::{BuildError, Method, Parameter, Scale, Surface};
 use crate::boundary::Boundary;
 use crate::raytrace::{Field, TracedBoundary};
@@ -79,7 +79,7 @@ impl HeightsMethod {
 pub(super) const KIND: Kind = Kind {
     name: "heights",
     summary: "random heights on a grid, traced with all bounces",
-    is_in_paper: true,
+    origin: Origin::Paper,
     has_law: true,
     needs_map: false,
     waves: Waves::None,

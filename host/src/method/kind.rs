@@ -16,8 +16,8 @@ pub struct Kind {
     pub name: &'static str,
     /// What it is, in a line.
     pub summary: &'static str,
-    /// Whether it is one of the five of the paper: what `compare` tries unless told otherwise.
-    pub is_in_paper: bool,
+    /// Where it comes from.
+    pub origin: Origin,
     /// Whether it has a profile, gauss or cauchy.
     pub has_law: bool,
     /// Whether it uses a measured height map.
@@ -30,6 +30,15 @@ pub struct Kind {
     pub optional: &'static [&'static str],
     /// Makes it.
     pub(super) make: fn(&Choice<'_>) -> Result<Box<dyn Method>, Lack>,
+}
+
+/// Where a method comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// One of the five of the paper: what `compare` tries unless told otherwise.
+    Paper,
+    /// Not in the paper.
+    Beyond,
 }
 
 /// How a method sends waves.

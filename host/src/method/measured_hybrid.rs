@@ -1,6 +1,6 @@
 //! Method `measured-hybrid`: the measured map, its long waves traced, its short ones diffracting. Beyond the paper.
 
-use super::kind::{Kind, Waves};
+use super::kind::{Kind, Origin, Waves};
 use super::measured::{MeasuredMap, unusable};
 use super::{BuildError, Method, Parameter, Surface};
 use crate::boundary::Boundary;
@@ -34,7 +34,7 @@ impl MeasuredHybridMethod {
 pub(super) const KIND: Kind = Kind {
     name: "measured-hybrid",
     summary: "the measured map, long waves of it traced, short ones diffracting",
-    is_in_paper: false,
+    origin: Origin::Beyond,
     has_law: false,
     needs_map: true,
     waves: Waves::AveragedSpeckle,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::kind::{Kind, Waves};
+use super::kind::{Kind, Origin, Waves};
 use super::measured::{MeasuredMap, unusable};
 use super::{BuildError, Method, Parameter, Surface};
 use crate::boundary::Boundary;
@@ -29,7 +29,7 @@ impl MeasuredRayMethod {
 pub(super) const KIND: Kind = Kind {
     name: "measured-ray",
     summary: "the measured map, traced with all bounces",
-    is_in_paper: true,
+    origin: Origin::Paper,
     has_law: false,
     needs_map: true,
     waves: Waves::None,

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::kind::{Kind, Waves};
+use super::kind::{Kind, Origin, Waves};
 use super::measured::{Knobs, MeasuredMap, unusable};
 use super::{BuildError, Method, Parameter, Surface, wave_job};
 use crate::boundary::Boundary;
@@ -58,7 +58,7 @@ impl MeasuredWaveMethod {
 pub(super) const KIND: Kind = Kind {
     name: "measured-wave",
     summary: "the measured map, waves by Kirchhoff",
-    is_in_paper: true,
+    origin: Origin::Paper,
     has_law: false,
     needs_map: true,
     waves: Waves::AnySpeckle,

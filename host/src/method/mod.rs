@@ -23,7 +23,7 @@ mod registry;
 
 pub use ggx::GgxMethod;
 pub use heights::HeightsMethod;
-pub use kind::{Choice, Kind, Lack, Waves};
+pub use kind::{Choice, Kind, Lack, Origin, Waves};
 pub use measured_hybrid::MeasuredHybridMethod;
 pub use measured_ray::MeasuredRayMethod;
 pub use measured_wave::MeasuredWaveMethod;

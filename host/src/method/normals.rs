@@ -8,7 +8,7 @@ use asperity_core::bsdf::Normals;
 use asperity_core::ndf::law::{Law, LawError, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 
-use super::kind::{Kind, Waves};
+use super::kind::{Kind, Origin, Waves};
 use super::{BuildError, Method, Parameter, Scale, Surface};
 use crate::boundary::Boundary;
 
@@ -34,7 +34,7 @@ static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];
 pub(super) const KIND: Kind = Kind {
     name: "normals",
     summary: "a fitted density of facet normals, one facet at each hit",
-    is_in_paper: true,
+    origin: Origin::Paper,
     has_law: true,
     needs_map: false,
     waves: Waves::None,

@@ -3,7 +3,7 @@
 //! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and what
 //! comparisons try come from here.
 
-use super::kind::{Choice, Kind, Lack};
+use super::kind::{Choice, Kind, Lack, Origin};
 use super::{Method, Surface, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals};
 
 /// All methods, in the order of tables.
@@ -35,7 +35,7 @@ impl Kind {
 
     /// The five methods of the paper.
     pub fn of_paper() -> Vec<&'static str> {
-        Self::names(|kind| kind.is_in_paper)
+        Self::names(|kind| kind.origin == Origin::Paper)
     }
 }
 
