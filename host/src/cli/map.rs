@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use super::source::number;
 use crate::surface::io::LengthUnit;
 use crate::surface::{Crop, Edges, Fill, Form, Preparation, Prepared, Purpose};
 
@@ -69,10 +70,10 @@ enum EdgesFlag {
 #[command(next_help_heading = "Height map")]
 pub(super) struct MapFlags {
     /// Pixel size, for files that give none
-    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
     pixel_um: Option<f64>,
     /// Height of a step of one, for images and for numbers without a unit
-    #[arg(long, value_name = "UM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
     z_um: Option<f64>,
     /// Unit of x and y, for files that do not say it: um, nm, mm, m, ...
     #[arg(long, value_name = "UNIT")]

@@ -8,6 +8,7 @@ use super::error::Failure;
 use super::light::LightFlags;
 use super::map::MapFlags;
 use super::print;
+use super::source::number;
 use crate::kirchhoff::Speckle;
 use crate::method::{Choice, Kind, Surface};
 use crate::model::{MapRecord, Model, Value};
@@ -52,7 +53,7 @@ pub(super) struct Args {
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
     set: Vec<String>,
     /// Refractive index over that of air
-    #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true, value_parser = number)]
     ior: Option<f64>,
     /// The body is opaque (ggx only)
     #[arg(long)]
@@ -135,7 +136,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         if values.iter().any(|(n, _): &(String, Value)| n == name) {
             return Err(Failure::bad(format!("--set {name} is given twice; leave one out")));
         }
-        let value = number(name, text, parameter.unit)?;
+        let value = set_value(name, text, parameter.unit)?;
         let unit = parameter.unit.to_owned();
         values.push((name.clone(), Value::given(value, unit)));
     }
@@ -169,7 +170,7 @@ fn split(text: &str) -> Result<(String, String), Failure> {
 }
 
 /// A number with an optional unit, in the unit of the parameter.
-fn number(name: &str, text: &str, unit: &str) -> Result<f64, Failure> {
+fn set_value(name: &str, text: &str, unit: &str) -> Result<f64, Failure> {
     let (digits, factor) = match (unit, text.strip_suffix("rad"), text.strip_suffix("deg")) {
         ("deg", Some(digits), _) => (digits, 1.0_f64.to_degrees()),
         ("deg", _, Some(digits)) => (digits, 1.0),

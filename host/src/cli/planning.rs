@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::error::Failure;
+use super::source::number;
 use crate::acquire::Draft;
 use crate::acquire::draft::RangeWord;
 use crate::measurement::AngleRange;
@@ -21,19 +22,19 @@ pub(super) struct PlanFlags {
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     theta_range: Option<String>,
     /// Step of the angle of observation in degrees [default: 0.1]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
     step: Option<f64>,
     /// FULL angle of the detector's cone in degrees [default: 0.6]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
     aperture: Option<f64>,
     /// Integration time of a reading in ms [default: 100]
-    #[arg(long, value_name = "MS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "MS", allow_hyphen_values = true, value_parser = number)]
     integration_ms: Option<f64>,
     /// Range of the detector, 0 (coarsest) to 5, or auto [default: auto]
     #[arg(long, value_name = "N")]
     range: Option<String>,
     /// How far below its first angle a segment is approached, degrees [default: 0.5]
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
     run_up: Option<f64>,
     /// Calibrate once, or before each incidence: per-sigma [default: once]
     #[arg(long, value_name = "WHEN")]
@@ -45,13 +46,13 @@ pub(super) struct PlanFlags {
     #[arg(long, value_name = "NAME")]
     sample: Option<String>,
     /// Index of refraction of the plate, for the header
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = number)]
     ior: Option<f64>,
     /// Which way the rough face looks, source or detector, for the header
     #[arg(long, value_name = "SIDE")]
     rough_side: Option<String>,
     /// Wavelength of the light in nm, for the header
-    #[arg(long, value_name = "NM")]
+    #[arg(long, value_name = "NM", value_parser = number)]
     wavelength_nm: Option<f64>,
 }
 

@@ -7,7 +7,7 @@ use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
-use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, parse_rays};
+use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, number, parse_rays};
 use super::subject::{Subject, SubjectFlags};
 use super::{interrupt, partial, print, progress, scan_header};
 use crate::boundary::Boundary;
@@ -37,10 +37,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "FROM:TO", default_value = "-90:90", allow_hyphen_values = true)]
     theta_range: String,
     /// Step of the angle of observation in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.1)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.1, value_parser = number)]
     step: f64,
     /// FULL angle of the detector's cone in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.6)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.6, value_parser = number)]
     aperture: f64,
     /// Side of the detector; reflection for an opaque model
     #[arg(long, value_enum)]

@@ -73,7 +73,7 @@ impl From<QuantityFlag> for Quantity {
 #[command(next_help_heading = "Sample and instrument (a flag goes before the file's header)")]
 pub(super) struct SetupFlags {
     /// Refractive index of the plate over that of air
-    #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true, value_parser = number)]
     pub(super) ior: Option<f64>,
     /// The body is opaque (a metal, a paint): one reflection, no inside
     #[arg(long)]
@@ -85,7 +85,7 @@ pub(super) struct SetupFlags {
     #[arg(long, value_enum, value_name = "SIDE")]
     pub(super) rough_side: Option<RoughSideFlag>,
     /// FULL angle of the detector's cone in degrees; 0 takes readings of a BSDF as point values
-    #[arg(long, value_name = "DEG")]
+    #[arg(long, value_name = "DEG", value_parser = number)]
     pub(super) aperture: Option<f64>,
 }
 
@@ -230,6 +230,17 @@ impl From<Unclear> for Failure {
     fn from(unclear: Unclear) -> Self {
         Self::Bad(with_flag(&unclear))
     }
+}
+
+/// A number of a flag.
+pub(super) fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| {
+        let point = text.trim().replacen(',', ".", 1);
+        match point.parse::<f64>() {
+            Ok(_) if text.contains(',') => format!("write a decimal point: {point}"),
+            _ => "write a number, such as 1.49 or 2e-3".into(),
+        }
+    })
 }
 
 /// A number of rays, also as 1e6.

@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use super::error::Failure;
 use super::light::LightFlags;
 use super::map::MapFlags;
+use super::source::number;
 use crate::boundary::Boundary;
 use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::{Speckle, WaveBoundary};
@@ -43,7 +44,7 @@ pub(super) struct SubjectFlags {
     #[arg(long, value_enum, requires = "map", default_value = "ray", help_heading = HEIGHT_MAP)]
     method: EngineFlag,
     /// Refractive index of the material under the map over that of air
-    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true, help_heading = HEIGHT_MAP)]
+    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true, help_heading = HEIGHT_MAP, value_parser = number)]
     ior: Option<f64>,
     #[command(flatten)]
     light: LightFlags,

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::error::Failure;
-use super::source::parse_rays;
+use super::source::{number, parse_rays};
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
 use crate::embedded::{EmbeddedTable, bytes, c_header, rust_source};
@@ -82,7 +82,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", conflicts_with = "max_error")]
     bytes: Option<usize>,
     /// Distance from the model in percent, at most
-    #[arg(long, value_name = "PERCENT")]
+    #[arg(long, value_name = "PERCENT", value_parser = number)]
     max_error: Option<f64>,
     /// How values are kept; u8 below 12 KiB, else u16 without it
     #[arg(long, value_enum)]

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 
 use super::error::{Failure, all};
 use super::sample::{Loaded, SampleFlags, methods};
-use super::source::parse_rays;
+use super::source::{number, parse_rays};
 use super::trial::usually_asked;
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
@@ -66,7 +66,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
     table_rays: u64,
     /// Choose the cheapest evaluator whose error is no larger
-    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true, value_parser = number)]
     max_error: Option<f64>,
     /// Program for the device, to count instructions
     #[arg(long, value_name = "ELF")]

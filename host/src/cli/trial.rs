@@ -8,7 +8,7 @@ use clap::ValueEnum;
 
 use super::error::{Failure, remedy};
 use super::fitted::{Job, record};
-use super::source::parse_rays;
+use super::source::{number, parse_rays};
 use super::{interrupt, progress};
 use crate::boundary::Boundary;
 use crate::fit::{Fit, FitError, FitOptions, FitRays, MISFIT_PERCENT, Objective, cost_at, fit};
@@ -59,7 +59,7 @@ pub(super) struct EffortFlags {
     #[arg(long, value_name = "N", default_value_t = 4000)]
     max_evaluations: u64,
     /// Largest error of a single incidence that counts as described, in % of its largest reading
-    #[arg(long, value_name = "PERCENT", default_value_t = MISFIT_PERCENT)]
+    #[arg(long, value_name = "PERCENT", default_value_t = MISFIT_PERCENT, value_parser = number)]
     pub(super) max_misfit: f64,
 }
 

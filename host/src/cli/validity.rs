@@ -8,6 +8,7 @@ use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
 use super::light::Light;
+use super::source::number;
 use super::{interrupt, progress};
 use crate::energy;
 use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeValidity};
@@ -20,7 +21,7 @@ use crate::surface::{Edges, HeightMap};
 #[command(next_help_heading = "Waves on the map")]
 pub(super) struct KirchhoffFlags {
     /// Relative index of the material, for the validity of waves on the map
-    #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "wavelength_nm")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "wavelength_nm", value_parser = number)]
     ior: Option<f64>,
     /// Vacuum wavelengths of the light, alone or each with its weight: 550, or 450,550, or 450:0.3,550:1
     #[arg(long, value_name = "NM,...", requires = "ior", allow_negative_numbers = true)]

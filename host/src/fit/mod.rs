@@ -51,6 +51,20 @@ pub struct FitOptions {
     pub rays: FitRays,
 }
 
+impl FitOptions {
+    /// The usual ones: nothing but the method's own parameters is free, the error of eq. (18) is minimised.
+    pub fn new(surface: Surface) -> Self {
+        Self {
+            surface,
+            fit_ior: false,
+            fit_gain: false,
+            objective: Objective::default(),
+            max_evaluations: 4000,
+            rays: FitRays::default(),
+        }
+    }
+}
+
 /// Rays an incidence in a fit that traces them.
 ///
 /// All evaluations of a stage use the same seed, so that they differ by the surface and not by chance;
