@@ -12,6 +12,7 @@ use super::error::Failure;
 use super::fitted::Job;
 use super::light::Light;
 use super::print;
+use super::sample::methods;
 use super::scan::simulate;
 use super::source::parse_rays;
 use crate::boundary::Boundary;
@@ -19,7 +20,7 @@ use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
 use crate::forward::{self, Rays, Setup};
 use crate::kirchhoff::Wavelengths;
 use crate::measurement::{Measurement, Metadata, Quantity, write};
-use crate::method::{Kind, Surface};
+use crate::method::Surface;
 use crate::output::{AtomicFile, ResultFolder, finish_all};
 use crate::provenance::InputFile;
 use crate::raytrace::{Field, TracedBoundary};
@@ -115,7 +116,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         light: Light::of(Wavelengths::single(WAVELENGTH_NM).map_err(Failure::bad)?),
         input: &input,
     };
-    let methods: Vec<String> = Kind::of_paper().into_iter().map(String::from).collect();
+    let methods = methods(&[])?;
     let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);
     // This map is exact: no cut-off is looked for.
     let sample = Sample::new("virtual".into(), title, job, &methods, &|_| false)?;

@@ -182,8 +182,9 @@ impl Args {
 fn check_flags(args: &Args) -> Result<(), Failure> {
     let kind = Kind::named(&args.method)?;
     let belongs = |flags: &str, names: Vec<&str>| {
-        let (those, it) = if names.len() == 1 { ("method", "it") } else { ("methods", "them") };
-        let (belong, it) = if flags.contains("and") { ("belong", it) } else { ("belongs", "it") };
+        let those = if names.len() == 1 { "method" } else { "methods" };
+        let (belong, it) =
+            if flags.contains("and") { ("belong", "them") } else { ("belongs", "it") };
         Err(Failure::bad(format!(
             "{flags} {belong} to the {those} {}; leave {it} out",
             in_words(&names)

@@ -12,6 +12,7 @@ use crate::measurement::Measurement;
 use crate::method::{BuildError, Method, Parameter, Scale, Surface};
 
 /// A method, a measurement, and what is free.
+#[derive(Clone)]
 pub(super) struct Problem<'a> {
     method: &'a dyn Method,
     options: &'a FitOptions,
@@ -80,16 +81,7 @@ impl<'a> Problem<'a> {
     /// gets all readings from the same rays: there it keeps them all.
     pub(super) fn thinned(&self) -> Self {
         if self.is_traced() {
-            let measured = self.measured.to_vec().into();
-            let (plan, parameters) = (self.plan.clone(), self.parameters.clone());
-            return Self {
-                plan,
-                measured,
-                parameters,
-                held: self.held.clone(),
-                later: None,
-                ..*self
-            };
+            return Self { later: None, ..self.clone() };
         }
         let mut plan = Plan::default();
         let mut measured = Vec::new();
@@ -106,28 +98,23 @@ impl<'a> Problem<'a> {
             measured.extend((0..n).filter(kept).map(|k| values[k]));
             plan.incidences.push(part);
         }
-        let (parameters, held) = (self.parameters.clone(), self.held.clone());
-        Self { plan, measured: measured.into(), parameters, held, later: None, ..*self }
+        Self { plan, measured: measured.into(), later: None, ..self.clone() }
     }
 
     /// The same with a free parameter held at a value.
     pub(super) fn holding(&self, free: usize, value: f64) -> Self {
-        let (mut parameters, mut held) = (self.parameters.clone(), self.held.clone());
-        let place = held.iter_mut().filter(|h| h.is_none()).nth(free);
+        let mut same = Self { later: None, ..self.clone() };
+        let place = same.held.iter_mut().filter(|h| h.is_none()).nth(free);
         if let Some(place) = place {
             *place = Some(value);
-            parameters.remove(free);
+            same.parameters.remove(free);
         }
-        let measured = self.measured.to_vec().into();
-        Self { plan: self.plan.clone(), measured, parameters, held, later: None, ..*self }
+        same
     }
 
     /// The same with light of later hits as it is known near some values.
     pub(super) fn with_later(&self, later: Later) -> Self {
-        let measured = self.measured.to_vec().into();
-        let (plan, parameters) = (self.plan.clone(), self.parameters.clone());
-        let (held, later) = (self.held.clone(), Some(Arc::new(later)));
-        Self { plan, measured, parameters, held, later, ..*self }
+        Self { later: Some(Arc::new(later)), ..self.clone() }
     }
 
     /// Whether light of later hits is there, and known apart from that of first ones.
