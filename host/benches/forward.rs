@@ -4,7 +4,6 @@
 #![expect(clippy::unwrap_used, reason = "constant inputs")]
 
 use std::hint::black_box;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity::batch::{Directions, Vectorised, ggx_ars};
@@ -12,6 +11,7 @@ use asperity::fit::{FitOptions, FitRays, Objective, fit};
 use asperity::forward::{Effort, Plan, Sample, Setup, quadrature};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Surface};
+use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Ggx, Normals};
 use asperity_core::direction::Direction;
 use asperity_core::gonio::Geometry;
@@ -137,9 +137,10 @@ fn fits(c: &mut Criterion) {
         max_evaluations: 5000,
         rays: FitRays::default(),
     };
-    let (method, stop) = (GgxMethod::new(surface), AtomicBool::new(false));
+    let method = GgxMethod::new(surface);
     c.bench_function("fit of 5 x 1801 readings, ggx", |bencher| {
-        bencher.iter(|| fit(&method, &scan, &setup, &options, &stop, &|_| {}).unwrap().evaluations);
+        bencher
+            .iter(|| fit(&method, &scan, &setup, &options, Watch::nobody()).unwrap().evaluations);
     });
 }
 

@@ -5,13 +5,13 @@
 
 use std::hint::black_box;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity::kirchhoff::{
     Beam, Fourier, MeanSpectra, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
 };
 use asperity::surface::{Edges, GaussianSurface, HeightMap};
+use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
@@ -58,12 +58,12 @@ fn beams() -> Vec<Beam> {
 
 fn engines(c: &mut Criterion) {
     let eta = RelativeIor::new(1.49).unwrap();
-    let (beams, never) = (beams(), AtomicBool::new(false));
+    let beams = beams();
     let mut group = c.benchmark_group("orders, 5 incidences, reflection and transmission");
     for size in [256, 512, 1024] {
         let map = map(size);
         group.bench_function(BenchmarkId::from_parameter(size), |b| {
-            b.iter(|| orders(&map, Edges::Periodic, eta, &beams, &never, &|_, _| ()));
+            b.iter(|| orders(&map, Edges::Periodic, eta, &beams, Watch::nobody()));
         });
     }
     group.finish();

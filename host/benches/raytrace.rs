@@ -5,13 +5,13 @@
 
 use std::hint::black_box;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity::forward::{Incidence, Rays, Sample, Setup, monte_carlo};
 use asperity::measurement::Quantity;
 use asperity::raytrace::{Fate, Field, Ray, TracedBoundary};
 use asperity::surface::Edges;
+use asperity::watch::Watch;
 use asperity_core::gonio::Geometry;
 use asperity_core::math::Real;
 use asperity_core::plate::RoughSide;
@@ -89,8 +89,8 @@ fn main() {
     };
     let theta_deg: Vec<f64> = (-900..=900).map(|k| f64::from(k) * 0.1).collect();
     let angles = Incidence { sigma_deg: 30.0, theta_deg };
-    let (asked, stop) = (Rays { count: 1 << 18, seed: 1 }, AtomicBool::new(false));
-    let trace = || monte_carlo(&boundary, &setup, &angles, asked, &stop, &|_| ()).unwrap();
+    let asked = Rays { count: 1 << 18, seed: 1 };
+    let trace = || monte_carlo(&boundary, &setup, &angles, asked, Watch::nobody()).unwrap();
     let mut group = criterion.benchmark_group("photons through a plate, all cores");
     group.throughput(Throughput::Elements(trace().rays));
     group.bench_function("30 deg", |bencher| bencher.iter(|| trace().rays));

@@ -1,7 +1,5 @@
 //! Where the flux goes: reflected, transmitted and lost fractions, and reciprocity.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
@@ -10,6 +8,7 @@ use serde::Serialize;
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::{Rays, count_flux_until};
 use crate::kirchhoff::{Beam, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders};
+use crate::watch::Watch;
 
 /// Flux balance of one incidence, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -54,36 +53,32 @@ fn incidence(side: Side, incidence_deg: f64) -> Direction<f64> {
 const POINTS: u32 = 46_368;
 const STEP: u32 = 28_657;
 
-/// Flux balances for several incidences; `None` if `stop` was set before the end.
+/// Flux balances for several incidences; `None` if it was stopped before the end.
 ///
 /// As [`balance`]; of a map whose own speckle is meant the orders are summed, all incidences from one stack of
 /// transforms; their coherent part is the specular order, of a patch all that its mean field sends, however wide. What Kirchhoff's
-/// integral gives too much is a negative loss, not hidden. `progress(done, all)`.
+/// integral gives too much is a negative loss, not hidden. `watch` is told the incidences done.
 pub fn balances(
     boundary: &Boundary,
     incidences: &[(Side, f64)],
     rays: Rays,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Option<Vec<Energy>> {
     if let Boundary::Wave(wave) = boundary {
-        return of_waves(wave, incidences, stop, progress);
+        return of_waves(wave, incidences, watch);
     }
-    one_by_one(incidences, stop, progress, |side, deg| {
-        balance_until(boundary, side, deg, rays, stop)
-    })
+    one_by_one(incidences, watch, |side, deg| balance_until(boundary, side, deg, rays, watch))
 }
 
 /// Where waves may be trusted for light of these incidences, from both sides, and what of it they lose: the balance is that of
-/// [`balances`], looked at wherever a lobe would pass without it. `None` if `stop` was set before the end.
+/// [`balances`], looked at wherever a lobe would pass without it. `None` if it was stopped before the end.
 ///
 /// # Errors
 /// Angles that are none of incidence.
 pub fn verdict(
     wave: &WaveBoundary,
     incidences_deg: &[f64],
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Result<Option<Validity>, ValidityError> {
     let validity = wave.validity(incidences_deg)?;
     let mut asked: Vec<(Side, f64)> = Vec::new();
@@ -95,7 +90,7 @@ pub fn verdict(
             asked.push((lobe.side, lobe.incidence_deg));
         }
     }
-    let found = of_waves(wave, &asked, stop, progress);
+    let found = of_waves(wave, &asked, watch);
     Ok(found.map(|found| validity.balanced(&losses(&found))))
 }
 
@@ -111,41 +106,38 @@ pub fn losses(energy: &[Energy]) -> Vec<Loss> {
 
 fn one_by_one(
     incidences: &[(Side, f64)],
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
     of: impl Fn(Side, f64) -> Energy,
 ) -> Option<Vec<Energy>> {
     let mut found = Vec::with_capacity(incidences.len());
     for (k, &(side, deg)) in incidences.iter().enumerate() {
-        if stop.load(Ordering::Relaxed) {
+        if watch.is_stopped() {
             return None;
         }
         found.push(of(side, deg));
-        progress(k + 1, incidences.len());
+        watch.done(k + 1, incidences.len());
     }
     // the last one may have been cut short
-    (!stop.load(Ordering::Relaxed)).then_some(found)
+    (!watch.is_stopped()).then_some(found)
 }
 
 fn of_waves(
     wave: &WaveBoundary,
     incidences: &[(Side, f64)],
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Option<Vec<Energy>> {
     match wave.speckle() {
         Speckle::Averaged => {
-            one_by_one(incidences, stop, progress, |side, deg| of_mean_law(wave, side, deg))
+            one_by_one(incidences, watch, |side, deg| of_mean_law(wave, side, deg))
         }
-        Speckle::Kept | Speckle::Patch => of_orders(wave, incidences, stop, progress),
+        Speckle::Kept | Speckle::Patch => of_orders(wave, incidences, watch),
     }
 }
 
 fn of_orders(
     wave: &WaveBoundary,
     incidences: &[(Side, f64)],
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Option<Vec<Energy>> {
     const LOBES: [Lobe; 2] = [Lobe::Reflection, Lobe::Transmission];
     let mut beams = Vec::new();
@@ -159,7 +151,7 @@ fn of_orders(
         }
     }
     // the map of a boundary is complete
-    let found = orders(wave.map(), wave.tiling(), wave.eta(), &beams, stop, progress).ok()??;
+    let found = orders(wave.map(), wave.tiling(), wave.eta(), &beams, watch).ok()??;
     let totals: Vec<(f64, f64)> = found
         .par_iter()
         .zip(&weights)
@@ -201,16 +193,16 @@ fn of_orders(
 /// Closed forms: a lattice rule over the facets, error about 1e-5. Waves: the mean law, ring by ring, 5e-4. Traced boundaries:
 /// rays are counted, one standard error is at most `0.5 / sqrt(count)`.
 pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) -> Energy {
-    balance_until(boundary, side, incidence_deg, rays, &AtomicBool::new(false))
+    balance_until(boundary, side, incidence_deg, rays, Watch::nobody())
 }
 
-/// The same; once `stop` is set rays are lost, and the balance is none.
+/// The same; once it is stopped rays are lost, and the balance is none.
 fn balance_until(
     boundary: &Boundary,
     side: Side,
     incidence_deg: f64,
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Energy {
     if let Boundary::Wave(wave) = boundary {
         return of_mean_law(wave, side, incidence_deg);
@@ -224,7 +216,7 @@ fn balance_until(
         (reflected, transmitted, 1.0 - reflected - transmitted)
     },
     traced t => {
-        let flux = count_flux_until(t, wi, rays, stop);
+        let flux = count_flux_until(t, wi, rays, watch);
         (flux.reflected, flux.transmitted, flux.lost)
     });
     Energy {

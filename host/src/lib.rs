@@ -2,10 +2,10 @@
 //!
 //! A scan becomes a model, and the model tells what no instrument sees:
 //! ```
-//! use std::{path::Path, sync::atomic::AtomicBool};
+//! use std::path::Path;
 //!
 //! use asperity::fit::{FitOptions, fit};
-//! use asperity::{measurement::csv, method::Choice, reconstruct::Said};
+//! use asperity::{measurement::csv, method::Choice, reconstruct::Said, watch::Watch};
 //! use asperity_core::{bsdf::Bsdf, direction::Direction};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -14,8 +14,8 @@
 //! let scan = csv::parse(text, Path::new("scan.csv"))?; // of a file: csv::load
 //! let plate = Said::default().about(&scan)?; // all is in the header
 //! let method = Choice::new("ggx", plate.surface).method()?;
-//! let (options, stop) = (FitOptions::new(plate.surface), AtomicBool::new(false));
-//! let found = fit(&*method, &scan, &plate.setup, &options, &stop, &|_| ())?;
+//! let options = FitOptions::new(plate.surface);
+//! let found = fit(&*method, &scan, &plate.setup, &options, Watch::nobody())?;
 //! let alpha = &found.parameters[0];
 //! assert!(alpha.value > 0.05 && alpha.value < 0.5, "{}", alpha.value);
 //! // f from inside the material, towards the air
@@ -32,6 +32,7 @@
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 
+pub mod watch;
 pub mod message;
 mod linear;
 mod custody;

@@ -1,11 +1,10 @@
 //! What `trade` counts: the user's own model on the device, with the bits of this machine.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::boundary::Boundary;
 use asperity::forward::Rays;
 use asperity::model::Model;
 use asperity::trade::{Device, Evaluator, NoDevice, Row, Subject, Work, rows};
+use asperity::watch::Watch;
 
 use asperity_needs::absent;
 
@@ -17,8 +16,7 @@ fn counted(boundary: &Boundary, table_kib: &[usize], device: &Device) -> Vec<Row
         table_kib,
         rays: Rays { count: 1000, seed: 1 },
         device: Some(device),
-        stop: &AtomicBool::new(false),
-        progress: &|_| (),
+        watch: Watch::nobody(),
     };
     let (rows, notes) = rows(&subject, &work);
     // a note would say that the device computes other bits

@@ -1,21 +1,19 @@
 //! Light that is scattered at one hit of the rough face and keeps its direction at another: quadrature against rays, which
 //! follow the law's own samples and know nothing of the difference.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::boundary::Boundary;
 use asperity::forward::{Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate};
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{Plan as TablePlan, tabulate};
+use asperity::watch::Watch;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use asperity_tests::{count, tolerance};
 
 use crate::common::ior;
 
-static STOP: AtomicBool = AtomicBool::new(false);
 /// Full angle; no beam is at the rim of a cone.
 const APERTURE_DEG: f64 = 3.9;
 
@@ -33,7 +31,7 @@ fn waves(rq_um: f64, length_um: f64) -> Boundary {
 fn table(wave: &Boundary) -> Boundary {
     let rays = Rays { count: 400_000, seed: 5 };
     let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays };
-    Boundary::Table(Box::new(tabulate(wave, &plan, &STOP, &|_, _| ()).unwrap()))
+    Boundary::Table(Box::new(tabulate(wave, &plan, Watch::nobody()).unwrap()))
 }
 
 /// The largest difference from rays beyond their noise, over the reading, and where.
@@ -41,9 +39,9 @@ fn worst(law: &Boundary, setup: &Setup, sigma_deg: f64) -> (f64, String) {
     let theta_deg: Vec<f64> = (0..=88).map(|k| f64::from(k) * 2.0 - 88.0).collect();
     let angles = Incidence { sigma_deg, theta_deg };
     let rays = Rays { count: count(400_000) as u64, seed: 7 };
-    let drawn = monte_carlo(law, setup, &angles, rays, &STOP, &|_| ()).unwrap();
+    let drawn = monte_carlo(law, setup, &angles, rays, Watch::nobody()).unwrap();
     let plan = Plan { incidences: vec![angles.clone()] };
-    let found = simulate(law, setup, &plan, Effort::Full, rays, &STOP).unwrap().values;
+    let found = simulate(law, setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap().values;
     let mut worst = (0.0, String::new());
     for (k, theta) in angles.theta_deg.iter().enumerate() {
         let (found, drawn, error) = (found[k], drawn.values[k], drawn.std_errors[k]);

@@ -1,7 +1,6 @@
 //! Tables for microcontrollers against the models they are made of: readings, flux, samples, extremes.
 
 use std::collections::HashMap;
-use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, LazyLock, Mutex, OnceLock};
 
 use asperity::boundary::Boundary;
@@ -14,6 +13,7 @@ use asperity::kirchhoff::{
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Plan, distance, energy_error, tabulate};
+use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Scatter};
 use asperity_core::direction::Side;
 use asperity_core::math::Fast;
@@ -31,7 +31,7 @@ fn table_of(boundary: &Boundary, bytes: usize) -> EmbeddedTable {
 
 fn table_of_rays(boundary: &Boundary, bytes: usize, rays: Rays) -> EmbeddedTable {
     let plan = Plan { lobes: [true; 4], bytes, kept: None, rays };
-    let table = tabulate(boundary, &plan, &AtomicBool::new(false), &|_, _| ()).unwrap();
+    let table = tabulate(boundary, &plan, Watch::nobody()).unwrap();
     assert!(table.bytes() <= bytes, "{} bytes of {bytes}", table.bytes());
     table
 }
@@ -90,9 +90,8 @@ fn tables_of_closed_forms_give_the_readings_and_the_flux_of_their_models() {
             [(8 << 10, tolerance::TABLE_8_KIB), (32 << 10, tolerance::TABLE_32_KIB)]
         {
             let table = table_of_form(&name, &boundary, bytes);
-            let stop = AtomicBool::new(false);
-            let distance = distance(&boundary, &table, 0.5, RAYS, &stop).unwrap().percent;
-            let energy = energy_error(&boundary, &table, RAYS, &stop).unwrap();
+            let distance = distance(&boundary, &table, 0.5, RAYS, Watch::nobody()).unwrap().percent;
+            let energy = energy_error(&boundary, &table, RAYS, Watch::nobody()).unwrap();
             println!("{name}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
             assert!(distance <= allowed.allowed, "{name} {bytes}: {distance} %");
             let flux =
@@ -117,12 +116,12 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
         let rays = Rays { count: times * RAYS.count, ..RAYS };
         let boundary = traced(height);
         let table = table_of_rays(&boundary, bytes, rays);
-        let stop = AtomicBool::new(false);
-        let found = distance(&boundary, &table, 0.5, rays, &stop).unwrap();
+        let found = distance(&boundary, &table, 0.5, rays, Watch::nobody()).unwrap();
         // what a table can hold; its few facets make the map itself another at each azimuth
         let distance = found.to_mean_percent;
         let energy =
-            energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }, &stop).unwrap();
+            energy_error(&boundary, &table, Rays { count: 300_000, seed: 6 }, Watch::nobody())
+                .unwrap();
         println!("{found:?}");
         println!("traced {height}, {bytes} bytes: {distance:.4} %, flux {:.3} %", 100.0 * energy);
         let small = bytes == 8 << 10;
@@ -152,9 +151,8 @@ fn a_table_of_waves_gives_the_readings_and_the_flux_of_the_mean_law() {
         let wave = WaveBoundary::new(scaled, edges, spectra, ior(1.49), &options);
         let boundary = Boundary::Wave(Box::new(wave));
         let table = table_of(&boundary, 32 << 10);
-        let stop = AtomicBool::new(false);
-        let distance = distance(&boundary, &table, 0.5, RAYS, &stop).unwrap().percent;
-        let energy = energy_error(&boundary, &table, RAYS, &stop).unwrap();
+        let distance = distance(&boundary, &table, 0.5, RAYS, Watch::nobody()).unwrap().percent;
+        let energy = energy_error(&boundary, &table, RAYS, Watch::nobody()).unwrap();
         println!("waves, heights times {scale}: {distance:.4} %, flux {:.3} %", 100.0 * energy);
         assert!(distance <= tolerance::TABLE_32_KIB.allowed, "{scale}: {distance} %");
         assert!(energy <= tolerance::TABLE_FLUX.allowed, "{scale}: flux {energy}");

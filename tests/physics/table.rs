@@ -1,7 +1,6 @@
 //! Tables of traced boundaries: against closed forms, against themselves, and at their edges.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
 use asperity::energy::balance;
@@ -9,6 +8,7 @@ use asperity::forward::Rays;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap};
 use asperity::table::{Azimuth, Bin, BsdfTable, TablePlan, tabulate, to_disc};
+use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::math::Real;
@@ -30,7 +30,7 @@ fn plan(rays: usize, seed: u64, degrees: &[f64]) -> TablePlan {
 }
 
 fn traced<S: Scatter<f64> + Sync>(boundary: &S, plan: &TablePlan) -> BsdfTable {
-    tabulate(boundary, plan, &AtomicBool::new(false), &|_| ()).unwrap()
+    tabulate(boundary, plan, Watch::nobody()).unwrap()
 }
 
 fn from(deg: f64, side: Side) -> Direction<f64> {

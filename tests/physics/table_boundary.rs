@@ -1,7 +1,5 @@
 //! Tables as boundaries: the light of waves that stays coherent, in readings and in balances.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::boundary::Boundary;
 use asperity::energy::balance;
 use asperity::forward::{Effort, Plan, Rays, Sample, Setup, simulate};
@@ -9,6 +7,7 @@ use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelen
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{NoTable, Plan as TablePlan, tabulate};
+use asperity::watch::Watch;
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -17,7 +16,6 @@ use asperity_tests::tolerance;
 use crate::common::ior;
 
 const RAYS: Rays = Rays { count: 400_000, seed: 5 };
-static STOP: AtomicBool = AtomicBool::new(false);
 const SIGMAS: [f64; 2] = [0.0, 40.0];
 
 /// A surface so smooth that half of the transmitted light stays coherent, and its table.
@@ -30,9 +28,9 @@ fn boundaries() -> [Boundary; 2] {
     let wave = WaveBoundary::of_map(&map, Edges::Periodic, ior(1.49), &options).unwrap();
     let wave = Boundary::Wave(Box::new(wave));
     let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays: RAYS };
-    let table = tabulate(&wave, &plan, &STOP, &|_, _| ()).unwrap();
+    let table = tabulate(&wave, &plan, Watch::nobody()).unwrap();
     let table = Boundary::Table(Box::new(table));
-    assert_eq!(tabulate(&table, &plan, &STOP, &|_, _| ()), Err(NoTable::Table));
+    assert_eq!(tabulate(&table, &plan, Watch::nobody()), Err(NoTable::Table));
     [wave, table]
 }
 
@@ -59,8 +57,9 @@ fn coherent_light_of_a_table_is_read_and_counted_as_that_of_its_waves() {
             let sample = Sample::Plate { eta: ior(1.49), rough_side };
             let setup = Setup { sample, geometry, aperture_deg: 2.0, quantity: Quantity::Flux };
             let plan = Plan::product(&SIGMAS, &angles);
-            let [w, t] = [&wave, &table]
-                .map(|b| simulate(b, &setup, &plan, Effort::Full, RAYS, &STOP).unwrap().values);
+            let [w, t] = [&wave, &table].map(|b| {
+                simulate(b, &setup, &plan, Effort::Full, RAYS, Watch::nobody()).unwrap().values
+            });
             for (at, sigma_deg) in SIGMAS.into_iter().enumerate() {
                 let mine = 181 * at..181 * (at + 1);
                 let (w, t) = (&w[mine.clone()], &t[mine]);

@@ -1,7 +1,6 @@
 //! How far tables say they are from their models: from the model itself with its azimuths, and every incidence by its own peak.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
 use asperity::embedded::EmbeddedTable;
@@ -15,6 +14,7 @@ use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{NoTable, Plan, distance, lobe_distances, tabulate};
+use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
@@ -24,11 +24,10 @@ use asperity_tests::{data, tolerance};
 use crate::common::{Random, dir, ggx, incidence, ior};
 
 const RAYS: Rays = Rays { count: 200_000, seed: 5 };
-static STOP: AtomicBool = AtomicBool::new(false);
 
 fn made(boundary: &Boundary, bytes: usize) -> Result<EmbeddedTable, NoTable> {
     let plan = Plan { lobes: [true; 4], bytes, kept: None, rays: RAYS };
-    tabulate(boundary, &plan, &STOP, &|_, _| ())
+    tabulate(boundary, &plan, Watch::nobody())
 }
 
 fn gaussian(lengths_um: (f64, f64), rq_um: f64, seed: u64) -> HeightMap {
@@ -62,7 +61,7 @@ fn a_surface_with_a_direction_is_refused_with_the_figure() {
         for (k, which) in ["all", "R from the air", "T from inside"].into_iter().enumerate() {
             let lobes = [[true; 4], [true, false, false, false], [false, false, false, true]][k];
             let plan = Plan { lobes, bytes: 8 << 10, kept: None, rays: RAYS };
-            match tabulate(&boundary, &plan, &STOP, &|_, _| ()) {
+            match tabulate(&boundary, &plan, Watch::nobody()) {
                 Err(NoTable::Directional { strength, lay_deg, percent }) => {
                     println!("{name}, {which}: {percent:.1} % of the peak");
                     assert!(strength > 0.9 && lay_deg.abs() > 85.0 && percent > 4.0, "{percent}");
@@ -90,7 +89,7 @@ fn the_distance_of_a_map_without_direction_is_from_the_map_itself() {
     for seed in [1, 2] {
         let boundary = traced(&gaussian((4.0, 4.0), 0.5, seed));
         let table = made(&boundary, 8 << 10).unwrap();
-        let said = distance(&boundary, &table, 0.5, RAYS, &STOP).unwrap();
+        let said = distance(&boundary, &table, 0.5, RAYS, Watch::nobody()).unwrap();
         let parts = said.to_mean_percent.hypot(said.azimuths_percent);
         assert!((parts / said.percent - 1.0).abs() < 0.05, "{said:?}");
         // a scan of the map as it lies, its noise taken off
@@ -105,7 +104,7 @@ fn the_distance_of_a_map_without_direction_is_from_the_map_itself() {
             let one = |sigma_deg: &f64| {
                 let angles = Incidence { sigma_deg: *sigma_deg, theta_deg: thetas.clone() };
                 let rays = Rays { count: 150_000, seed };
-                monte_carlo(&boundary, &setup, &angles, rays, &STOP, &|_| ()).unwrap().values
+                monte_carlo(&boundary, &setup, &angles, rays, Watch::nobody()).unwrap().values
             };
             sigmas.iter().flat_map(one).collect()
         };
@@ -117,7 +116,7 @@ fn the_distance_of_a_map_without_direction_is_from_the_map_itself() {
         println!("{said:?}, of the scan {found:.3} %");
         // one azimuth of five, of a peak that the mean over azimuths evens out
         assert!(found / said.percent < 1.6 && said.percent / found < 1.6, "{said:?} {found}");
-        for lobe in lobe_distances(&boundary, &table, RAYS, &STOP) {
+        for lobe in lobe_distances(&boundary, &table, RAYS, Watch::nobody()) {
             println!("  {lobe:?}");
             assert!(lobe.rms_percent >= 0.8 * lobe.azimuths_percent, "{lobe:?}");
         }
@@ -164,7 +163,7 @@ fn held<B: Bsdf<f64>>(name: &str, law: &B, boundary: &Boundary, bad: &mut Vec<St
         (32, Some(tolerance::TABLE_PEAK_32_KIB.allowed)),
     ] {
         let table = made(boundary, kib << 10).unwrap();
-        let said = lobe_distances(boundary, &table, RAYS, &STOP);
+        let said = lobe_distances(boundary, &table, RAYS, Watch::nobody());
         assert_eq!(said.len(), 4);
         for one in said {
             let mut worst = (0.0, 0.0);

@@ -1,7 +1,5 @@
 //! Short spellings for the tests of this target: a virtual goniophotometer and fits of its scans.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, FitError, FitOptions, FitRays, Objective, fit};
 use asperity::forward::{
@@ -9,6 +7,7 @@ use asperity::forward::{
 };
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Method, NormalsMethod, Surface};
+use asperity::watch::Watch;
 use asperity_core::bsdf::Bsdf;
 use asperity_core::gonio::{AngleGrid, Geometry};
 use asperity_core::ndf::law::Profile;
@@ -88,8 +87,8 @@ impl Virtual {
 
     pub(crate) fn quadrature(&self, sigmas_deg: &[f64], grid: &AngleGrid<f64>) -> Readings {
         let plan = Plan::product(sigmas_deg, &angles(grid));
-        let (rays, stop) = (Rays { count: 1, seed: 0 }, AtomicBool::new(false));
-        simulate(&self.boundary, &self.setup, &plan, Effort::Full, rays, &stop).unwrap()
+        let rays = Rays { count: 1, seed: 0 };
+        simulate(&self.boundary, &self.setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap()
     }
 
     pub(crate) fn monte_carlo(
@@ -98,9 +97,8 @@ impl Virtual {
         grid: &AngleGrid<f64>,
         rays: Rays,
     ) -> MonteCarlo {
-        let stop = AtomicBool::new(false);
         let angles = Incidence { sigma_deg, theta_deg: angles(grid) };
-        monte_carlo(&self.boundary, &self.setup, &angles, rays, &stop, &|_| ()).unwrap()
+        monte_carlo(&self.boundary, &self.setup, &angles, rays, Watch::nobody()).unwrap()
     }
 
     /// A scan by quadrature: free of noise.
@@ -172,7 +170,7 @@ pub(crate) fn fitted(
     setup: &Setup,
     options: &FitOptions,
 ) -> Result<Fit, FitError> {
-    fit(method, scan, setup, options, &AtomicBool::new(false), &|_| ())
+    fit(method, scan, setup, options, Watch::nobody())
 }
 
 /// A fitted value and its standard error.

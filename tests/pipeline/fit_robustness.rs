@@ -9,6 +9,7 @@ use asperity::fit::{
 use asperity::forward::{Rays, Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{GgxMethod, Method, Surface};
+use asperity::watch::{Progress, Watch};
 use asperity_core::gonio::Geometry::{Reflection, Transmission};
 use asperity_core::math::Real;
 use asperity_core::plate::RoughSide::Source;
@@ -207,11 +208,11 @@ fn a_fit_stopped_before_the_start_is_an_error_and_calls_nothing() {
     let (scan, setup) = good_scan();
     let method = GgxMethod::new(CLEAR);
     let calls = AtomicU64::new(0);
-    let count = |_: u64| {
+    let count = |_: Progress<'_>| {
         calls.fetch_add(1, Ordering::Relaxed);
     };
     let stopped = AtomicBool::new(true);
-    let result = fit(&method, &scan, &setup, &options(CLEAR), &stopped, &count);
+    let result = fit(&method, &scan, &setup, &options(CLEAR), Watch::new(&stopped, &count));
     assert!(matches!(result, Err(FitError::Interrupted)), "{:?}", result.map(|f| f.parameters));
     assert_eq!(calls.into_inner(), 0);
 }
@@ -225,12 +226,12 @@ fn a_fit_stopped_on_the_way_keeps_the_best_values_so_far() {
     let (mut errors, mut interrupted, mut last) = (0, 0, None);
     for after in 1..=all.evaluations {
         let stop = AtomicBool::new(false);
-        let progress = |done: u64| {
-            if done >= after {
+        let progress = |told: Progress<'_>| {
+            if matches!(told, Progress::Done { done, .. } if done as u64 >= after) {
                 stop.store(true, Ordering::Relaxed);
             }
         };
-        match fit(&method, &scan, &setup, &options(CLEAR), &stop, &progress) {
+        match fit(&method, &scan, &setup, &options(CLEAR), Watch::new(&stop, &progress)) {
             Err(FitError::Interrupted) => {
                 assert!(interrupted == 0, "an error at {after}, after a result earlier");
                 errors += 1;

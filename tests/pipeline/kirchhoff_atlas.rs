@@ -1,8 +1,6 @@
 //! The verdict on waves against rigorous solutions: an atlas of grooved Gaussian surfaces (`rigorous_atlas.csv`), judged in closed
 //! form and on a seeded map of each surface.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::boundary::Boundary;
 use asperity::energy;
 use asperity::forward::Rays;
@@ -10,6 +8,7 @@ use asperity::kirchhoff::{
     GaussianLobe, Shadowing, Speckle, Validity, WaveBoundary, WaveOptions, Wavelengths,
 };
 use asperity::surface::{Edges, GaussianSurface, HeightMap};
+use asperity::watch::Watch;
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
@@ -147,8 +146,7 @@ fn boundary(map: &HeightMap, shadowing: Shadowing) -> WaveBoundary {
 /// The verdict as `stats` gives it, the balance included.
 fn judged(map: &HeightMap, incidences_deg: &[f64]) -> Validity {
     let wave = boundary(map, Shadowing::Auto);
-    let never = AtomicBool::new(false);
-    energy::verdict(&wave, incidences_deg, &never, &|_, _| ()).unwrap().unwrap()
+    energy::verdict(&wave, incidences_deg, Watch::nobody()).unwrap().unwrap()
 }
 
 /// Scores of a seeded map of each surface, and how many lobes it judges otherwise than the closed form.
@@ -256,10 +254,9 @@ fn shadowing_by_itself_is_there_where_it_is_needed() {
             let found = [Shadowing::Auto, Shadowing::On, Shadowing::Off].map(|shadowing| {
                 let wave = boundary(&turned, shadowing);
                 let beams = [(Side::Air, deg.abs())];
-                let never = AtomicBool::new(false);
                 let rays = Rays { count: 1, seed: 1 };
                 let wave = Boundary::Wave(Box::new(wave));
-                energy::balances(&wave, &beams, rays, &never, &|_, _| ()).unwrap()[0].reflected
+                energy::balances(&wave, &beams, rays, Watch::nobody()).unwrap()[0].reflected
             });
             let [auto, on, off] = found;
             println!(

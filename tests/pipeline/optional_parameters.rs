@@ -9,6 +9,7 @@ use asperity::measurement::{Measurement, Quantity};
 use asperity::method::{Choice, GgxMethod, Method, NormalsMethod, Surface};
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, LowPass};
+use asperity::watch::Watch;
 use asperity_core::gonio::Geometry;
 use asperity_core::math::Real;
 use asperity_core::ndf::law::Profile;
@@ -145,7 +146,6 @@ fn a_filter_is_found_where_there_is_one_and_else_left_out() {
         let boundary = Boundary::Traced(TracedBoundary { field, eta: CLEAR.eta().unwrap() });
         let virtual_plate = Virtual { boundary, setup };
         let (sigmas, grid) = ([0.0, 40.0], grid(1));
-        let stop = std::sync::atomic::AtomicBool::new(false);
         let plan = Plan::product(&sigmas, &angles(&grid));
         let rays = Rays { count: 400_000, seed: 91 + seed };
         let effort = asperity::forward::Effort::Full;
@@ -155,7 +155,7 @@ fn a_filter_is_found_where_there_is_one_and_else_left_out() {
             &plan,
             effort,
             rays,
-            &stop,
+            Watch::nobody(),
         );
         let scan = measurement(&sigmas, &grid, &readings.unwrap().values);
         let rays = FitRays { draft: 20_000, fit: Some(60_000), last: Some(200_000), seed };

@@ -2,7 +2,6 @@
 //! ray tracer's, and fits of the methods that trace rays.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use asperity::fit::{Fit, FitOptions, FitRays};
 use asperity::forward::{Incidence, Plan, Rays, monte_carlo};
@@ -10,6 +9,7 @@ use asperity::measurement::{Measurement, csv};
 use asperity::method::{Choice, Kind, Method, Surface};
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, Preparation, Prepared, Purpose};
+use asperity::watch::Watch;
 use asperity_core::metric::rmsd_percent;
 use asperity_tests::tolerance::{
     SCALE_OF_MAP, TRACED_FLUX, TRACED_SAMPLE_5, TRACED_SAMPLE_8, Tolerance,
@@ -40,10 +40,10 @@ fn agrees(number: u32, pixel_um: f64, transmitted: [f64; 5], rays: u64, limit: T
     let boundary = TracedBoundary { field, eta: CLEAR.eta().unwrap() };
     let (setup, plan) = (setup(&scan), Plan::of(&scan));
     let rays = if extensive() { 5 * rays } else { rays };
-    let (rays, stop) = (Rays { count: rays, seed: 11 }, AtomicBool::new(false));
+    let rays = Rays { count: rays, seed: 11 };
     let mut values = Vec::new();
     for (angles, expected) in plan.incidences.iter().zip(transmitted) {
-        let done = monte_carlo(&boundary, &setup, angles, rays, &stop, &|_| ()).unwrap();
+        let done = monte_carlo(&boundary, &setup, angles, rays, Watch::nobody()).unwrap();
         println!("sample {number}: sigma {}, {:?}", angles.sigma_deg, done.outcome);
         let found = done.outcome.transmitted;
         assert!((found - expected).abs() < TRACED_FLUX.allowed, "{found} {expected}");
@@ -128,11 +128,11 @@ fn a_map_mirrored_at_its_edges_scatters_like_the_whole() {
     let setup = setup(&scan);
     let angles =
         Incidence { sigma_deg: 30.0, theta_deg: (0..181).map(|k| f64::from(k) - 90.0).collect() };
-    let (rays, stop) = (Rays { count: 1_000_000, seed: 2 }, AtomicBool::new(false));
+    let rays = Rays { count: 1_000_000, seed: 2 };
     let trace = |map, edges| {
         let field = Arc::new(Field::new(map, edges).unwrap());
         let boundary = TracedBoundary { field, eta: CLEAR.eta().unwrap() };
-        monte_carlo(&boundary, &setup, &angles, rays, &stop, &|_| ()).unwrap()
+        monte_carlo(&boundary, &setup, &angles, rays, Watch::nobody()).unwrap()
     };
     let whole = trace(&prepared.map, Edges::Periodic);
     let mirrored = trace(&part, Edges::Mirrored);

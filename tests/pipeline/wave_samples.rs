@@ -2,7 +2,6 @@
 //! samples that a ray tracer made.
 
 use std::f64::consts::TAU;
-use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, cost_at};
@@ -11,6 +10,7 @@ use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelen
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{Choice, Method, Surface};
 use asperity::surface::{Crop, Edges, Form, HeightMap, Preparation, Prepared, Purpose};
+use asperity::watch::Watch;
 use asperity_core::direction::Direction;
 use asperity_core::gonio::{Geometry, incidence};
 use asperity_core::plate::RoughSide;
@@ -37,8 +37,7 @@ fn setup(rough_side: RoughSide, geometry: Geometry) -> Setup {
 }
 
 fn readings(boundary: &WaveBoundary, setup: &Setup, plan: &Plan) -> Vec<f64> {
-    let stop = AtomicBool::new(false);
-    wave(boundary, setup, plan, Effort::Full, &stop, &|_, _| ()).unwrap().values
+    wave(boundary, setup, plan, Effort::Full, Watch::nobody()).unwrap().values
 }
 
 #[test]
@@ -161,10 +160,10 @@ fn wave_fit(number: u32, pixel_um: f64) -> Option<(Measurement, Prepared, Fit, f
         choice.method().unwrap()
     };
     let fit = fitted(&*method(Speckle::Averaged), &scan, &setup, &options).unwrap();
-    let stop = AtomicBool::new(false);
     let values: Vec<f64> = fit.parameters.iter().map(|p| p.value).collect();
     // the ray tracer's scan does not show the speckle of the map
-    let kept = cost_at(&*method(Speckle::Kept), &scan, &setup, &options, &values, &stop).unwrap();
+    let kept = cost_at(&*method(Speckle::Kept), &scan, &setup, &options, &values, Watch::nobody())
+        .unwrap();
     println!("sample {number}: {:.3} %, speckle kept {kept:.3} %", fit.rmsd_percent);
     Some((scan, prepared, fit, kept))
 }

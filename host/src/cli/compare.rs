@@ -6,7 +6,7 @@ use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::print;
 use super::sample::{Loaded, SampleFlags, methods};
-use super::trial::usually_asked;
+use crate::reconstruct::usually_asked;
 use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side
@@ -71,7 +71,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             }
             None => name.clone(),
         };
-        samples.push(Sample::new(name.clone(), title, one.job(), &methods, &usually_asked)?);
+        samples.push(Sample::new(name.clone(), title, one.task(), &methods, &usually_asked)?);
     }
     let work = Work {
         title: "Comparison of the methods".into(),

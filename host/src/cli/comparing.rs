@@ -1,18 +1,15 @@
 //! Every method on every sample, and all that is written of it: the common part of `compare` and `demo`.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use super::error::{Failure, all};
-use super::fitted::Job;
-use super::interrupt;
-use super::trial::Trial;
+use super::fitted::{trials, warn_of_failed};
+use super::{interrupt, progress};
 use crate::measurement::noise;
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::plot::{self, Scale};
-use crate::report::{
-    self, Attempt, Comparison, Entry, FigureError, FigureFiles, Picture, SampleResult,
-};
+use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult, Task, Trials};
+use crate::report::{self, FigureError, FigureFiles, Picture};
 
 /// A sample with the methods that are to be tried on it.
 pub(super) struct Sample<'a> {
@@ -20,9 +17,9 @@ pub(super) struct Sample<'a> {
     name: String,
     /// What people call it.
     title: String,
-    job: Job<'a>,
+    task: Task<'a>,
     /// Each method with its laws, or why it cannot be used.
-    plan: Vec<(String, Trial)>,
+    plan: Vec<(String, Result<Trials, String>)>,
 }
 
 impl<'a> Sample<'a> {
@@ -33,21 +30,22 @@ impl<'a> Sample<'a> {
     pub(super) fn new(
         name: String,
         title: String,
-        job: Job<'a>,
+        task: Task<'a>,
         methods: &[String],
         asked: &dyn Fn(&str) -> bool,
     ) -> Result<Self, Failure> {
-        let with = |method: &String| (method.clone(), job.methods(method, None, asked));
+        let with = |method: &String| (method.clone(), trials(&task, method, None, asked));
         let plan: Vec<_> = methods.iter().map(with).collect();
         if let (true, Some((_, Err(why)))) = (plan.iter().all(|p| p.1.is_err()), plan.first()) {
-            return Err(Failure::bad(format!("{}: {why}", job.input.path)));
+            let path = task.input.map(|input| input.path.as_str()).unwrap_or_default();
+            return Err(Failure::bad(format!("{path}: {why}")));
         }
-        Ok(Self { name, title, job, plan })
+        Ok(Self { name, title, task, plan })
     }
 
     /// The plots, each by its stem: all incidences, then one by one.
     fn figures(&self) -> Vec<(String, Option<f64>)> {
-        let sigmas: Vec<f64> = self.job.measurement.by_incidence().map(|i| i.sigma_deg).collect();
+        let sigmas: Vec<f64> = self.task.measurement.by_incidence().map(|i| i.sigma_deg).collect();
         let alone = plot::shown(sigmas.len()).into_iter().map(|k| sigmas[k]);
         let alone = alone.map(|sigma| (format!("{}-sigma{sigma}", self.name), Some(sigma)));
         std::iter::once((format!("{}-all", self.name), None)).chain(alone).collect()
@@ -60,13 +58,10 @@ impl<'a> Sample<'a> {
         let prefix = &if alone { String::new() } else { format!("{}: ", self.name) };
         let mut attempts = Vec::new();
         for (method, plan) in &self.plan {
-            let stopped = interrupt::flag().load(Ordering::SeqCst);
-            let mut result = match plan {
-                Err(why) => Err(why.clone()),
-                Ok(_) if stopped => Err("interrupted before it was begun".to_owned()),
-                Ok(methods) => self.job.run(methods, prefix).map_err(|e| e.to_string()),
-            };
-            match &mut result {
+            let bar = progress::counter(prefix);
+            let (mut attempt, failed) = bar.watch(|watch| self.task.attempt(method, plan, watch));
+            warn_of_failed(&failed);
+            match &mut attempt.result {
                 Ok((entry, model)) => {
                     let file = SampleResult::model_file(&self.name, method);
                     model.timing = model.timing.filter(|_| work.timing);
@@ -77,7 +72,7 @@ impl<'a> Sample<'a> {
                 }
                 Err(why) => eprintln!("{prefix}{method}: {why}"),
             }
-            attempts.push(Attempt { method: method.clone(), result });
+            attempts.push(attempt);
         }
         attempts
     }
@@ -90,7 +85,7 @@ impl<'a> Sample<'a> {
         (folder, failures): (&Path, &mut Vec<Failure>),
     ) -> Vec<Picture> {
         let entries: Vec<&Entry> = attempts.iter().filter_map(Attempt::entry).collect();
-        let scan = self.job.measurement;
+        let scan = self.task.measurement;
         let mut pictures = Vec::new();
         for (stem, sigma) in self.figures() {
             let figure = |scale| match sigma {
@@ -158,7 +153,7 @@ impl Work<'_> {
                 name: sample.name.clone(),
                 title: sample.title.clone(),
                 noise_floor_percent: SampleResult::floor_of(&attempts)
-                    .or_else(|| noise::before_fit(sample.job.measurement)),
+                    .or_else(|| noise::before_fit(sample.task.measurement)),
                 attempts,
             }
         };
@@ -199,7 +194,7 @@ impl Work<'_> {
 
 /// The end of the verb: no if the user stopped it, or a sample has no description.
 fn verdict(comparison: &Comparison) -> Result<(), Failure> {
-    if interrupt::flag().load(Ordering::SeqCst) {
+    if interrupt::asked() {
         return Err(Failure::No("interrupted; what was finished is written".into()));
     }
     let titles: Vec<&str> = comparison.undescribed().map(|s| s.title.as_str()).collect();

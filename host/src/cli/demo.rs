@@ -4,27 +4,24 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use asperity_core::gonio::{AngleGrid, Geometry};
+use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use super::comparing::{Sample, Work};
 use super::error::Failure;
-use super::fitted::Job;
-use super::light::Light;
-use super::print;
 use super::sample::methods;
-use super::scan::simulate;
 use super::source::parse_rays;
+use super::{print, progress};
 use crate::boundary::Boundary;
-use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
-use crate::forward::{self, Rays, Setup};
+use crate::fit::{FitOptions, FitRays};
+use crate::forward::{self, Setup};
 use crate::kirchhoff::Wavelengths;
 use crate::measurement::{Measurement, Metadata, Quantity, write};
 use crate::method::Surface;
 use crate::output::{AtomicFile, ResultFolder, finish_all};
 use crate::provenance::InputFile;
 use crate::raytrace::{Field, TracedBoundary};
-use crate::report::Comparison;
+use crate::reconstruct::{Comparison, Light, ScanRequest, Situation, Task};
 use crate::scratch::Scratch;
 use crate::surface::io::sdf_text;
 use crate::surface::{GaussianSurface, Preparation, Prepared, Purpose};
@@ -60,7 +57,6 @@ const SURFACE: GaussianSurface = GaussianSurface {
 };
 const IOR: f64 = 1.49;
 const WAVELENGTH_NM: f64 = 550.0;
-const SIGMAS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 const SEED: u64 = 20_261_122;
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -93,33 +89,27 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (map, map_text) = make_map()?;
     let field = Field::new(&map.map, map.edges).map_err(Failure::bad)?;
     let truth = Boundary::Traced(TracedBoundary { field: Arc::new(field), eta });
-    let (measurement, scan_text) = make_scan(&truth, &setup, args.rays)?;
+    let (measurement, scan_text) = make_scan(&truth, args.rays)?;
     let input = InputFile::of_bytes("scan.csv", &scan_text);
     finish_all(vec![(map_file, map_text.into_bytes()), (scan_file, scan_text)])?;
-    let job = Job {
-        measurement: &measurement,
-        setup,
+    let task = Task {
         options: FitOptions {
-            surface,
-            fit_ior: false,
-            fit_gain: false,
-            objective: Objective::Rmsd,
-            max_evaluations: 4000,
             rays: FitRays {
                 fit: Some((args.rays / 40).max(20_000)),
                 last: Some((args.rays / 2).max(20_000)),
                 ..FitRays::default()
             },
+            ..FitOptions::new(surface)
         },
-        max_misfit: MISFIT_PERCENT,
         map: Some(&map),
         light: Light::of(Wavelengths::single(WAVELENGTH_NM).map_err(Failure::bad)?),
-        input: &input,
+        input: Some(&input),
+        ..Task::new(&measurement, Situation { surface, setup })
     };
     let methods = methods(&[])?;
     let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);
     // This map is exact: no cut-off is looked for.
-    let sample = Sample::new("virtual".into(), title, job, &methods, &|_| false)?;
+    let sample = Sample::new("virtual".into(), title, task, &methods, &|_| false)?;
     let work = Work {
         title: "Asperity: demo on a virtual sample".into(),
         what,
@@ -172,19 +162,16 @@ fn make_map() -> Result<(Prepared, String), Failure> {
 }
 
 /// Traces the scan; also gives the content of its file.
-fn make_scan(
-    truth: &Boundary,
-    setup: &Setup,
-    rays: u64,
-) -> Result<(Measurement, Vec<u8>), Failure> {
+fn make_scan(truth: &Boundary, rays: u64) -> Result<(Measurement, Vec<u8>), Failure> {
     let mut meta = Metadata {
         sample: Some("virtual plate with random Gaussian heights (map.sdf)".into()),
         ior: Some(IOR),
         ..Metadata::default()
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
-    let rays = Some(Rays { count: rays, seed: SEED });
-    let done = simulate(truth, setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
+    let request = ScanRequest { rays: Some(rays), seed: SEED, ..ScanRequest::default() };
+    let bar = progress::bar(0, "tracing");
+    let done = bar.watch(|watch| request.of_boundary(truth, meta, watch))?;
     if done.interrupted {
         return Err(Failure::No("interrupted while the scan was traced; no fit was made".into()));
     }

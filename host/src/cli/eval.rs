@@ -3,24 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use asperity_core::bsdf::{Bsdf, Scatter};
+use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
-use asperity_core::quantity::RelativeIor;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::error::Failure;
 use super::pairs::{Pair, Pairs};
+use super::progress;
 use super::source::parse_rays;
-use super::{interrupt, progress};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::EmbeddedTable;
 use crate::forward::Rays;
-use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::law_file;
 use crate::output::AtomicFile;
-use crate::surface::spectrum::Anisotropy;
-use crate::table::{Azimuth, BsdfTable, TablePlan, tabulate, tabulate_orders};
+use crate::table::{Asked, BsdfTable};
 
 /// Evaluate the BSDF for pairs of directions
 ///
@@ -82,11 +79,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     })?;
     let rays = Rays { count: args.rays, seed: args.seed };
     let mut rows = Rows { output, json: args.json, is_empty: true };
-    let of_table = |table: &BsdfTable, rows: &mut Rows, pairs: &mut Pairs| {
-        pairs.each(|some| rows.add(some, |p| values(table, p, Some(table.std_error(p.1, p.2)))))
-    };
+    if let Some(table) = tabulated(&boundary, &wi, rays)? {
+        let row = |p: &Pair<'_>| values(&*table, p, Some(table.std_error(p.1, p.2)));
+        pairs.each(|some| rows.add(some, row))?;
+        return rows.finish();
+    }
     match &boundary {
-        Boundary::Wave(wave) => of_table(&of_waves(wave, &wi, rays)?, &mut rows, &mut pairs)?,
         Boundary::Table(table) => {
             let name = args.model.display().to_string();
             eprintln!("note: {name} is a table {}", kind.table().unwrap_or_default());
@@ -94,9 +92,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         _ => with_boundary!(&boundary, b => {
             pairs.each(|some| rows.add(some, |p| values(b, p, None)))?;
-        }, traced t => {
-            of_table(&tabulated(t, t.eta(), t.anisotropy(), &wi, rays)?, &mut rows, &mut pairs)?;
-        }),
+        }, traced _t => ()),
     }
     rows.finish()
 }
@@ -211,88 +207,16 @@ fn of_embedded(
     Ok(())
 }
 
-/// A traced boundary as a table, of the incidences that are asked for if they are few.
-fn tabulated<S: Scatter<f64> + Sync>(
-    boundary: &S,
-    eta: RelativeIor<f64>,
-    anisotropy: Option<Anisotropy>,
+/// The boundary as a table, if it can only be evaluated so.
+fn tabulated(
+    boundary: &Boundary,
     wi: &[Direction<f64>],
     rays: Rays,
-) -> Result<BsdfTable, Failure> {
-    let plan = TablePlan::new(eta, rays)
-        .with_azimuth(Azimuth::of(anisotropy))
-        .map_err(Failure::bad)?
-        .for_directions(wi);
-    let bar = progress::bar(plan.rays_in_all(), "tracing");
-    let table = tabulate(boundary, &plan, interrupt::flag(), &|n| bar.inc(n));
-    bar.finish_and_clear();
-    table.ok_or_else(|| Failure::No("interrupted before all rays were traced".into()))
-}
-
-/// The table of waves: of the mean law, drawn as rays, or of the orders of this very map.
-fn of_waves(wave: &WaveBoundary, wi: &[Direction<f64>], rays: Rays) -> Result<BsdfTable, Failure> {
-    let plan = TablePlan::new(wave.eta(), rays);
-    let interrupted = || Failure::No("interrupted before the table was made".into());
-    if wave.speckle() == Speckle::Averaged {
-        let plan = plan.for_directions(wi);
-        let bar = progress::bar(plan.rays_in_all(), "sampling");
-        let table = tabulate(wave, &plan, interrupt::flag(), &|n| bar.inc(n));
-        bar.finish_and_clear();
-        return table.ok_or_else(interrupted);
-    }
-    let plan = plan.with_azimuth(Azimuth::directional()).map_err(Failure::bad)?.for_directions(wi);
-    let bar = progress::bar(0, "transforming");
-    let table = tabulate_orders(wave, &plan, interrupt::flag(), &|done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
-    table.ok_or_else(interrupted)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::{tabulated, values};
-    use crate::cli::pairs::parse;
-    use crate::forward::Rays;
-    use crate::raytrace::{Field, TracedBoundary};
-    use crate::surface::{Edges, HeightMap};
-    use crate::table::Azimuth;
-    use asperity_core::direction::Side;
-    use asperity_core::quantity::RelativeIor;
-
-    /// A boundary of grooves along y, or of bumps.
-    fn traced(grooves: bool) -> TracedBoundary {
-        let height = |k: u32| {
-            let wave = |k: u32| (f64::from(k % 64) * std::f64::consts::TAU * 7.0 / 64.0).sin();
-            0.3 * (wave(k) + if grooves { 0.0 } else { wave(k / 64) })
-        };
-        let map = HeightMap::new((64, 64), (1.0, 1.0), (0..64 * 64).map(height).collect()).unwrap();
-        let field = Arc::new(Field::new(&map, Edges::Periodic).unwrap());
-        TracedBoundary { field, eta: RelativeIor::new(1.49).unwrap() }
-    }
-
-    #[test]
-    fn a_traced_boundary_is_tabulated_where_it_is_asked_for() {
-        let text = "wix,wiy,wiz,wox,woy,woz\n-0.6,0,0.8,0.4,0,-0.9165151\n0,-0.6,0.8,0,0.6,0.8\n";
-        let pairs = parse(text).unwrap();
-        let wi: Vec<_> = pairs.iter().map(|pair| pair.1).collect();
-        let rays = Rays { count: 20_000, seed: 1 };
-        let one = traced(false);
-        let table = tabulated(&one, one.eta(), one.anisotropy(), &wi, rays).unwrap();
-        assert_eq!(table.azimuth(), &Azimuth::Isotropic);
-        let incidences = table.incidences_deg(Side::Air);
-        assert!(incidences.len() == 1 && table.incidences_deg(Side::Dielectric).is_empty());
-        for pair in &pairs {
-            let row = values(&table, pair, None);
-            let error = table.std_error(pair.1, pair.2);
-            assert!(error > 0.0 && error < row.f, "{} {error}", row.f);
-        }
-        let one = traced(true);
-        let table = tabulated(&one, one.eta(), one.anisotropy(), &wi, rays).unwrap();
-        let Azimuth::Fixed(azimuths) = table.azimuth() else { panic!("{:?}", table.azimuth()) };
-        assert!(azimuths.len() == 2 && (azimuths[1] - 90.0).abs() < 1e-9, "{azimuths:?}");
+) -> Result<Option<Box<BsdfTable>>, Failure> {
+    let bar = progress::bar(0, "tabulating");
+    match bar.watch(|watch| Asked::of(boundary, wi, rays, watch)).map_err(Failure::bad)? {
+        Asked::AsItIs => Ok(None),
+        Asked::Table(table) => Ok(Some(table)),
+        Asked::Stopped => Err(Failure::No("interrupted before the table was made".into())),
     }
 }

@@ -3,19 +3,20 @@
 use std::fmt::Display;
 use std::path::PathBuf;
 
+use super::effort::EffortFlags;
 use super::error::{Failure, all};
-use super::fitted::{Job, human};
+use super::fitted::{human, trials, warn_of_failed};
 use super::light::LightFlags;
 use super::map::MapFlags;
 use super::model::LawFlag;
-use super::print;
 use super::source::{ReadFlags, SetupFlags};
-use super::trial::{EffortFlags, usually_asked};
+use super::{print, progress};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
 use crate::method::{Kind, Lack, Surface, in_words};
 use crate::output::AtomicFile;
-use crate::report::{self, Entry, FigureFiles};
+use crate::reconstruct::{Entry, Found, Task, usually_asked};
+use crate::report::{self, FigureFiles};
 
 /// Fit a model to a measured scan
 ///
@@ -116,7 +117,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         None => None,
     };
     let of_scan = |what: &dyn Display| format!("{}: {what}", args.scan.display());
-    let job = Job {
+    let task = Task {
         measurement: &measurement,
         setup,
         options: FitOptions {
@@ -127,17 +128,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         max_misfit: args.effort.max_misfit,
         map: map.as_ref(),
         light: args.light.light(Some(&measurement.meta))?,
-        input: &input,
+        input: Some(&input),
     };
-    let methods = job
-        .methods(&args.method, args.law.map(LawFlag::word), &|name| args.asks_for(name))
+    let law = args.law.map(LawFlag::word);
+    let trials = trials(&task, &args.method, law, &|name| args.asks_for(name))
         .map_err(|what| Failure::Bad(of_scan(&what)))?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(open_plots).transpose()?;
-    let (entry, mut model) = job.run(&methods, "").map_err(|e| match e {
+    let found = progress::counter("").watch(|watch| task.fit(&trials, watch));
+    let Found { entry, mut model, failed } = found.map_err(|e| match e {
         FitError::Interrupted => Failure::No(format!("{e}; no fit was written")),
         e => Failure::Bad(of_scan(&e)),
     })?;
+    warn_of_failed(&failed);
     model.timing = model.timing.filter(|_| !args.no_timing);
     let text = model.to_json();
     let is_stdout = output.as_ref().is_some_and(AtomicFile::is_stdout);
@@ -147,7 +150,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&match (is_stdout, args.json) {
             (true, _) => String::new(),
             (_, true) => text,
-            _ => human(&entry, &job, !args.no_timing),
+            _ => human(&entry, &task, !args.no_timing),
         }),
         plots.map_or(Ok(()), |files| args.draw(files, &measurement, &entry)),
         entry.refusal.clone().map_or(Ok(()), |why| Err(Failure::No(why))),

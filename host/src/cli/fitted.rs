@@ -1,75 +1,37 @@
-//! A fit as a model file, and as text.
+//! Fits as the command line makes and says them: what a method lacks with the flag that gives it, and the fit as text.
 
-use super::light::Light;
+use super::error::remedy;
+use super::light;
 use crate::boundary::Boundary;
-use crate::fit::{Fit, FitOptions, Fitted, Objective, Termination};
-use crate::forward::Setup;
-use crate::measurement::Measurement;
-use crate::method::{Kind, Method, Surface};
-use crate::model::{IncidenceRecord, MapRecord, Model, Timing};
-use crate::provenance::{InputFile, Provenance};
-use crate::report::{self, Entry};
-use crate::surface::Prepared;
+use crate::fit::{FitError, Fitted, Objective, Termination};
+use crate::reconstruct::{Entry, Task, Trials, Unusable};
+use crate::report;
 
-/// All that a reconstruction needs.
-pub(super) struct Job<'a> {
-    pub(super) measurement: &'a Measurement,
-    pub(super) setup: Setup,
-    pub(super) options: FitOptions,
-    /// Largest error of a single incidence that counts as described, %.
-    pub(super) max_misfit: f64,
-    /// The measured map of the surface.
-    pub(super) map: Option<&'a Prepared>,
-    /// The light, for methods that send waves.
-    pub(super) light: Light,
-    /// The file of the measurement.
-    pub(super) input: &'a InputFile,
+/// A method with every law that is to be tried, or why it cannot be used.
+pub(super) fn trials(
+    task: &Task<'_>,
+    method: &str,
+    law: Option<&str>,
+    asked: &dyn Fn(&str) -> bool,
+) -> Result<Trials, String> {
+    task.trials(method, law, asked).map_err(|why| match why {
+        Unusable::Lack(lack) => remedy(&lack),
+        Unusable::Unlit(unlit) => light::with_flag(&unlit),
+        Unusable::RaysNeedAperture | Unusable::CoherentNeedsAperture => {
+            format!("{why}; give --aperture above 0")
+        }
+    })
 }
 
-/// The fit as a model file.
-pub(super) fn record(method: &dyn Method, entry: &Entry, job: &Job<'_>) -> Model {
-    let fit = &entry.fit;
-    let map = job.map.filter(|_| Kind::named(method.name()).is_ok_and(|kind| kind.needs_map));
-    let surface = match fit.ior {
-        Some(ior) => Surface::Dielectric { ior },
-        None => job.options.surface,
-    };
-    let values = fit.parameters.iter().map(|p| (p.name.to_owned(), p.record()));
-    let mut model = Model::new(method, surface, values);
-    model.rmsd_percent = Some(fit.rmsd_percent);
-    model.map = map.map(MapRecord::from);
-    model.noise_floor_percent = fit.noise_floor_percent;
-    model.simulation_noise_percent = fit.simulation_noise_percent;
-    model.objective = Some(fit.objective.0.to_string());
-    model.objective_value = Some(fit.objective.1);
-    model.incidences = fit
-        .incidences
-        .iter()
-        .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
-        .collect();
-    model.evaluations = Some(fit.evaluations);
-    model.timing = Some(Timing { seconds: fit.seconds });
-    model.termination = Some(fit.termination.word().into());
-    model.neglected_flux = Some(fit.neglected.flux);
-    model.neglected_percent =
-        Some(100.0 * fit.neglected.reading / job.measurement.largest_reading());
-    model.validity = entry.refusal.iter().cloned().collect();
-    model.validity.extend(warnings(fit));
-    model.validity.extend(entry.warnings.iter().cloned());
-    let seed = method.is_traced().then_some(job.options.rays.seed);
-    let mut provenance = Provenance::of_this_program(seed);
-    provenance.inputs = std::iter::once(job.input).chain(map.map(|m| &m.input)).cloned().collect();
-    provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
-    model.provenance = Some(provenance);
-    model
-}
-
-fn warnings(fit: &Fit) -> Vec<String> {
-    fit.parameters.iter().filter_map(Fitted::warning).collect()
+/// Says which laws failed beside the one that is kept.
+pub(super) fn warn_of_failed(failed: &[(String, FitError)]) {
+    for (label, why) in failed {
+        eprintln!("warning: {label}: {why}");
+    }
 }
 
 /// The fit as text, with or without its time.
-pub(super) fn human(entry: &Entry, job: &Job<'_>, timing: bool) -> String {
+pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
     use std::fmt::Write;
     let fit = &entry.fit;
     let mut text = String::new();
@@ -78,7 +40,7 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>, timing: bool) -> String {
     for p in &fit.parameters {
         let _ = writeln!(text, "{:12} {}", p.name, report::value_text(p));
     }
-    if let Some(ior) = fit.ior.filter(|_| !job.options.fit_ior) {
+    if let Some(ior) = fit.ior.filter(|_| !task.options.fit_ior) {
         let _ = writeln!(text, "ior          {ior:.4} (given)");
     }
     let noise = fit.noise_floor_percent.map_or("unknown".into(), |n| format!("{n:.3} %"));
@@ -105,7 +67,7 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>, timing: bool) -> String {
             text,
             "neglected    {:.1e} of the flux in internal passes, about {:.1e} % of the largest reading",
             fit.neglected.flux,
-            100.0 * fit.neglected.reading / job.measurement.largest_reading()
+            100.0 * fit.neglected.reading / task.measurement.largest_reading()
         );
     }
     let _ = writeln!(
@@ -115,7 +77,9 @@ pub(super) fn human(entry: &Entry, job: &Job<'_>, timing: bool) -> String {
         fit.evaluations,
         if timing { format!(", {:.3} s", fit.seconds) } else { String::new() }
     );
-    for warning in warnings(fit).iter().chain(&entry.warnings) {
+    for warning in
+        fit.parameters.iter().filter_map(Fitted::warning).chain(entry.warnings.iter().cloned())
+    {
         let _ = writeln!(text, "warning: {warning}");
     }
     text

@@ -7,6 +7,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::scratch;
+use crate::watch::Watch;
 
 static STOP: AtomicBool = AtomicBool::new(false);
 /// Whether anyone looks at the flag.
@@ -18,6 +19,16 @@ pub(super) fn flag() -> &'static AtomicBool {
     listen();
     HEEDED.store(true, Ordering::SeqCst);
     &STOP
+}
+
+/// Whether the first signal has come.
+pub(super) fn asked() -> bool {
+    flag().load(Ordering::SeqCst)
+}
+
+/// Work that the first signal ends, without a bar.
+pub(super) fn watch() -> Watch<'static> {
+    Watch::silent(flag())
 }
 
 /// Installs the handler. Without one a signal simply ends the program: no reason to refuse to work.

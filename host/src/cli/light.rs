@@ -5,10 +5,9 @@ use std::ffi::OsString;
 use clap::ValueEnum;
 
 use super::error::Failure;
-use crate::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use crate::kirchhoff::{Shadowing, Speckle, Wavelengths};
 use crate::measurement::Metadata;
-use crate::method::{Kind, Waves, in_words};
-use crate::surface::{Edges, HeightMap};
+use crate::reconstruct::{Light, Unlit};
 
 /// What wave readings are of, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -87,17 +86,6 @@ pub(super) struct LightFlags {
     shadowing: Option<ShadowingFlag>,
 }
 
-/// Points of a map that waves are sent on at most: 8192 x 8192, some 3 GB.
-const MOST_POINTS: usize = 1 << 26;
-
-/// The light as far as it is known.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Light {
-    wavelengths: Option<Wavelengths>,
-    speckle: Option<Speckle>,
-    shadowing: Option<Shadowing>,
-}
-
 impl LightFlags {
     /// Whether any of them is given.
     pub(super) fn are_given(&self) -> bool {
@@ -116,89 +104,18 @@ impl LightFlags {
     }
 }
 
-impl Light {
-    /// Light of given wavelengths.
-    pub(super) fn of(wavelengths: Wavelengths) -> Self {
-        Self { wavelengths: Some(wavelengths), ..Self::default() }
+/// Why no waves can be sent, and the flag that mends it.
+pub(super) fn with_flag(unlit: &Unlit) -> String {
+    match unlit {
+        Unlit::NoWavelength => format!("{unlit}; give --wavelength-nm, such as 550"),
+        Unlit::TooLarge { .. } => format!("{unlit}; take a part with --crop"),
+        Unlit::OnlyAverages(_) => unlit.to_string(),
+        Unlit::HasDirection => format!("{unlit}; use --speckle {}", Speckle::Kept.name()),
     }
+}
 
-    /// The wavelengths, if they are known.
-    pub(super) fn wavelengths(&self) -> Option<&Wavelengths> {
-        self.wavelengths.as_ref()
-    }
-
-    /// What is known about the wavelength.
-    pub(super) fn options(&self, speckle: Speckle) -> Result<WaveOptions, String> {
-        let Some(wavelengths) = self.wavelengths.clone() else {
-            return Err("waves have a length; give --wavelength-nm, such as 550".into());
-        };
-        Ok(WaveOptions {
-            wavelengths,
-            speckle,
-            shadowing: self.shadowing.unwrap_or(Shadowing::Auto),
-        })
-    }
-
-    /// The ways of a method to treat the speckle of a map: the one that is asked for, else all that it allows.
-    pub(super) fn variants(
-        &self,
-        waves: Waves,
-        map: Option<(&HeightMap, Edges)>,
-    ) -> Result<Vec<WaveOptions>, String> {
-        let averages = waves == Waves::AveragedSpeckle;
-        if let Some((map, _)) = map.filter(|(map, _)| map.nx() * map.ny() > MOST_POINTS) {
-            return Err(format!(
-                "{} x {} points are too many for waves (at most {MOST_POINTS}); take a part with --crop",
-                map.nx(),
-                map.ny()
-            ));
-        }
-        let may_average = map.is_none_or(|(map, edges)| WaveBoundary::may_average(map, edges));
-        let other = self.speckle.filter(|s| *s != Speckle::Averaged);
-        if averages && (other.is_some() || !may_average) {
-            return Err(format!(
-                "method {} averages the speckle over azimuths: the surface must have no direction, and \
-                 --speckle {} is not for it",
-                in_words(&Kind::names(|kind| kind.waves == waves)),
-                other.unwrap_or(Speckle::Kept).name()
-            ));
-        }
-        let speckles: &[Speckle] = match self.speckle {
-            _ if averages => &[Speckle::Averaged],
-            Some(Speckle::Averaged) if !may_average => {
-                return Err(format!(
-                    "the surface has a direction: its speckle cannot be averaged over azimuths; use \
-                     --speckle {}",
-                    Speckle::Kept.name()
-                ));
-            }
-            Some(Speckle::Averaged) => &[Speckle::Averaged],
-            Some(Speckle::Kept) => &[Speckle::Kept],
-            Some(Speckle::Patch) => &[Speckle::Patch],
-            None => match (may_average, map.is_some_and(|m| m.1 == Edges::Mirrored)) {
-                (true, false) => &[Speckle::Averaged, Speckle::Kept],
-                (false, false) => &[Speckle::Kept],
-                (true, true) => &[Speckle::Averaged, Speckle::Kept, Speckle::Patch],
-                (false, true) => &[Speckle::Kept, Speckle::Patch],
-            },
-        };
-        speckles.iter().map(|speckle| self.options(*speckle)).collect()
-    }
-
-    /// The one way to treat the speckle of a map: the one that is asked for, else the first of these that it allows.
-    pub(super) fn variant(
-        &self,
-        waves: Waves,
-        map: (&HeightMap, Edges),
-        usual: &[Speckle],
-    ) -> Result<WaveOptions, String> {
-        let variants = self.variants(waves, Some(map))?;
-        let of = |speckle: &Speckle| variants.iter().find(|v| v.speckle == *speckle);
-        usual
-            .iter()
-            .find_map(of)
-            .or(variants.first())
-            .cloned()
-            .ok_or_else(|| "no way to treat the speckle".into())
+impl From<Unlit> for Failure {
+    fn from(unlit: Unlit) -> Self {
+        Self::Bad(with_flag(&unlit))
     }
 }

@@ -110,7 +110,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         (Some(m), true) => {
             let light = args.light.light(None)?;
             let light = light.variant(kind.waves, (&m.map, m.edges), &[Speckle::Averaged]);
-            Some(light.map_err(Failure::Bad)?)
+            Some(light?)
         }
         _ => None,
     };

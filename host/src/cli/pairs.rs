@@ -190,12 +190,6 @@ impl Lines<'_> {
     }
 }
 
-/// The pairs of a whole text.
-#[cfg(test)]
-pub(super) fn parse(text: &str) -> Result<Vec<Pair<'_>>, Failure> {
-    Lines { name: "pairs", header: false, count: 0 }.parse(text)
-}
-
 /// The pair in a row.
 fn pair(line: &str) -> Result<Pair<'_>, String> {
     let mut v = [0.0; 6];

@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use super::effort::EffortFlags;
 use super::error::Failure;
-use super::fitted::Job;
-use super::light::{Light, LightFlags};
+use super::light::LightFlags;
 use super::map::MapFlags;
 use super::source::{ReadFlags, SetupFlags};
-use super::trial::EffortFlags;
 use crate::fit::FitOptions;
 use crate::forward::Setup;
 use crate::measurement::Measurement;
 use crate::method::Kind;
 use crate::provenance::InputFile;
+use crate::reconstruct::{Light, Task};
 use crate::surface::Prepared;
 
 /// All flags of a sample.
@@ -56,15 +56,15 @@ impl SampleFlags {
 
 impl Loaded {
     /// What a reconstruction needs.
-    pub(super) fn job(&self) -> Job<'_> {
-        Job {
+    pub(super) fn task(&self) -> Task<'_> {
+        Task {
             measurement: &self.measurement,
             setup: self.setup,
             options: self.options,
             max_misfit: self.max_misfit,
             map: self.map.as_ref(),
             light: self.light.clone(),
-            input: &self.input,
+            input: Some(&self.input),
         }
     }
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use super::error::Failure;
 use super::map::MapFlags;
 use super::print;
-use super::validity::{KirchhoffFlags, Verdict};
+use super::validity::{self, KirchhoffFlags};
+use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures};
 use crate::surface::sanity::Insane;
 use crate::surface::spectrum::Anisotropy;
@@ -101,7 +102,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             answer.insert("anisotropy_chance".into(), anisotropy.map(|a| a.chance).into());
             answer.insert("directional".into(), anisotropy.map(|a| a.is_directional()).into());
             answer.insert("lay_deg".into(), anisotropy.map(|a| a.lay_deg).into());
-            let kirchhoff = verdict.as_ref().map(Verdict::json).transpose()?;
+            let kirchhoff =
+                verdict.as_ref().map(validity_json).transpose().map_err(Failure::bad)?;
             answer.insert("kirchhoff".into(), kirchhoff.into());
             answer.insert("edges".into(), loaded.edges.name().into());
             let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
@@ -109,7 +111,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         print(&format!("{answer:#}\n"))?;
     } else {
-        let waves = verdict.as_ref().map(Verdict::human).unwrap_or_default();
+        let waves = verdict.as_ref().map(validity::human).unwrap_or_default();
         print(&format!("{}{waves}", human(&loaded, &figures, anisotropy)))?;
     }
     files.map_or(Ok(()), |files| draw(files, &args.map, &loaded, spectrum.as_ref()))

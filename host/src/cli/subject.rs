@@ -1,7 +1,6 @@
 //! What a verb sends light on: a model, the table of one, or a height map as it is.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
@@ -9,13 +8,9 @@ use super::error::Failure;
 use super::light::LightFlags;
 use super::map::MapFlags;
 use super::source::number;
-use crate::boundary::Boundary;
-use crate::hybrid::HybridBoundary;
-use crate::kirchhoff::{Speckle, WaveBoundary};
-use crate::law_file::{self, Kind};
-use crate::method::{Surface, Waves};
-use crate::raytrace::{Field, TracedBoundary};
-use crate::surface::Preparation;
+use crate::kirchhoff::Speckle;
+use crate::method::Surface;
+use crate::reconstruct::{Engine, Lacking, NoSubject, Subject};
 
 /// How light is sent on a map, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -26,6 +21,16 @@ enum EngineFlag {
     Wave,
     /// Both: long waves of the map traced, short ones diffracting; needs --wavelength-nm
     Hybrid,
+}
+
+impl From<EngineFlag> for Engine {
+    fn from(flag: EngineFlag) -> Self {
+        match flag {
+            EngineFlag::Ray => Self::Ray,
+            EngineFlag::Wave => Self::Wave,
+            EngineFlag::Hybrid => Self::Hybrid,
+        }
+    }
 }
 
 /// Heading of the flags of a map that takes the place of a model.
@@ -52,84 +57,53 @@ pub(super) struct SubjectFlags {
     map_flags: MapFlags,
 }
 
-/// A boundary and where it came from.
-pub(super) struct Subject {
-    pub(super) boundary: Boundary,
-    /// Name of the method.
-    pub(super) method: String,
-    /// Refractive index; `None` for an opaque body.
-    pub(super) ior: Option<f64>,
-    /// The file.
-    pub(super) path: PathBuf,
-    /// How the map was prepared; `None` without one.
-    pub(super) map: Option<Preparation>,
-    /// What a table says of itself; `None` without one.
-    pub(super) table: Option<String>,
-}
-
 impl SubjectFlags {
     /// Reads the model, the table, or the map.
     ///
     /// `usual` is what becomes of the speckle of a map unless a flag says otherwise.
     pub(super) fn read(&self, usual: &[Speckle]) -> Result<Subject, Failure> {
         if let Some(path) = &self.model {
-            let (boundary, kind) = law_file::read(path)?;
-            let (method, ior, table) = (kind.method(), kind.ior(&boundary), kind.table());
-            if let Some(notice) = kind.notice() {
+            let subject = Subject::read(path)?;
+            if let Some(notice) = subject.notice {
                 eprintln!("warning: {}: {notice}", path.display());
             }
-            let map = match kind {
-                Kind::Model(model) => model.map.map(|map| map.preparation),
-                Kind::Table(_) => None,
-            };
             if self.light.are_given() {
                 return Err(Failure::bad(
                     "--wavelength-nm, --speckle and --shadowing belong to a map; a model has its own",
                 ));
             }
-            return Ok(Subject { boundary, method, ior, path: path.clone(), map, table });
+            return Ok(subject);
         }
         let (Some(path), Some(ior)) = (&self.map, self.ior) else {
             return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
         };
-        let eta = Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
-        if self.method == EngineFlag::Ray && self.light.are_given() {
+        // said before the map is read, which may take long
+        Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
+        let engine = Engine::from(self.method);
+        if !engine.is_wave() && self.light.are_given() {
             return Err(Failure::bad(
                 "--wavelength-nm, --speckle and --shadowing belong to --method wave or hybrid; leave them out",
             ));
         }
         let prepared = self.map_flags.load_for_light(path)?;
-        let of_file = |e: &dyn std::fmt::Display| Failure::bad(format!("{}: {e}", path.display()));
-        let (boundary, method) = match self.method {
-            EngineFlag::Ray => {
-                let field = Field::new(&prepared.map, prepared.edges).map_err(|e| of_file(&e))?;
-                (Boundary::Traced(TracedBoundary { field: Arc::new(field), eta }), "ray")
-            }
-            EngineFlag::Wave => {
-                let (map, edges) = (&prepared.map, prepared.edges);
-                let light = self.light.light(None)?;
-                let options = light.variant(Waves::AnySpeckle, (map, edges), usual);
-                let options = options.map_err(Failure::Bad)?;
-                let wave = WaveBoundary::of_map(map, edges, eta, &options);
-                (Boundary::Wave(Box::new(wave.map_err(|e| of_file(&e))?)), "wave")
-            }
-            EngineFlag::Hybrid => {
-                let (map, edges) = (&prepared.map, prepared.edges);
-                let light = self.light.light(None)?;
-                let options =
-                    light.variant(Waves::AveragedSpeckle, (map, edges), &[Speckle::Averaged]);
-                let options = options.map_err(Failure::Bad)?;
-                let hybrid = HybridBoundary::of_map(map, edges, eta, &options);
-                (Boundary::Hybrid(Box::new(hybrid.map_err(|e| of_file(&e))?)), "hybrid")
-            }
-        };
-        Ok(Subject {
-            boundary,
-            method: method.into(),
-            ior: Some(ior),
-            path: path.clone(),
-            map: Some(prepared.preparation),
-            table: None,
-        })
+        let light = self.light.light(None)?;
+        Ok(Subject::of_map(path, &prepared, ior, (engine, &light), usual)?)
     }
+}
+
+impl From<NoSubject> for Failure {
+    fn from(e: NoSubject) -> Self {
+        match e {
+            NoSubject::Unlit(unlit) => unlit.into(),
+            e => Self::bad(e),
+        }
+    }
+}
+
+/// What a table lacks, and how to make one that does not; `or` is another way, and begins the remedy.
+pub(super) fn lacking(path: &Path, lack: &Lacking, or: &str) -> Failure {
+    Failure::Bad(format!(
+        "{}: {lack}; {or}give one made by `asperity tabulate` with --side both --lobe both",
+        path.display()
+    ))
 }

@@ -1,7 +1,6 @@
 //! `tabulate`: the table of a model for a microcontroller.
 
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -183,8 +182,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let header = table.header();
     let rays = |salt| Rays { count: args.rays, seed: args.seed.wrapping_add(salt) };
-    let lobes = lobe_distances(&boundary, &table, rays(5), interrupt::flag());
-    let energy_error = energy_error(&boundary, &table, rays(7), interrupt::flag());
+    let lobes = lobe_distances(&boundary, &table, rays(5), interrupt::watch());
+    let energy_error = energy_error(&boundary, &table, rays(7), interrupt::watch());
     heeded()?;
     let answer = Answer {
         asperity: 1,
@@ -286,24 +285,20 @@ fn made(
     let rays = Rays { count: args.rays, seed: args.seed };
     let plan = Plan { lobes: lobes_of(sides, lobes), bytes, kept, rays };
     let bar = progress::bar(0, "tabulating");
-    let table = tabulate(boundary, &plan, interrupt::flag(), &|done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
+    let table = bar.watch(|watch| tabulate(boundary, &plan, watch));
     let table = table.map_err(|e| match e {
         NoTable::Stopped => Failure::No("interrupted before the table was made".into()),
         NoTable::Small(..) => Failure::bad(format!("--bytes: {e}")),
         e => Failure::bad(e),
     })?;
-    let distance = distance(boundary, &table, STEP, rays, interrupt::flag());
+    let distance = distance(boundary, &table, STEP, rays, interrupt::watch());
     heeded()?;
     Ok((table, distance))
 }
 
 /// Ends the comparison of a table with its model if the user has asked to.
 fn heeded() -> Result<(), Failure> {
-    if interrupt::flag().load(Ordering::SeqCst) {
+    if interrupt::asked() {
         return Err(Failure::No("interrupted before the table was compared with its model".into()));
     }
     Ok(())

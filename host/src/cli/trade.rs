@@ -2,18 +2,18 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 
 use super::error::{Failure, all};
+use super::fitted::{trials, warn_of_failed};
 use super::sample::{Loaded, SampleFlags, methods};
 use super::source::{number, parse_rays};
-use super::trial::usually_asked;
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
 use crate::forward::Rays;
 use crate::model::Model;
 use crate::output::AtomicFile;
 use crate::plot;
+use crate::reconstruct::usually_asked;
 use crate::report::TradeReport;
 use crate::trade::{Axis, Device, NoDevice, Scan, Subject, Work, choose, rows};
 
@@ -211,11 +211,11 @@ struct Trade<'a> {
 impl Trade<'_> {
     /// Fits one method after the other and measures each fit.
     fn fits(&mut self, loaded: &Loaded, names: &[String]) -> Result<(), Failure> {
-        let job = loaded.job();
+        let task = loaded.task();
         let plan: Vec<_> =
-            names.iter().map(|n| (n, job.methods(n, None, &usually_asked))).collect();
+            names.iter().map(|n| (n, trials(&task, n, None, &usually_asked))).collect();
         if let (true, Some((_, Err(why)))) = (plan.iter().all(|p| p.1.is_err()), plan.first()) {
-            return Err(Failure::bad(format!("{}: {why}", job.input.path)));
+            return Err(Failure::bad(format!("{}: {why}", loaded.input.path)));
         }
         self.report.by_scan = true;
         let scan = Scan::of(&loaded.measurement, loaded.setup);
@@ -223,11 +223,10 @@ impl Trade<'_> {
             if stopped() {
                 break;
             }
-            let found = match trial {
-                Ok(methods) => job.run(methods, "").map_err(|e| e.to_string()),
-                Err(why) => Err(why.clone()),
-            };
-            match found {
+            let bar = progress::counter("");
+            let (attempt, failed) = bar.watch(|watch| task.attempt(name, trial, watch));
+            warn_of_failed(&failed);
+            match attempt.result {
                 // a fit that was cut short is not finished
                 Ok(_) if stopped() => break,
                 Ok((entry, _)) => {
@@ -270,19 +269,13 @@ impl Trade<'_> {
 
     fn measure(&mut self, subject: &Subject<'_>) {
         let formulas = 5;
-        let bar = progress::bar((formulas + self.args.table_kib.len()) as u64, subject.method);
-        let work = Work {
-            table_kib: &self.args.table_kib,
-            rays: Rays { count: self.args.table_rays, seed: 1 },
-            device: self.device.as_ref().ok(),
-            stop: interrupt::flag(),
-            progress: &|what| {
-                bar.set_message(what.to_owned());
-                bar.inc(1);
-            },
-        };
-        let (rows, notes) = rows(subject, &work);
-        bar.finish_and_clear();
+        let steps = formulas + self.args.table_kib.len();
+        let bar = progress::steps(steps as u64, subject.method);
+        let (rows, notes) = bar.watch(|watch| {
+            let rays = Rays { count: self.args.table_rays, seed: 1 };
+            let (table_kib, device) = (&self.args.table_kib, self.device.as_ref().ok());
+            rows(subject, &Work { table_kib, rays, device, watch })
+        });
         self.report.rows.extend(rows);
         for note in notes {
             if !self.report.notes.contains(&note) {
@@ -293,7 +286,7 @@ impl Trade<'_> {
 }
 
 fn stopped() -> bool {
-    interrupt::flag().load(Ordering::SeqCst)
+    interrupt::asked()
 }
 
 /// Whether a file is a model: JSON begins with a brace.

@@ -7,13 +7,13 @@ use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 
 use super::error::Failure;
-use super::light::Light;
+use super::progress;
 use super::source::number;
-use super::{interrupt, progress};
 use crate::energy;
 use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeValidity};
 use crate::kirchhoff::{Speckle, Validity, WaveBoundary, Wavelengths};
 use crate::method::{Surface, Waves};
+use crate::reconstruct::Light;
 use crate::surface::{Edges, HeightMap};
 
 /// Light on a map; both the index and the wavelength, or neither.
@@ -44,9 +44,6 @@ pub(super) struct Question {
     incidences_deg: Vec<f64>,
 }
 
-/// The answer.
-pub(super) struct Verdict(Validity);
-
 impl KirchhoffFlags {
     /// What the flags ask; `None` without them.
     ///
@@ -72,105 +69,75 @@ impl KirchhoffFlags {
 
 impl Question {
     /// The answer for a map; with the balance that `check` would find, unless the map is too large for waves.
-    pub(super) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Verdict, Failure> {
+    pub(super) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Validity, Failure> {
         let light = Light::of(self.wavelengths.clone());
         let Ok(options) = light.variant(Waves::AnySpeckle, (map, edges), &[Speckle::Averaged])
         else {
             let found = Validity::of(map, edges, self.eta, &self.wavelengths, &self.incidences_deg);
-            return found.map(Verdict).map_err(Failure::bad);
+            return found.map_err(Failure::bad);
         };
         let wave = WaveBoundary::of_map(map, edges, self.eta, &options).map_err(Failure::bad)?;
         let bar = progress::bar(0, "balancing");
-        let found =
-            energy::verdict(&wave, &self.incidences_deg, interrupt::flag(), &|done, all| {
-                bar.set_length(all as u64);
-                bar.set_position(done as u64);
-            });
-        bar.finish_and_clear();
-        let found = found.map_err(Failure::bad)?;
-        found.map(Verdict).ok_or_else(|| Failure::No("interrupted before the end".into()))
+        let found = bar.watch(|watch| energy::verdict(&wave, &self.incidences_deg, watch));
+        found.map_err(Failure::bad)?.ok_or_else(|| Failure::No("interrupted before the end".into()))
     }
 }
 
-impl Verdict {
-    /// All figures, whether all holds, and the warnings.
-    pub(super) fn json(&self) -> Result<serde_json::Value, Failure> {
-        let mut value = serde_json::to_value(&self.0).map_err(Failure::bad)?;
-        let warnings = self.0.warnings();
-        if let Some(object) = value.as_object_mut() {
-            object.insert("holds".into(), warnings.is_empty().into());
-            object.insert("warnings".into(), warnings.into());
-        }
-        Ok(value)
-    }
-
-    /// The verdict of a balance that was made, for the lobes that were looked at.
-    pub(super) fn of_balance(validity: Validity) -> Self {
-        Self(validity)
-    }
-
-    /// What has to be said.
-    pub(super) fn warnings(&self) -> Vec<String> {
-        self.0.warnings()
-    }
-
-    /// A line for each lobe.
-    pub(super) fn table(&self) -> String {
-        let mut text = "from        lobe          nm        deg     facets %  curved %  phase %   \
+/// A line for each lobe.
+pub(super) fn table(validity: &Validity) -> String {
+    let mut text = "from        lobe          nm        deg     facets %  curved %  phase %   \
                         length      reading   diffuse\n"
-            .to_owned();
-        for l in &self.0.lobes {
-            let side = if l.side == Side::Air { "air" } else { "inside" };
-            let lobe = if l.lobe == Lobe::Reflection { "reflection" } else { "transmission" };
-            let verdict = |passes| if passes { "passes" } else { "fails" };
-            // writing to a String cannot fail
-            let _ = writeln!(
-                text,
-                "{side:<11} {lobe:<13} {:<9} {:<7} {:<9.2} {:<9.2} {:<9.2} {:<11} {:<9} {}",
-                l.wavelength_nm,
-                l.incidence_deg,
-                100.0 * l.violating.any,
-                100.0 * l.curved_fraction,
-                100.0 * l.undersampled_fraction,
-                length(l),
-                verdict(l.passes),
-                verdict(l.diffuse_passes)
-            );
-        }
-        text
+        .to_owned();
+    for l in &validity.lobes {
+        let side = if l.side == Side::Air { "air" } else { "inside" };
+        let lobe = if l.lobe == Lobe::Reflection { "reflection" } else { "transmission" };
+        let verdict = |passes| if passes { "passes" } else { "fails" };
+        // writing to a String cannot fail
+        let _ = writeln!(
+            text,
+            "{side:<11} {lobe:<13} {:<9} {:<7} {:<9.2} {:<9.2} {:<9.2} {:<11} {:<9} {}",
+            l.wavelength_nm,
+            l.incidence_deg,
+            100.0 * l.violating.any,
+            100.0 * l.curved_fraction,
+            100.0 * l.undersampled_fraction,
+            length(l),
+            verdict(l.passes),
+            verdict(l.diffuse_passes)
+        );
     }
+    text
+}
 
-    /// The figures, a line for each lobe, and all warnings.
-    pub(super) fn human(&self) -> String {
-        let v = &self.0;
-        let or_none =
-            |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
-        let mut text = format!(
-            "\nKirchhoff   n {}, {} nm\n\
+/// The figures, a line for each lobe, and all warnings.
+pub(super) fn human(v: &Validity) -> String {
+    let or_none =
+        |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
+    let mut text = format!(
+        "\nKirchhoff   n {}, {} nm\n\
              Rq / l      {} (eq. 10)\n\
              most angle  {} deg (eq. 11: cos theta > {COS_RQ_OVER_ACL} Rq / l)\n\
              corr. areas {}\n\
              structures  {} um, sqrt(2) Rq over the steepest slope {:.4}\n",
-            v.ior,
-            v.wavelengths,
-            or_none(v.rq_over_acl, 4),
-            or_none(v.most_angle_deg, 1),
-            or_none(v.correlation_areas, 0),
-            or_none(v.correlation_um, 3),
-            v.steepest_slope
-        );
-        text += &self.table();
-        let _ = writeln!(
-            text,
-            "reading: with the specular light, to 1 % of its peak; diffuse: the diffuse light alone. facets: share that turns light \
+        v.ior,
+        v.wavelengths,
+        or_none(v.rq_over_acl, 4),
+        or_none(v.most_angle_deg, 1),
+        or_none(v.correlation_areas, 0),
+        or_none(v.correlation_um, 3),
+        v.steepest_slope
+    );
+    text += &table(v);
+    let _ = writeln!(
+        text,
+        "reading: with the specular light, to 1 % of its peak; diffuse: the diffuse light alone. facets: share that turns light \
              too far or shadows it. curved: 2 pi R cos^3 <= {CURVATURE_WAVELENGTHS} lambda (eq. 9). length: of structures, in \
              wavelengths, / what diffuse light alone needs"
-        );
-        for warning in v.warnings() {
-            let _ = writeln!(text, "warning: {warning}");
-        }
-        text
+    );
+    for warning in v.warnings() {
+        let _ = writeln!(text, "warning: {warning}");
     }
+    text
 }
 
 /// Length of the structures beside what the diffuse light needs.

@@ -5,8 +5,6 @@
 //! it begins again, until it ends where it began. There value and derivatives are those of the full simulation, and so
 //! is the minimum.
 
-use std::sync::atomic::Ordering;
-
 use super::problem::Problem;
 use super::simplex::{End, Search, Stopped};
 use crate::forward::{Effort, Readings};
@@ -56,7 +54,7 @@ pub(super) fn about(
     }
     let parts = |values: &[f64]| {
         count();
-        let is_stopped = problem.stop().load(Ordering::Relaxed);
+        let is_stopped = problem.watch().is_stopped();
         if is_stopped { Ok(None) } else { parts(problem, values) }
     };
     let point = problem.to_free(values);

@@ -29,6 +29,7 @@ use crate::boundary::Boundary;
 use crate::forward::{Effort, Neglected, Plan, Rays, Readings, Setup};
 use crate::measurement::{Measurement, noise};
 use crate::method::{BuildError, Method, Parameter, Surface};
+use crate::watch::Watch;
 
 use problem::Problem;
 use simplest::Found;
@@ -186,8 +187,7 @@ const MOST_STARTS: usize = 2;
 
 /// Fits `method` to a measurement.
 ///
-/// `progress(done)` is called with the number of evaluations so far. When `stop` is set the fit ends
-/// with the best values it has.
+/// `watch` is told the number of evaluations so far. A fit that is stopped ends with the best values it has.
 ///
 /// # Errors
 /// [`FitError`]; a fit that does not converge is a result, not an error.
@@ -196,11 +196,10 @@ pub fn fit(
     measurement: &Measurement,
     setup: &Setup,
     options: &FitOptions,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(u64) + Sync),
+    watch: Watch<'_>,
 ) -> Result<Fit, FitError> {
     let begun = Instant::now();
-    let mut problem = Problem::new(method, measurement, setup, options, stop);
+    let mut problem = Problem::new(method, measurement, setup, options, watch);
     if problem.parameters().len() > measurement.readings().len() {
         return Err(FitError::TooFewReadings {
             readings: measurement.readings().len(),
@@ -209,7 +208,7 @@ pub fn fit(
     }
     problem.check_fixed()?;
     let all = problem.parameters().to_vec();
-    let mut search = Search::new(stop, progress, options.max_evaluations);
+    let mut search = Search::new(watch, options.max_evaluations);
 
     // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
     let (draft_tolerance, tolerance) = if problem.is_traced() {
@@ -315,9 +314,9 @@ pub fn cost_at(
     setup: &Setup,
     options: &FitOptions,
     values: &[f64],
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Option<f64> {
-    let problem = Problem::new(method, measurement, setup, options, stop);
+    let problem = Problem::new(method, measurement, setup, options, watch);
     let readings = problem.simulate(values, Effort::Full).ok()??;
     Some(problem.cost_of(&readings.values))
 }
@@ -341,26 +340,26 @@ fn last_readings(
     if !problem.is_traced() {
         return problem.simulate(values, Effort::Full);
     }
-    let stop = problem.stop();
+    let watch = problem.watch();
     let seed = options.rays.seed.wrapping_add(1);
-    let with = |count, stop: &AtomicBool| problem.simulate_last(values, Rays { count, seed }, stop);
-    if stop.load(Ordering::Relaxed) {
+    let with = |count, watch: Watch<'_>| problem.simulate_last(values, Rays { count, seed }, watch);
+    if watch.is_stopped() {
         // The best values so far deserve figures, however noisy.
-        return soon(|late| with(options.rays.draft, late));
+        return soon(|late| with(options.rays.draft, Watch::silent(late)));
     }
     if let Some(count) = options.rays.last {
-        return with(count, stop);
+        return with(count, watch);
     }
     let count = problem.full_rays();
-    let Some(first) = with(count, stop)? else {
-        return soon(|late| with(options.rays.draft, late));
+    let Some(first) = with(count, watch)? else {
+        return soon(|late| with(options.rays.draft, Watch::silent(late)));
     };
     let noise = noise_percent(&first, measurement).unwrap_or(0.0);
     if noise <= FitRays::NOISE_PERCENT {
         return Ok(Some(first));
     }
     let count = FitRays::for_noise(count, noise, FitRays::NOISE_PERCENT).min(FitRays::MOST);
-    Ok(with(count as u64, stop)?.or(Some(first)))
+    Ok(with(count as u64, watch)?.or(Some(first)))
 }
 
 /// How long a user who has asked to stop waits for the figures of the best values.

@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use super::later::Later;
 use crate::boundary::Boundary;
@@ -10,13 +9,14 @@ use crate::fit::{FitOptions, Objective};
 use crate::forward::{Effort, Plan, Rays, Readings, Sample, Setup, simulate};
 use crate::measurement::Measurement;
 use crate::method::{BuildError, Method, Parameter, Scale, Surface};
+use crate::watch::Watch;
 
 /// A method, a measurement, and what is free.
 #[derive(Clone)]
 pub(super) struct Problem<'a> {
     method: &'a dyn Method,
     options: &'a FitOptions,
-    stop: &'a AtomicBool,
+    watch: Watch<'a>,
     setup: Setup,
     plan: Plan,
     measured: Cow<'a, [f64]>,
@@ -43,7 +43,7 @@ impl<'a> Problem<'a> {
         measurement: &Measurement,
         setup: &Setup,
         options: &'a FitOptions,
-        stop: &'a AtomicBool,
+        watch: Watch<'a>,
     ) -> Self {
         let mut parameters = method.parameters().to_vec();
         if options.fit_ior && options.surface != Surface::Opaque {
@@ -55,7 +55,7 @@ impl<'a> Problem<'a> {
         Self {
             method,
             options,
-            stop,
+            watch,
             setup: *setup,
             plan: Plan::of(measurement),
             measured: measurement.readings().iter().map(|r| r.value).collect(),
@@ -73,8 +73,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Set when the user wants to stop.
-    pub(super) fn stop(&self) -> &AtomicBool {
-        self.stop
+    pub(super) fn watch(&self) -> Watch<'a> {
+        self.watch
     }
 
     /// The same with fewer readings: evenly thinned, each incidence's largest kept. A simulation that traces rays
@@ -227,9 +227,9 @@ impl<'a> Problem<'a> {
     ) -> Result<Option<Readings>, BuildError> {
         let ready = self.ready(values)?;
         let Some(later) = self.later.as_ref().filter(|_| effort == Effort::Full) else {
-            return Ok(ready.readings(effort, self.rays(effort), self.stop));
+            return Ok(ready.readings(effort, self.rays(effort), self.watch));
         };
-        let first = ready.readings(Effort::First, self.rays(effort), self.stop);
+        let first = ready.readings(Effort::First, self.rays(effort), self.watch);
         Ok(first.map(|readings| later.added(readings, &self.to_free(values))))
     }
 
@@ -248,9 +248,9 @@ impl<'a> Problem<'a> {
         &self,
         values: &[f64],
         rays: Rays,
-        stop: &AtomicBool,
+        watch: Watch<'_>,
     ) -> Result<Option<Readings>, BuildError> {
-        Ok(self.ready(values)?.readings(Effort::Full, rays, stop))
+        Ok(self.ready(values)?.readings(Effort::Full, rays, watch))
     }
 
     /// What a fit minimises; `None` if the user stopped it.
@@ -267,7 +267,7 @@ impl<'a> Problem<'a> {
         let rays = self.rays(effort);
         let half = |seed| {
             let rays = Rays { count: rays.count.div_ceil(2), seed };
-            ready.readings(effort, rays, self.stop).map(|r| r.values)
+            ready.readings(effort, rays, self.watch).map(|r| r.values)
         };
         let (Some(a), Some(b)) = (half(rays.seed), half(rays.seed ^ (1 << 63))) else {
             return Ok(None);
@@ -389,8 +389,8 @@ struct Ready<'a> {
 }
 
 impl Ready<'_> {
-    fn readings(&self, effort: Effort, rays: Rays, stop: &AtomicBool) -> Option<Readings> {
-        let mut readings = simulate(&self.boundary, &self.setup, self.plan, effort, rays, stop)?;
+    fn readings(&self, effort: Effort, rays: Rays, watch: Watch<'_>) -> Option<Readings> {
+        let mut readings = simulate(&self.boundary, &self.setup, self.plan, effort, rays, watch)?;
         if let Some(gain) = self.gain {
             readings.values.iter_mut().for_each(|r| *r *= gain);
             readings.neglected.reading *= gain;

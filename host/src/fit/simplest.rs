@@ -145,7 +145,7 @@ impl Sum {
         // rays that the fit has not seen: it chose its values to suit the noise of its own
         let half = |turned: u64| {
             let seed = rays.seed ^ turned;
-            problem.simulate_last(values, Rays { seed, ..rays }, problem.stop())
+            problem.simulate_last(values, Rays { seed, ..rays }, problem.watch())
         };
         let (Some(one), Some(other)) = (half(0)?, half(1 << 63)?) else { return Ok(None) };
         let (a, b) = (problem.residuals(&one.values), problem.residuals(&other.values));

@@ -1,13 +1,14 @@
 //! Nelder-Mead through argmin, guarded: no infinite or undefined cost ever reaches it.
 
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use argmin::core::{CostFunction, Error, Executor, State, TerminationReason, TerminationStatus};
 use argmin::solver::neldermead::NelderMead;
 
 use super::problem::Problem;
 use crate::forward::Effort;
+use crate::watch::Watch;
 
 /// The cost of values that give no finite error; larger than any that do.
 pub(super) const IMPOSSIBLE: f64 = 1e9;
@@ -26,20 +27,15 @@ pub(super) struct End {
 
 /// Counts evaluations and remembers the best values over several searches.
 pub(super) struct Search<'a> {
-    stop: &'a AtomicBool,
-    progress: &'a (dyn Fn(u64) + Sync),
+    watch: Watch<'a>,
     budget: u64,
     evaluations: AtomicU64,
     best: Mutex<Option<(f64, Vec<f64>)>>,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(
-        stop: &'a AtomicBool,
-        progress: &'a (dyn Fn(u64) + Sync),
-        budget: u64,
-    ) -> Self {
-        Self { stop, progress, budget, evaluations: AtomicU64::new(0), best: Mutex::new(None) }
+    pub(super) fn new(watch: Watch<'a>, budget: u64) -> Self {
+        Self { watch, budget, evaluations: AtomicU64::new(0), best: Mutex::new(None) }
     }
 
     pub(super) fn evaluations(&self) -> u64 {
@@ -56,11 +52,11 @@ impl<'a> Search<'a> {
     /// Counts an evaluation.
     pub(super) fn count(&self) {
         let done = self.evaluations.fetch_add(1, Ordering::Relaxed) + 1;
-        (self.progress)(done);
+        self.watch.done(done as usize, 0);
     }
 
     pub(super) fn interrupted(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.watch.is_stopped()
     }
 
     /// The best values of the search under way, or others.

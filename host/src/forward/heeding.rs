@@ -1,9 +1,9 @@
 //! A boundary that loses all light once the user has asked to stop.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use asperity_core::bsdf::{Scatter, Scattered};
 use asperity_core::direction::Direction;
+
+use crate::watch::Watch;
 
 /// Looks at `stop` before every ray: on steep maps a ray takes a thousand times what it takes on others, so that no
 /// number of rays is a measure of time. To look costs a nanosecond. What was traced then is to be thrown away.
@@ -12,7 +12,7 @@ pub(crate) struct Heeding<'a, S> {
     /// The boundary.
     pub(crate) boundary: &'a S,
     /// Set when the user wants to stop.
-    pub(crate) stop: &'a AtomicBool,
+    pub(crate) watch: Watch<'a>,
 }
 
 impl<S: Scatter<f64>> Scatter<f64> for Heeding<'_, S> {
@@ -22,7 +22,7 @@ impl<S: Scatter<f64>> Scatter<f64> for Heeding<'_, S> {
         wi: Direction<f64>,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
-        if self.stop.load(Ordering::Relaxed) { None } else { self.boundary.sample(wi, uniform) }
+        if self.watch.is_stopped() { None } else { self.boundary.sample(wi, uniform) }
     }
 }
 
@@ -36,6 +36,7 @@ mod tests {
 
     use crate::forward::{Incidence, Rays, Sample, Setup, count_flux_until, monte_carlo};
     use crate::measurement::Quantity;
+    use crate::watch::Watch;
 
     /// The user stops at the hundredth ray.
     #[derive(Default)]
@@ -63,7 +64,7 @@ mod tests {
         // numbers alone for a billion rays would take the whole time of all tests
         let rays = Rays { count: 1_000_000_000_000, seed: 1 };
         let wi = Direction::from_unit(0.0, 0.0, 1.0);
-        count_flux_until(&boundary, wi, rays, &boundary.stop);
+        count_flux_until(&boundary, wi, rays, Watch::silent(&boundary.stop));
         let most = 101 + rayon::current_num_threads() as u64;
         assert!(boundary.rays.load(Ordering::Relaxed) <= most);
     }
@@ -79,7 +80,9 @@ mod tests {
         };
         let angles = Incidence { sigma_deg: 0.0, theta_deg: vec![0.0] };
         let rays = Rays { count: 1_000_000, seed: 1 };
-        assert!(monte_carlo(&boundary, &setup, &angles, rays, &boundary.stop, &|_| ()).is_none());
+        assert!(
+            monte_carlo(&boundary, &setup, &angles, rays, Watch::silent(&boundary.stop)).is_none()
+        );
         // one more a thread may have been on its way
         let most = 101 + rayon::current_num_threads() as u64;
         assert!(boundary.rays.load(Ordering::Relaxed) <= most);

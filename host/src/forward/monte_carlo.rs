@@ -1,8 +1,6 @@
 //! Readings by Monte Carlo, with their own error: the only way for boundaries that cannot be
 //! evaluated, and the independent twin of the quadrature for those that can.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use asperity_core::bsdf::Scatter;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::gonio::{Goniophotometer, incidence};
@@ -13,6 +11,7 @@ use super::heeding::Heeding;
 use super::rays::{Rays, Tiles};
 use super::{Incidence, Sample, Setup, solid_angle};
 use crate::measurement::Quantity;
+use crate::watch::Watch;
 
 /// Readings of one incidence with their statistical error.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +32,7 @@ const GROUP: u64 = 64;
 /// Simulates one incidence of a scan.
 ///
 /// The same bits for any number of threads: tiles are fixed, seeded each, and summed in order.
-/// `None` if `stop` was set before the end. `progress` is called with the rays done since the last call.
+/// `None` if it was stopped before the end. `watch` is told of more rays.
 /// The aperture of the setup must be larger than 0, or no ray is received.
 ///
 /// Errors are found from the differences of neighbouring rays; they are a little too large, for
@@ -43,14 +42,13 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
     setup: &Setup,
     angles: &Incidence,
     rays: Rays,
-    stop: &AtomicBool,
-    progress: &(impl Fn(u64) + Sync + ?Sized),
+    watch: Watch<'_>,
 ) -> Option<MonteCarlo> {
     let tiles = rays.tiles(angles.sigma_deg);
-    let heeding = Heeding { boundary, stop };
+    let heeding = Heeding { boundary, watch };
     let one = |number: u64| {
         let done = Tile::trace(&heeding, setup, angles, tiles, number);
-        progress(u64::from(tiles.rays_each()));
+        watch.more(u64::from(tiles.rays_each()));
         done
     };
     let mut sum = Tile::new(angles.theta_deg.len());
@@ -62,7 +60,7 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
         for tile in group {
             sum.add(&tile);
         }
-        if stop.load(Ordering::Relaxed) {
+        if watch.is_stopped() {
             return None;
         }
         from = to;
@@ -89,22 +87,22 @@ pub fn count_flux<S: Scatter<f64> + Sync>(
     wi: Direction<f64>,
     rays: Rays,
 ) -> Outcome<f64> {
-    count_flux_until(boundary, wi, rays, &AtomicBool::new(false))
+    count_flux_until(boundary, wi, rays, Watch::nobody())
 }
 
-/// The same; once `stop` is set the rest of the rays is lost, and the outcome means nothing.
+/// The same; once it is stopped the rest of the rays is lost, and the outcome means nothing.
 pub(crate) fn count_flux_until<S: Scatter<f64> + Sync>(
     boundary: &S,
     wi: Direction<f64>,
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Outcome<f64> {
-    let boundary = &Heeding { boundary, stop };
+    let boundary = &Heeding { boundary, watch };
     let tiles = rays.tiles(wi.z());
     let one = |number: u64| {
         let mut sum = [0.0; 2];
         // even to draw the numbers of very many rays takes minutes
-        if stop.load(Ordering::Relaxed) {
+        if watch.is_stopped() {
             return sum;
         }
         for k in 0..tiles.rays_each() {

@@ -1,15 +1,14 @@
 //! One entrance to all engines: quadrature where the boundary can be evaluated, with what waves and the coherent
 //! light of a table add, else Monte Carlo.
 
-use std::sync::atomic::AtomicBool;
-
 use super::quadrature::Neglected;
 use super::{Effort, Plan, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave};
 use crate::boundary::{Boundary, with_boundary};
+use crate::watch::Watch;
 
 /// Simulates a scan; `rays` are for a boundary that must be traced.
 ///
-/// `None` if `stop` was set before the end of a Monte Carlo simulation. Rays of the same seed are the
+/// `None` if it was stopped before the end of a Monte Carlo simulation. Rays of the same seed are the
 /// same for every boundary: what two simulations differ by is the surface, not chance.
 pub fn simulate(
     boundary: &Boundary,
@@ -17,10 +16,10 @@ pub fn simulate(
     plan: &Plan,
     effort: Effort,
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Option<Readings> {
     if let Boundary::Wave(b) = boundary {
-        return wave(b, setup, plan, effort, stop, &|_, _| ());
+        return wave(b, setup, plan, effort, watch.quiet());
     }
     let effort = match (boundary, effort) {
         (Boundary::Table(_), Effort::Full) => Effort::Fine,
@@ -31,7 +30,7 @@ pub fn simulate(
     traced t => {
         let (mut values, mut std_errors) = (Vec::new(), Vec::new());
         for angles in &plan.incidences {
-            let done = monte_carlo(t, setup, angles, rays, stop, &|_| ())?;
+            let done = monte_carlo(t, setup, angles, rays, watch.quiet())?;
             values.extend(done.values);
             std_errors.extend(done.std_errors);
         }

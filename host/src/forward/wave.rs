@@ -4,8 +4,6 @@
 //! ones count the orders of this very map whose directions fall into the cones. Between its faces the plate is
 //! thick: intensities add, and what meets the rough face again follows the mean law.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 use asperity_core::fresnel;
@@ -17,19 +15,19 @@ use super::coherent::{self, Hits};
 use super::optics::{Entry, enter, look};
 use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature};
 use crate::kirchhoff::{Beam, BeamOrders, Speckle, Tiling, WaveBoundary, orders};
+use crate::watch::Watch;
 
-/// Simulates a scan; `None` if `stop` was set before the end. `progress(done, all)` counts transforms.
+/// Simulates a scan; `None` if it was stopped before the end. `watch` is told the transforms done.
 pub fn wave(
     boundary: &WaveBoundary,
     setup: &Setup,
     plan: &Plan,
     effort: Effort,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Option<Readings> {
     match boundary.speckle() {
         Speckle::Averaged => Some(averaged(boundary, setup, plan, effort)),
-        Speckle::Kept | Speckle::Patch => kept(boundary, setup, plan, effort, stop, progress),
+        Speckle::Kept | Speckle::Patch => kept(boundary, setup, plan, effort, watch),
     }
 }
 
@@ -54,8 +52,7 @@ fn kept(
     setup: &Setup,
     plan: &Plan,
     effort: Effort,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Option<Readings> {
     let mut readings = if effort.has_passes() {
         quadrature(boundary, setup, plan, Effort::Passes)
@@ -69,7 +66,7 @@ fn kept(
     let all: Vec<Beams<'_>> =
         plan.incidences.iter().map(|angles| Beams::new(boundary, setup, angles)).collect();
     let beams: Vec<Beam> = all.iter().flat_map(Beams::first).collect();
-    let found = orders(boundary.map(), boundary.tiling(), boundary.eta(), &beams, stop, progress);
+    let found = orders(boundary.map(), boundary.tiling(), boundary.eta(), &beams, watch);
     // the map of a boundary is complete
     let found = found.ok().flatten()?;
     let wavelengths: Vec<f64> = boundary.wavelengths().iter().map(|w| w.1).collect();
@@ -78,7 +75,7 @@ fn kept(
         .zip(found.par_chunks(wavelengths.len()))
         .map(|(one, orders)| one.received(orders, &wavelengths))
         .collect();
-    if stop.load(Ordering::Relaxed) {
+    if watch.is_stopped() {
         return None;
     }
     let (mut from, mut std_errors) = (0, Vec::with_capacity(readings.values.len()));

@@ -6,8 +6,6 @@
 //! rounding of f32. Cost: planes (the range of `q_z` times that of heights over 2 pi, half as many again)
 //! times N log N.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
 use rayon::prelude::*;
@@ -20,6 +18,7 @@ use super::optics::{Beam, Optics};
 use super::patch::{Aperture, incident_share, shares};
 use super::stack::{Plane, Stack, Tiling};
 use crate::surface::{Edges, HeightMap, Incomplete};
+use crate::watch::Watch;
 
 /// Amplitudes that are in memory at once; more beams are worked on in turns.
 const MOST_AMPLITUDES: usize = 96 << 20;
@@ -79,9 +78,9 @@ struct Column {
     amplitudes: Vec<Complex<f32>>,
 }
 
-/// The orders of several beams on a map, in their order; `None` if `stop` was set before the end.
+/// The orders of several beams on a map, in their order; `None` if it was stopped before the end.
 ///
-/// `progress(done, all)` counts planes. The same bits for any number of threads.
+/// `watch` is told the planes done. The same bits for any number of threads.
 ///
 /// # Errors
 /// [`Incomplete`] if points of the map are missing.
@@ -90,8 +89,7 @@ pub fn orders(
     tiling: impl Into<Tiling>,
     eta: RelativeIor<f64>,
     beams: &[Beam],
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Result<Option<Vec<BeamOrders>>, Incomplete> {
     let stack = Stack::new(map, tiling.into())?;
     let mut found: Vec<BeamOrders> = Vec::with_capacity(beams.len());
@@ -108,12 +106,12 @@ pub fn orders(
             // the groups to come are about as long
             let all = done + count * (1 + (beams.len() - k - 1).div_ceil(group.len()));
             let mut now = done;
-            let finished = stack.each(planes, stop, |plane| {
+            let finished = stack.each(planes, watch, |plane| {
                 for beam in &mut group {
                     beam.add(&stack, plane);
                 }
                 now += 1;
-                progress(now, all);
+                watch.done(now, all);
             });
             if !finished {
                 return Ok(None);

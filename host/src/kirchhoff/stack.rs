@@ -1,7 +1,5 @@
 //! The stack of transforms over `q_z` that all orders of all beams share.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use rustfft::num_complex::Complex;
 
 use super::fft::{Coefficients, Fourier};
@@ -9,6 +7,7 @@ use super::kernel::{Kernel, WIDTH};
 use super::patch::{Rim, RimPlane};
 use super::screen::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};
+use crate::watch::Watch;
 
 /// What lies around a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,13 +106,13 @@ impl Stack {
     pub(super) fn each(
         &self,
         planes: std::ops::Range<i64>,
-        stop: &AtomicBool,
+        watch: Watch<'_>,
         mut take: impl FnMut(&Plane<'_>),
     ) -> bool {
         let mut room = self.fourier.room();
         let nx = self.size[0];
         for number in planes {
-            if stop.load(Ordering::Relaxed) {
+            if watch.is_stopped() {
                 return false;
             }
             let q_z = number as f64 * self.kernel.distance;

@@ -1,6 +1,33 @@
-//! From a scan to a result, as every front end does it: the command line and the Python package call this, and add only how
-//! their users say things.
+//! From files to a result, as every front end does it. The command line and the Python package call this, and add only how
+//! their users say things: requests come in as structs with usual values, results go out as structs, and an error is an enum
+//! that says what is wrong; the front end adds the flag or the argument that mends it.
+//!
+//! | to do | call |
+//! |---|---|
+//! | fit a scan that says all of itself | [`fit_scan`] |
+//! | body and instrument of a scan | [`Said::about`] |
+//! | one method on one sample: the laws and speckles tried, the one kept | [`Task::trials`], [`Task::fit`] |
+//! | every method on every sample | [`Comparison`], filled by [`Task::attempt`] |
+//! | a model, a table, or a map as a boundary | [`Subject`] |
+//! | a scan or a balance of one | [`ScanRequest::run`], [`CheckRequest::run`] |
 
 mod situation;
+mod light;
+mod needed;
+mod subject;
+mod header;
+mod scan;
+mod check;
+mod found;
+mod task;
+mod comparison;
 
+pub use check::{Check, CheckRequest, NoBalance, validity_json};
+pub use comparison::{Attempt, Comparison, SampleResult};
+pub use found::{Entry, Found};
+pub use light::{Light, Unlit};
+pub use needed::{Lacking, Lobes};
+pub use scan::{NoScan, ScanRequest, VirtualScan};
 pub use situation::{Said, Situation, Unclear, check_aperture, check_plate};
+pub use subject::{Engine, NoSubject, Subject};
+pub use task::{FitScanError, Task, Trials, Unusable, fit_scan, usually_asked};

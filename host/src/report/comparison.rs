@@ -1,112 +1,10 @@
-//! Several methods on several samples: what was found, which is best, and what is known of the others.
+//! The tables of a comparison: errors of all methods, and each sample method by method.
 
 use super::grid::{Cell, Grid};
-use super::{Entry, parameters_text};
-use crate::model::Model;
-
-/// Every method on every sample.
-#[derive(Clone, Debug)]
-pub struct Comparison {
-    /// One line.
-    pub title: String,
-    /// What the data are, in a few sentences.
-    pub what: String,
-    /// The methods, one column each.
-    pub methods: Vec<String>,
-    /// The samples, one row each.
-    pub samples: Vec<SampleResult>,
-    /// Whether it is said how long the fits took, all that differs between two runs.
-    pub timing: bool,
-}
-
-/// All methods on one sample.
-#[derive(Clone, Debug)]
-pub struct SampleResult {
-    /// What its files are called by.
-    pub name: String,
-    /// What people call it.
-    pub title: String,
-    /// Noise of its measurement in terms of eq. (18), %.
-    pub noise_floor_percent: Option<f64>,
-    /// One a method, in the order of [`Comparison::methods`].
-    pub attempts: Vec<Attempt>,
-}
-
-/// One method on one sample.
-#[derive(Clone, Debug)]
-pub struct Attempt {
-    /// Name of the method.
-    pub method: String,
-    /// The fit and its model file, or why there is none.
-    pub result: Result<(Entry, Model), String>,
-}
-
-impl Attempt {
-    /// The fit, if there is one.
-    pub fn entry(&self) -> Option<&Entry> {
-        self.result.as_ref().ok().map(|(entry, _)| entry)
-    }
-
-    /// Whether there is a fit that describes the sample.
-    pub fn describes(&self) -> bool {
-        self.entry().is_some_and(|entry| entry.refusal.is_none())
-    }
-
-    /// Method, with its law if it has one.
-    pub fn label(&self) -> &str {
-        self.entry().map_or(&self.method, |entry| &entry.label)
-    }
-
-    /// What has to be said: the warnings of the fit word for word, or why there is none.
-    pub fn notes(&self) -> &[String] {
-        match &self.result {
-            Ok((_, model)) => &model.validity,
-            Err(why) => std::slice::from_ref(why),
-        }
-    }
-}
+use super::parameters_text;
+use crate::reconstruct::{Attempt, Comparison, SampleResult};
 
 impl SampleResult {
-    /// The noise of the measurement as its fits know it: the least of theirs, for what a model misses can only add.
-    pub fn floor_of(attempts: &[Attempt]) -> Option<f64> {
-        let known = attempts.iter().filter_map(|a| a.entry()?.fit.noise_floor_percent);
-        known.min_by(f64::total_cmp)
-    }
-
-    /// The lowest error of the fits that describe the sample.
-    pub fn best(&self) -> Option<&Attempt> {
-        let error = |a: &&Attempt| a.entry().map_or(f64::INFINITY, |e| e.fit.rmsd_percent);
-        let described = self.attempts.iter().filter(|a| a.describes());
-        described.min_by(|a, b| error(a).total_cmp(&error(b)))
-    }
-
-    /// Whether an attempt is the best.
-    pub fn is_best(&self, attempt: &Attempt) -> bool {
-        self.best().is_some_and(|best| best.method == attempt.method)
-    }
-
-    /// Which method is best, in a sentence or two.
-    pub fn verdict(&self) -> String {
-        let Some((best, entry)) = self.best().and_then(|b| Some((b, b.entry()?))) else {
-            return "No method describes this sample.".into();
-        };
-        let noise = match self.noise_floor_percent {
-            Some(noise) => format!("the measurement's own noise is {noise:.3} %"),
-            None => "the measurement's own noise is unknown".into(),
-        };
-        let mut text = format!("Best: {}, {:.3} %; {noise}.", best.label(), entry.fit.rmsd_percent);
-        if self.attempts.iter().any(|a| !self.is_best(a) && !a.notes().is_empty()) {
-            text += " What is known of why others are worse, or were not tried:";
-        }
-        text
-    }
-
-    /// The notes of all methods, numbered from 1: number, method, text.
-    pub fn notes(&self) -> impl Iterator<Item = (usize, &str, &str)> {
-        let all = self.attempts.iter().flat_map(|a| a.notes().iter().map(move |n| (a.label(), n)));
-        all.enumerate().map(|(k, (label, note))| (k + 1, label, note.as_str()))
-    }
-
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
         let head = ["method", "error %", "noise floor %", "own noise %", "parameters"];
@@ -181,10 +79,5 @@ impl Comparison {
         let rows = rows.flat_map(|s| s.attempts.iter().filter_map(move |a| row(s, a))).collect();
         let head = ["sample", "method", "seconds"].map(String::from).to_vec();
         self.timing.then_some(Grid { head, rows })
-    }
-
-    /// The samples that no method describes.
-    pub fn undescribed(&self) -> impl Iterator<Item = &SampleResult> {
-        self.samples.iter().filter(|s| s.best().is_none())
     }
 }

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Entry;
 use crate::measurement::Measurement;
 use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Figure, PlotError, Scale, sigma_panels};
+use crate::reconstruct::Entry;
 
 /// Why a plot was not written.
 #[derive(Debug, thiserror::Error)]

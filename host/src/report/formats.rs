@@ -1,9 +1,7 @@
-//! A comparison as text, Markdown, CSV and JSON.
+//! A comparison as text, Markdown and CSV.
 
-use serde_json::{Value, json};
-
-use super::comparison::{Attempt, Comparison, SampleResult};
 use super::parameters_text;
+use crate::reconstruct::{Attempt, Comparison, SampleResult};
 
 impl Comparison {
     /// For a terminal.
@@ -43,27 +41,6 @@ impl Comparison {
             debug_assert!(done.is_ok());
         }
         String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
-    }
-
-    /// For machines; the fits themselves are in the model files that it names.
-    pub fn json(&self) -> Value {
-        let samples = self.samples.iter().map(|sample| {
-            json!({
-                "name": sample.name,
-                "title": sample.title,
-                "noise_floor_percent": sample.noise_floor_percent,
-                "best": sample.best().map(|b| &b.method),
-                "verdict": sample.verdict(),
-                "results": sample.attempts.iter().map(|a| result(sample, a, self.timing)).collect::<Vec<_>>(),
-            })
-        });
-        json!({
-            "asperity": 1,
-            "title": self.title,
-            "what": self.what,
-            "methods": self.methods,
-            "samples": samples.collect::<Vec<_>>(),
-        })
     }
 }
 
@@ -106,41 +83,13 @@ fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
     ]
 }
 
-fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
-    let fit = attempt.entry().map(|e| &e.fit);
-    let model = attempt.result.as_ref().ok().map(|(_, model)| model);
-    let mut result = json!({
-        "method": attempt.method,
-        "label": attempt.label(),
-        "error_percent": fit.map(|f| f.rmsd_percent),
-        "simulation_noise_percent": fit.and_then(|f| f.simulation_noise_percent),
-        "evaluations": fit.map(|f| f.evaluations),
-        "describes": attempt.describes(),
-        "best": sample.is_best(attempt),
-        "parameters": model.map(|m| &m.parameters),
-        "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),
-        "notes": attempt.notes(),
-    });
-    if let Some(fit) = fit.filter(|_| timing) {
-        result["timing"] = json!({ "seconds": fit.seconds });
-    }
-    result
-}
-
-impl SampleResult {
-    /// Name of the model file of a method on a sample of a name.
-    pub fn model_file(name: &str, method: &str) -> String {
-        format!("{name}-{method}.json")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use crate::fit::{Fit, Fitted, Objective, Termination};
     use crate::forward::Neglected;
     use crate::method::{GgxMethod, Method, Surface};
     use crate::model::Model;
-    use crate::report::{Attempt, Comparison, Entry, SampleResult};
+    use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult};
 
     fn attempt(method: &str, rmsd_percent: f64, refusal: Option<&str>) -> Attempt {
         let surface = Surface::Dielectric { ior: 1.5 };

@@ -2,7 +2,7 @@
 
 use maud::{DOCTYPE, PreEscaped, html};
 
-use super::comparison::Comparison;
+use crate::reconstruct::Comparison;
 
 /// A plot as an SVG text made by this program, with its caption.
 #[derive(Clone, Debug)]

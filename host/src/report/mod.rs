@@ -8,26 +8,12 @@ mod heights;
 mod html;
 mod trade;
 
-pub use comparison::{Attempt, Comparison, SampleResult};
 pub use figures::{FigureError, FigureFiles, figure, figure_at};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use html::{Picture, page};
 pub use trade::TradeReport;
 
 use crate::fit::Fit;
-
-/// One method's result on one sample.
-#[derive(Clone, Debug)]
-pub struct Entry {
-    /// Method, with its law if it has one: `ggx`, `normals (gauss)`.
-    pub label: String,
-    /// The fit.
-    pub fit: Fit,
-    /// Why the answer is no, if it is.
-    pub refusal: Option<String>,
-    /// What has to be said about the boundary: where its physics does not hold.
-    pub warnings: Vec<String>,
-}
 
 /// A value with as many digits as its standard error supports, and the error in the same place.
 ///

@@ -10,7 +10,9 @@ mod plan;
 mod tabulate;
 mod waves;
 mod lookup;
+mod asked;
 
+pub use asked::Asked;
 pub use bins::{Bin, Estimate};
 pub use disc::{to_disc, to_square};
 pub use plan::{Azimuth, PlanError, TablePlan, default_incidences_deg};

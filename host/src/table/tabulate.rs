@@ -4,8 +4,6 @@
 //! them; the two are independent. Rays come in the tiles of the Monte Carlo scan, so that the bits do not
 //! depend on the number of threads, and errors come from the differences of neighbouring rays as there.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use asperity_core::bsdf::{Lobe, Scatter};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
@@ -14,6 +12,7 @@ use super::bins::{BinnedLobe, Estimate, Partition};
 use super::plan::{Azimuth, TablePlan, side_index};
 use super::{BsdfTable, SideTable};
 use crate::forward::{Heeding, Rays, Tiles, mix};
+use crate::watch::Watch;
 
 /// Tiles that are in memory at once.
 const GROUP: u64 = 64;
@@ -24,16 +23,16 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Traces all that a plan asks for.
 ///
-/// The same bits for any number of threads. `None` if `stop` was set before the end. `progress` is called
-/// with the rays done since the last call; they are [`TablePlan::rays_in_all`].
+/// The same bits for any number of threads. `None` if it was stopped before the end. `watch` is told of
+/// more rays; they are [`TablePlan::rays_in_all`].
 pub fn tabulate<S: Scatter<f64> + Sync>(
     boundary: &S,
     plan: &TablePlan,
-    stop: &AtomicBool,
-    progress: &(impl Fn(u64) + Sync + ?Sized),
+    watch: Watch<'_>,
 ) -> Option<BsdfTable> {
-    let heeding = Heeding { boundary, stop };
-    let work = Work { boundary: &heeding, plan, stop, progress };
+    watch.done(0, usize::try_from(plan.rays_in_all()).unwrap_or(usize::MAX));
+    let heeding = Heeding { boundary, watch };
+    let work = Work { boundary: &heeding, plan, watch };
     let azimuths: Vec<Option<f64>> = match &plan.azimuth {
         Azimuth::Isotropic => vec![None],
         Azimuth::Fixed(degrees) => degrees.iter().copied().map(Some).collect(),
@@ -131,14 +130,13 @@ struct Ended {
     weight: f64,
 }
 
-struct Work<'a, S, P: ?Sized> {
+struct Work<'a, S> {
     boundary: &'a S,
     plan: &'a TablePlan,
-    stop: &'a AtomicBool,
-    progress: &'a P,
+    watch: Watch<'a>,
 }
 
-impl<S: Scatter<f64> + Sync, P: Fn(u64) + Sync + ?Sized> Work<'_, S, P> {
+impl<S: Scatter<f64> + Sync> Work<'_, S> {
     /// The reflected and the transmitted lobe of a beam.
     fn beam(&self, beam: Beam) -> Option<[BinnedLobe; 2]> {
         let pilot = beam.tiles(self.plan.pilot());
@@ -199,12 +197,12 @@ impl<S: Scatter<f64> + Sync, P: Fn(u64) + Sync + ?Sized> Work<'_, S, P> {
             let to = (from + GROUP).min(tiles.count());
             let one = |tile| {
                 let done = work(tile);
-                (self.progress)(u64::from(tiles.rays_each()));
+                self.watch.more(u64::from(tiles.rays_each()));
                 done
             };
             let group: Vec<T> = (from..to).into_par_iter().map(one).collect();
             group.into_iter().for_each(&mut take);
-            if self.stop.load(Ordering::Relaxed) {
+            if self.watch.is_stopped() {
                 return None;
             }
             from = to;
@@ -270,6 +268,7 @@ mod tests {
     use crate::forward::Rays;
     use crate::raytrace::{Field, TracedBoundary};
     use crate::surface::{Edges, HeightMap};
+    use crate::watch::{Progress, Watch};
     use asperity_core::bsdf::Lobe;
     use asperity_core::direction::Side;
     use asperity_core::quantity::RelativeIor;
@@ -290,13 +289,16 @@ mod tests {
             }
             let plan = plan.with_azimuth(azimuth).unwrap();
             let done = AtomicU64::new(0);
-            let count = |n| {
-                let _ = done.fetch_add(n, Ordering::Relaxed);
+            let count = |told: Progress<'_>| {
+                if let Progress::More(rays) = told {
+                    done.fetch_add(rays, Ordering::Relaxed);
+                }
             };
+            let never = AtomicBool::new(false);
+            let watch = Watch::new(&never, &count);
             let table = |threads| -> BsdfTable {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| tabulate(&boundary, &plan, &AtomicBool::new(false), &count))
-                    .unwrap()
+                pool.install(|| tabulate(&boundary, &plan, watch)).unwrap()
             };
             let (one, three) = (table(1), table(3));
             assert_eq!(done.load(Ordering::Relaxed), 2 * plan.rays_in_all());
@@ -306,7 +308,7 @@ mod tests {
                     assert!(one.bins(side, k, 0, lobe).eq(three.bins(side, k, 0, lobe)));
                 }
             }
-            assert!(tabulate(&boundary, &plan, &AtomicBool::new(true), &|_| ()).is_none());
+            assert!(tabulate(&boundary, &plan, Watch::silent(&AtomicBool::new(true))).is_none());
         }
     }
 }

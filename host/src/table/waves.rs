@@ -4,8 +4,6 @@
 //! are is decided by points drawn evenly from the orders by their flux: bright places get small bins. The error
 //! of a bin is that of its speckle, the root of the sum of the squares of its orders.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
@@ -14,6 +12,7 @@ use super::bins::{BinnedLobe, Estimate, Partition};
 use super::plan::{Azimuth, TablePlan, side_index};
 use super::{BsdfTable, SideTable};
 use crate::kirchhoff::{Beam, BeamOrders, WaveBoundary, orders};
+use crate::watch::Watch;
 
 /// Points that decide where the bins are, and most of them in one.
 const POINTS: usize = 1 << 17;
@@ -21,13 +20,12 @@ const MOST_POINTS: usize = 48;
 
 /// Sums all orders that a plan asks for, at its azimuths or, if it has none, at azimuth 0.
 ///
-/// The same bits for any number of threads. `None` if `stop` was set before the end. `progress(done, all)`
-/// counts transforms, and begins again with each incidence.
+/// The same bits for any number of threads. `None` if it was stopped before the end. `watch` is told the
+/// transforms done, anew for each incidence.
 pub fn tabulate_orders(
     boundary: &WaveBoundary,
     plan: &TablePlan,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Option<BsdfTable> {
     let azimuths = match &plan.azimuth {
         Azimuth::Isotropic => vec![0.0],
@@ -40,7 +38,7 @@ pub fn tabulate_orders(
             table.angles.push(incidence_deg.to_radians());
             for &azimuth_deg in &azimuths {
                 let wi = from(side, incidence_deg, azimuth_deg);
-                table.beams.push(lobes(boundary, wi, stop, progress)?);
+                table.beams.push(lobes(boundary, wi, watch)?);
             }
         }
     }
@@ -56,19 +54,13 @@ fn from(side: Side, incidence_deg: f64, azimuth_deg: f64) -> Direction<f64> {
 }
 
 /// The reflected and the transmitted lobe.
-fn lobes(
-    boundary: &WaveBoundary,
-    wi: Direction<f64>,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
-) -> Option<[BinnedLobe; 2]> {
+fn lobes(boundary: &WaveBoundary, wi: Direction<f64>, watch: Watch<'_>) -> Option<[BinnedLobe; 2]> {
     let weights: Vec<(f64, f64)> = boundary.wavelengths().iter().collect();
     let beam = |lobe, um| Beam { wi, lobe, wavelength_um: um };
     let of_lobe = |lobe| weights.iter().map(move |(um, _)| beam(lobe, *um));
     let beams: Vec<Beam> = of_lobe(Lobe::Reflection).chain(of_lobe(Lobe::Transmission)).collect();
     // the map of a boundary is complete
-    let found = orders(boundary.map(), boundary.tiling(), boundary.eta(), &beams, stop, progress)
-        .ok()??;
+    let found = orders(boundary.map(), boundary.tiling(), boundary.eta(), &beams, watch).ok()??;
     let shares: Vec<f64> = weights.iter().map(|w| w.1).collect();
     let (reflected, transmitted) = found.split_at(shares.len());
     let both: Vec<BinnedLobe> =
@@ -108,8 +100,6 @@ fn binned(boundary: &WaveBoundary, of: &[BeamOrders], shares: &[f64]) -> BinnedL
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::super::{Azimuth, TablePlan};
     use super::{from, tabulate_orders};
     use crate::forward::Rays;
@@ -117,6 +107,7 @@ mod tests {
         Beam, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
     };
     use crate::surface::{Edges, GaussianSurface};
+    use crate::watch::Watch;
     use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
     use asperity_core::direction::Side;
     use asperity_core::quantity::RelativeIor;
@@ -138,7 +129,6 @@ mod tests {
         };
         let map = surface.map().unwrap();
         let wave = WaveBoundary::of_map(&map, Edges::Periodic, eta, &options).unwrap();
-        let never = AtomicBool::new(false);
         let plan = TablePlan::new(eta, Rays { count: 1, seed: 1 })
             .with_incidences(Side::Air, &[30.0])
             .unwrap()
@@ -146,12 +136,11 @@ mod tests {
             .unwrap()
             .with_azimuth(Azimuth::Fixed(vec![20.0]))
             .unwrap();
-        let table = tabulate_orders(&wave, &plan, &never, &|_, _| ()).unwrap();
+        let table = tabulate_orders(&wave, &plan, Watch::nobody()).unwrap();
         let wi = from(Side::Air, 30.0, 20.0);
         let beam = |lobe| Beam { wi, lobe, wavelength_um: 0.55 };
         let beams = [beam(Lobe::Reflection), beam(Lobe::Transmission)];
-        let exact =
-            orders(&map, Edges::Periodic, eta, &beams, &never, &|_, _| ()).unwrap().unwrap();
+        let exact = orders(&map, Edges::Periodic, eta, &beams, Watch::nobody()).unwrap().unwrap();
         let totals = table.totals(wi);
         assert!((totals.reflected.value - exact[0].totals().0).abs() < 1e-9);
         assert!((totals.transmitted.value - exact[1].totals().0).abs() < 1e-9);

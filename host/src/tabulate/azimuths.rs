@@ -5,14 +5,13 @@
 //! ([`Spectrum::pattern`]). Only where these say that there is a direction, the lobes are looked at from several azimuths; if they
 //! differ, no table is made.
 
-use std::sync::atomic::AtomicBool;
-
 use super::bins;
 use crate::boundary::Boundary;
 use crate::embedded::LOBES;
 use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Edges, HeightMap, Roughness, Spectrum};
+use crate::watch::Watch;
 
 /// Root mean square difference of a lobe at one azimuth from its mean, of the peak, below which it has none.
 const ALIKE: f64 = 0.02;
@@ -50,22 +49,22 @@ pub(super) struct Directional {
     pub(super) percent: Option<f64>,
 }
 
-/// Whether lobes depend on the azimuth of the light because the surface of a boundary has a direction; once `stop` is set
+/// Whether lobes depend on the azimuth of the light because the surface of a boundary has a direction; once it is stopped
 /// what is found means nothing.
 pub(super) fn directional(
     boundary: &Boundary,
     lobes: [bool; 4],
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Option<Directional> {
     let anisotropy = pattern(boundary)?;
     let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
     let beams = match boundary {
         Boundary::Traced(traced) => {
-            bins::beams(&Heeding { boundary: traced, stop }, traced.eta().get(), None, rays)
+            bins::beams(&Heeding { boundary: traced, watch }, traced.eta().get(), None, rays)
         }
         Boundary::Hybrid(hybrid) => {
-            bins::beams(&Heeding { boundary: &**hybrid, stop }, hybrid.eta().get(), None, rays)
+            bins::beams(&Heeding { boundary: &**hybrid, watch }, hybrid.eta().get(), None, rays)
         }
         _ => return Some(Directional { anisotropy, percent: None }),
     };

@@ -1,7 +1,5 @@
 //! Flux: what the model has, what the table has, and never more than there is.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Place, Storage, cells, incidence_cosine, incidence_place};
 use rayon::prelude::*;
@@ -11,6 +9,7 @@ use super::turned::Turning;
 use crate::boundary::{Boundary, with_boundary};
 use crate::energy::balance;
 use crate::forward::{Rays, count_flux_until};
+use crate::watch::Watch;
 
 /// Factor by which the flux may change a gain where the table has next to none, and what that is.
 const MOST: f64 = 2.0;
@@ -26,18 +25,18 @@ const MARGIN: f64 = 5e-4;
 const ROUNDING: f64 = 1e-3;
 
 /// Diffusely reflected and transmitted flux of a model at a cosine of incidence; `None` if it gives more than it receives.
-/// Once `stop` is set rays are lost, and the flux means nothing.
+/// Once it is stopped rays are lost, and the flux means nothing.
 pub(super) fn model_fluxes(
     boundary: &Boundary,
     side: Side,
     cos: f64,
-    (rays, stop): (Rays, &AtomicBool),
+    (rays, watch): (Rays, Watch<'_>),
 ) -> Option<[f64; 2]> {
     let (reflected, transmitted) = with_boundary!(boundary, _law => {
         let flux = balance(boundary, side, cos.acos().to_degrees(), rays);
         (flux.reflected, flux.transmitted)
     }, traced t => {
-        let flux = count_flux_until(&Turning(t), incident(side, cos), rays, stop);
+        let flux = count_flux_until(&Turning(t), incident(side, cos), rays, watch);
         (flux.reflected, flux.transmitted)
     });
     let coherent = boundary.coherent(incident(side, cos));

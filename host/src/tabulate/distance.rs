@@ -1,7 +1,5 @@
 //! How far a table is from its model: eq. (18) of a scan, and the flux.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
@@ -16,6 +14,7 @@ use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, mix, monte_carlo, quadrature};
 use crate::measurement::Quantity;
+use crate::watch::Watch;
 
 /// Incidences of the instrument, degrees.
 const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
@@ -40,13 +39,13 @@ pub struct Distance {
 ///
 /// With all lobes the scan has its internal passes, else first hits are compared. Of a model that must be sampled two
 /// independent simulations are taken at every azimuth, whose noise so drops out on average. `None` for such a model without
-/// all lobes, and if `stop` was set. Speckle of waves is no part of a table: their model is its mean law.
+/// all lobes, and if it was stopped. Speckle of waves is no part of a table: their model is its mean law.
 pub fn distance(
     boundary: &Boundary,
     table: &EmbeddedTable,
     step_deg: f64,
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Option<Distance> {
     let lobes = table.header().lobes;
     let full = lobes.iter().all(Option::is_some);
@@ -83,7 +82,7 @@ pub fn distance(
         if !full {
             return None;
         }
-        let sampled = Sampled { setup: &setup, thetas: &thetas, rays, stop };
+        let sampled = Sampled { setup: &setup, thetas: &thetas, rays, watch };
         let seed = |salt| rays.seed.wrapping_add(salt);
         let (a, b) = (sampled.scans(t, seed(101))?, sampled.scans(t, seed(102))?);
         let (mean_a, mean_b) = (sampled.mean(t, seed(103))?, sampled.mean(t, seed(104))?);
@@ -96,7 +95,7 @@ struct Sampled<'a> {
     setup: &'a Setup,
     thetas: &'a [f64],
     rays: Rays,
-    stop: &'a AtomicBool,
+    watch: Watch<'a>,
 }
 
 impl Sampled<'_> {
@@ -119,7 +118,7 @@ impl Sampled<'_> {
         let mut values = Vec::new();
         for sigma_deg in SIGMAS {
             let angles = Incidence { sigma_deg, theta_deg: self.thetas.to_vec() };
-            let read = monte_carlo(boundary, self.setup, &angles, rays, self.stop, &|_| ());
+            let read = monte_carlo(boundary, self.setup, &angles, rays, self.watch.quiet());
             values.extend(read?.values);
         }
         Some(values)
@@ -153,18 +152,18 @@ fn sampled_distance(
 /// sampled is counted with `rays` an incidence.
 ///
 /// Incidences at which the model itself gives more than it receives, as waves may, are left out: no table follows it there.
-/// `None` if there are no others. Once `stop` is set rays are lost, and the difference means nothing.
+/// `None` if there are no others. Once it is stopped rays are lost, and the difference means nothing.
 pub fn energy_error(
     boundary: &Boundary,
     table: &EmbeddedTable,
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Option<f64> {
     let mut worst: Option<f64> = None;
     for (k, side) in [Side::Air, Side::Dielectric].into_iter().enumerate() {
         for deg in [0.0_f64, 11.0, 25.0, 37.0, 45.0, 52.0, 60.0, 70.0, 80.0] {
             let cos = deg.to_radians().cos();
-            let model = balance::model_fluxes(boundary, side, cos, (rays, stop));
+            let model = balance::model_fluxes(boundary, side, cos, (rays, watch));
             let Some(model) = model else { continue };
             for (j, lobe) in [Lobe::Reflection, Lobe::Transmission].into_iter().enumerate() {
                 if table.header().lobes[2 * k + j].is_some() {

@@ -1,7 +1,5 @@
 //! How far each lobe of a table is from its model, at incidences up to grazing: of the peak of each incidence.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 
@@ -12,6 +10,7 @@ use super::law::Law;
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES};
 use crate::forward::{Heeding, Rays};
+use crate::watch::Watch;
 
 /// Angles of incidence of a law, degrees.
 const ANGLES: [f64; 15] =
@@ -52,12 +51,12 @@ struct Off {
 /// left out, and incidences at which the model gives more than it receives, as waves do at grazing: no table follows it there. Of a law its values are compared, where the law itself draws directions and in the plane of incidence, whichever is
 /// worse; of a boundary that must be sampled first hits in bins, at several azimuths of the light.
 ///
-/// Once `stop` is set rays are lost, and the distances mean nothing.
+/// Once it is stopped rays are lost, and the distances mean nothing.
 pub fn lobe_distances(
     boundary: &Boundary,
     table: &EmbeddedTable,
     rays: Rays,
-    stop: &AtomicBool,
+    watch: Watch<'_>,
 ) -> Vec<LobeDistance> {
     let held = table.header().lobes.map(|lobe| lobe.is_some());
     let held = LOBES.into_iter().zip(held).filter(|(_, held)| *held).map(|(lobe, _)| lobe);
@@ -65,7 +64,7 @@ pub fn lobe_distances(
     b => {
         let possible = |side: Side| -> Vec<f64> {
             let fine = |deg: &&f64| {
-                model_fluxes(boundary, side, deg.to_radians().cos(), (rays, stop)).is_some()
+                model_fluxes(boundary, side, deg.to_radians().cos(), (rays, watch)).is_some()
             };
             ANGLES.iter().filter(fine).copied().collect()
         };
@@ -81,7 +80,7 @@ pub fn lobe_distances(
     },
     traced t => {
         let rays = Rays { count: rays.count.min(MOST_RAYS), ..rays };
-        let beams = bins::beams(&Heeding { boundary: t, stop }, t.eta().get(), Some(table), rays);
+        let beams = bins::beams(&Heeding { boundary: t, watch }, t.eta().get(), Some(table), rays);
         held.filter_map(|which| {
             let own = beams.iter().filter(|beam| (beam.side, beam.lobe) == which);
             let offs: Vec<Off> = own

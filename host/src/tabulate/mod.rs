@@ -22,8 +22,6 @@ mod lobes;
 pub use distance::{Distance, distance, energy_error};
 pub use lobes::{LobeDistance, lobe_distances};
 
-use std::sync::atomic::AtomicBool;
-
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
@@ -34,6 +32,7 @@ use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES, OPAQUE, Rest, Values};
 use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
+use crate::watch::{Progress, Watch};
 use grid::LobeGrid;
 
 /// How numbers are kept.
@@ -110,15 +109,14 @@ pub enum NoTable {
     Stopped,
 }
 
-/// Makes the table of a boundary. `progress(done, all)` counts steps.
+/// Makes the table of a boundary. `watch` is told the steps done.
 ///
 /// # Errors
 /// [`NoTable`] if there is none.
 pub fn tabulate(
     boundary: &Boundary,
     plan: &Plan,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Result<EmbeddedTable, NoTable> {
     if matches!(boundary, Boundary::Table(_)) {
         return Err(NoTable::Table);
@@ -141,8 +139,8 @@ pub fn tabulate(
     if plan.bytes < least {
         return Err(NoTable::Small(plan.bytes, least));
     }
-    let directional = azimuths::directional(boundary, wanted, plan.rays, stop);
-    if stop.load(std::sync::atomic::Ordering::Relaxed) {
+    let directional = azimuths::directional(boundary, wanted, plan.rays, watch);
+    if watch.is_stopped() {
         return Err(NoTable::Stopped);
     }
     if let Some(found) = directional {
@@ -153,9 +151,9 @@ pub fn tabulate(
         });
     }
     let made = match kept {
-        Kept::U8 => of_storage::<u8>(boundary, plan, (eta, wanted), stop, progress),
-        Kept::U16 => of_storage::<u16>(boundary, plan, (eta, wanted), stop, progress),
-        Kept::F32 => of_storage::<f32>(boundary, plan, (eta, wanted), stop, progress),
+        Kept::U8 => of_storage::<u8>(boundary, plan, (eta, wanted), watch),
+        Kept::U16 => of_storage::<u16>(boundary, plan, (eta, wanted), watch),
+        Kept::F32 => of_storage::<f32>(boundary, plan, (eta, wanted), watch),
     };
     let (lobes, slope) = made?;
     let fluxes = flux_nodes(plan.bytes);
@@ -179,8 +177,7 @@ fn of_storage<S: Storage>(
     boundary: &Boundary,
     plan: &Plan,
     (eta, wanted): (f64, [bool; 4]),
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Result<(Lobes, f64), NoTable> {
     let count = wanted.iter().filter(|w| **w).count();
     let budget = (plan.bytes - 16 * usize::from(flux_nodes(plan.bytes))) / count;
@@ -189,7 +186,7 @@ fn of_storage<S: Storage>(
         let mut lobes: Lobes = [const { None }; 4];
         let mut done = 0;
         for (k, which) in LOBES.into_iter().enumerate().filter(|(k, _)| wanted[*k]) {
-            if stop.load(std::sync::atomic::Ordering::Relaxed) {
+            if watch.is_stopped() {
                 return Err(NoTable::Stopped);
             }
             let mut grid = search::best::<S>(b, eta, which, budget);
@@ -198,11 +195,11 @@ fn of_storage<S: Storage>(
             balance::to_model(&mut grid, &model);
             lobes[k] = Some(grid);
             done += 1;
-            progress(done, count);
+            watch.done(done, count);
         }
         Ok((lobes, b.slope()))
     },
-    traced t => of_rays::<_, S>(t, plan, (eta, wanted), budget, stop, progress))
+    traced t => of_rays::<_, S>(t, plan, (eta, wanted), budget, watch))
 }
 
 /// Lobes of a boundary that is sampled: one choice of nodes for all.
@@ -211,10 +208,9 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     plan: &Plan,
     (eta, wanted): (f64, [bool; 4]),
     budget: usize,
-    stop: &AtomicBool,
-    progress: &(dyn Fn(usize, usize) + Sync),
+    watch: Watch<'_>,
 ) -> Result<(Lobes, f64), NoTable> {
-    let boundary = &Heeding { boundary, stop };
+    let boundary = &Heeding { boundary, watch };
     let mut lobes: Lobes = [const { None }; 4];
     let sides = [Side::Air, Side::Dielectric];
     let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
@@ -239,13 +235,13 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
         let [mut reflection, mut transmission] = made;
         let step = std::sync::atomic::AtomicUsize::new(done);
         let all = used * usize::from(incidences);
-        let tick = || {
-            progress(step.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
+        let tick = |_: Progress<'_>| {
+            watch.done(step.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1, all);
         };
         let both = [reflection.as_mut(), transmission.as_mut()];
-        let fluxes = rays::fill(boundary, both, plan.rays, stop, &tick);
+        let fluxes = rays::fill(boundary, both, plan.rays, watch.telling(&tick));
         // the last incidence may have been cut short
-        let fluxes = fluxes.filter(|_| !stop.load(std::sync::atomic::Ordering::Relaxed));
+        let fluxes = fluxes.filter(|_| !watch.is_stopped());
         let fluxes = fluxes.ok_or(NoTable::Stopped)?;
         done += usize::from(incidences);
         for (k, grid) in [reflection, transmission].into_iter().enumerate() {

@@ -6,7 +6,6 @@
 //! against them, and the values are multiplied by the quotients, a few times.
 
 use std::f64::consts::TAU;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use asperity_core::bsdf::{Lobe, Scatter};
 use asperity_core::direction::{Direction, Side};
@@ -16,6 +15,7 @@ use rayon::prelude::*;
 use super::facet::{Beam, between, tail};
 use super::grid::{GOLDEN, LobeGrid};
 use crate::forward::{Rays, Tiles, mix};
+use crate::watch::Watch;
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
 const PARTS: u64 = 64;
@@ -44,13 +44,12 @@ struct Gathered {
 
 /// Fills both lobes of a side; their incidences must be the same.
 ///
-/// Fluxes at the incidences of the gains, reflected and transmitted; `None` if `stop` was set.
+/// Fluxes at the incidences of the gains, reflected and transmitted; `None` if it was stopped.
 pub(super) fn fill<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&mut LobeGrid>; 2],
     rays: Rays,
-    stop: &AtomicBool,
-    progress: &(dyn Fn() + Sync),
+    watch: Watch<'_>,
 ) -> Option<Vec<[f64; 2]>> {
     let [mut reflection, mut transmission] = lobes;
     let count = reflection.as_ref().or(transmission.as_ref())?.header.shape.incidences;
@@ -58,13 +57,13 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
     let mut fluxes = Vec::new();
     let mut lit = [Vec::new(), Vec::new()];
     for j in 0..usize::from(count) {
-        if stop.load(Ordering::Relaxed) {
+        if watch.is_stopped() {
             return None;
         }
         let views = [reflection.as_deref(), transmission.as_deref()];
         let any = views.into_iter().flatten().next()?;
         let (side, cos) = (any.side, any.cosine(j));
-        let found = gather(boundary, views, (side, cos), (salted(rays, side, 11), stop));
+        let found = gather(boundary, views, (side, cos), (salted(rays, side, 11), watch));
         fluxes.push(found.flux.map(|f| f / found.rays));
         if j + 1 < usize::from(count) {
             let cosines = any.cosines();
@@ -72,7 +71,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
             let next = from + usize::from(GAIN_STEPS);
             for cos in cosines[from + 2..next].iter().step_by(2) {
                 let counted =
-                    gather(boundary, [None; 2], (side, *cos), (salted(fewer, side, 13), stop));
+                    gather(boundary, [None; 2], (side, *cos), (salted(fewer, side, 13), watch));
                 fluxes.push(counted.flux.map(|f| f / counted.rays));
             }
         }
@@ -83,9 +82,9 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
                 lit.push(sharpen(grid, j, &wanted, found.rays));
             }
         }
-        progress();
+        watch.more(1);
     }
-    if stop.load(Ordering::Relaxed) {
+    if watch.is_stopped() {
         return None;
     }
     for (grid, lit) in [&mut reflection, &mut transmission].into_iter().zip(&lit) {
@@ -101,19 +100,19 @@ fn salted(rays: Rays, side: Side, salt: u64) -> Rays {
     Rays { seed: mix(rays.seed, if side == Side::Air { salt } else { salt + 1 }), ..rays }
 }
 
-/// Sends rays at a cosine of incidence, until `stop` is set; without lobes their flux alone is counted.
+/// Sends rays at a cosine of incidence, until it is stopped; without lobes their flux alone is counted.
 fn gather<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&LobeGrid>; 2],
     (side, cos): (Side, f64),
-    (rays, stop): (Rays, &AtomicBool),
+    (rays, watch): (Rays, Watch<'_>),
 ) -> Gathered {
     let tiles = rays.tiles(cos);
     let part = |number: u64| {
         let mut sum = [0, 1].map(|k| vec![0.0; lobes[k].map_or(0, plane_size)]);
         let mut flux = [0.0; 2];
         for tile in (number..tiles.count()).step_by(PARTS as usize) {
-            if stop.load(Ordering::Relaxed) {
+            if watch.is_stopped() {
                 break;
             }
             for k in 0..tiles.rays_each() {

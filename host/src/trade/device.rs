@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::atomic::{AtomicBool, Ordering};
+
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -12,6 +12,7 @@ use super::pairs::Pairs;
 use super::slot::{Payload, Unfit};
 use super::thumb::Functions;
 use crate::input::read_file;
+use crate::watch::Watch;
 
 const EMULATOR: &str = "qemu-system-arm";
 /// Largest program that is read.
@@ -84,12 +85,12 @@ impl Device {
         &self,
         model: &Payload,
         pairs: &Pairs,
-        stop: &AtomicBool,
+        watch: Watch<'_>,
     ) -> Result<Counts, String> {
         let program = model.in_program(&self.program, pairs).map_err(|e| e.to_string())?;
         let mut file = tempfile::NamedTempFile::new().map_err(|e| e.to_string())?;
         file.write_all(&program).and_then(|()| file.flush()).map_err(|e| e.to_string())?;
-        let text = emulate(file.path(), stop)?;
+        let text = emulate(file.path(), watch)?;
         if !text.lines().any(|line| line == "ok") {
             let last = text.lines().last().unwrap_or("nothing").to_owned();
             return Err(format!("the program on the device did not come to its end: {last}"));
@@ -124,7 +125,7 @@ impl Device {
 }
 
 /// What a program prints by semihosting; an instruction takes a nanosecond of the board's time.
-fn emulate(program: &Path, stop: &AtomicBool) -> Result<String, String> {
+fn emulate(program: &Path, watch: Watch<'_>) -> Result<String, String> {
     let mut qemu = Command::new(EMULATOR)
         .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])
         .args(["-serial", "null", "-icount", "shift=0"])
@@ -144,7 +145,7 @@ fn emulate(program: &Path, stop: &AtomicBool) -> Result<String, String> {
     let ended = loop {
         match qemu.try_wait() {
             Ok(Some(status)) => break Ok(status),
-            Ok(None) if stop.load(Ordering::Relaxed) => break Err("interrupted".to_owned()),
+            Ok(None) if watch.is_stopped() => break Err("interrupted".to_owned()),
             Ok(None) if begun.elapsed() > TIME_LIMIT => break Err("no end in sight".to_owned()),
             Ok(None) => sleep(Duration::from_millis(5)),
             Err(e) => break Err(e.to_string()),

@@ -1,6 +1,5 @@
 //! Every way to evaluate one model, measured.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use asperity_core::bsdf::{Bsdf, Scatter};
@@ -20,6 +19,7 @@ use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::Rays;
 use crate::tabulate::{NoTable, Plan, distance, energy_error, tabulate};
+use crate::watch::Watch;
 
 /// Share of coherent light from which on the scan of a table, which is of diffuse light, says nothing.
 const COHERENT: f64 = 1e-3;
@@ -47,10 +47,8 @@ pub struct Work<'a> {
     pub rays: Rays,
     /// The device.
     pub device: Option<&'a Device>,
-    /// Set when the user wants to stop.
-    pub stop: &'a AtomicBool,
-    /// Told what is next.
-    pub progress: &'a (dyn Fn(&str) + Sync),
+    /// Ends the work, and is told what is next.
+    pub watch: Watch<'a>,
 }
 
 impl std::fmt::Debug for Work<'_> {
@@ -119,7 +117,7 @@ struct Bench<'a> {
 
 impl Bench<'_> {
     fn stopped(&self) -> bool {
-        self.work.stop.load(Ordering::Relaxed)
+        self.work.watch.is_stopped()
     }
 
     fn note(&mut self, what: &str) {
@@ -130,7 +128,7 @@ impl Bench<'_> {
     }
 
     fn begin(&self, what: &str) {
-        (self.work.progress)(&format!("{}, {what}", self.subject.method));
+        self.work.watch.now(&format!("{}, {what}", self.subject.method));
     }
 
     /// Runs a model on the device, if there is one.
@@ -141,7 +139,7 @@ impl Bench<'_> {
         if self.stopped() {
             return Counts::new();
         }
-        device.run(payload, &self.pairs, self.work.stop).unwrap_or_else(|why| {
+        device.run(payload, &self.pairs, self.work.watch).unwrap_or_else(|why| {
             self.note(&format!("not counted on the device: {why}"));
             Counts::new()
         })
@@ -251,7 +249,7 @@ impl Bench<'_> {
         let (boundary, rays) = (self.subject.boundary, self.work.rays);
         let plan = Plan { lobes: [true; 4], bytes: kib << 10, kept: None, rays };
         let begun = Instant::now();
-        let table = match tabulate(boundary, &plan, self.work.stop, &|_, _| ()) {
+        let table = match tabulate(boundary, &plan, self.work.watch.quiet()) {
             Ok(table) => table,
             Err(NoTable::Stopped) => return,
             // of all models alike
@@ -269,8 +267,8 @@ impl Bench<'_> {
         let row = with_view!(&table, view => {
             Some(self.measured::<Fast<f32>, _>(&view, counts.get("f32-fast")))
         }, else None);
-        let distance = distance(boundary, &table, STEP, rays, self.work.stop);
-        let energy = energy_error(boundary, &table, rays, self.work.stop);
+        let distance = distance(boundary, &table, STEP, rays, self.work.watch);
+        let energy = energy_error(boundary, &table, rays, self.work.watch);
         let Some(row) = row.filter(|_| !self.stopped()) else { return };
         self.rows.push(Row {
             evaluator: evaluator(kib, &table),

@@ -1,9 +1,8 @@
 //! The same bits for any number of threads, and an error that tells how much seeds differ.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::forward::{Incidence, MonteCarlo, Rays, Sample, Setup, monte_carlo};
 use asperity::measurement::Quantity;
+use asperity::watch::Watch;
 use asperity_core::bsdf::Scatter;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -24,7 +23,7 @@ fn setup(geometry: Geometry, rough_side: RoughSide) -> Setup {
 fn run(boundary: &(impl Scatter<f64> + Sync), setup: &Setup, rays: Rays) -> MonteCarlo {
     let angles =
         Incidence { sigma_deg: 30.0, theta_deg: (-4..=16).map(|k| 5.0 * f64::from(k)).collect() };
-    monte_carlo(boundary, setup, &angles, rays, &AtomicBool::new(false), &|_| ()).unwrap()
+    monte_carlo(boundary, setup, &angles, rays, Watch::nobody()).unwrap()
 }
 
 #[test]

@@ -2,7 +2,6 @@
 //! between.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
 use asperity::energy::{balance, balances};
@@ -12,6 +11,7 @@ use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelen
 use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap};
+use asperity::watch::Watch;
 use asperity_core::bsdf::Scatter;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::gonio::Geometry;
@@ -51,7 +51,7 @@ fn scan(boundary: &Boundary, geometry: Geometry, sigmas_deg: &[f64], count: u64)
     let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
     let angles: Vec<f64> = (0..361).map(|k| f64::from(k) * 0.5 - 90.0).collect();
     let (plan, rays) = (Plan::product(sigmas_deg, &angles), Rays { count, seed: 5 });
-    simulate(boundary, &setup, &plan, Effort::Full, rays, &AtomicBool::new(false)).unwrap()
+    simulate(boundary, &setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap()
 }
 
 /// Eq. (18), %.
@@ -220,7 +220,7 @@ fn mean(values: &[f64]) -> (f64, f64) {
 fn beyond_the_critical_angle_it_transmits_what_the_orders_of_maps_do() {
     // 42.2 degrees: of a smooth face nothing would pass
     const SEEDS: u64 = 6;
-    let (stop, rays) = (AtomicBool::new(false), Rays { count: 40_000, seed: 1 });
+    let rays = Rays { count: 40_000, seed: 1 };
     let places = [45.0, 60.0, 75.0].map(|deg| (Side::Dielectric, deg));
     let (mut of_hybrid, mut of_law, mut of_orders) =
         ([const { vec![] }; 3], [[0.0; 2]; 3], [const { vec![] }; 3]);
@@ -230,7 +230,7 @@ fn beyond_the_critical_angle_it_transmits_what_the_orders_of_maps_do() {
         let options = WaveOptions { speckle: Speckle::Kept, ..options() };
         let kept = WaveBoundary::of_map(&map, EDGES, ior(ETA), &options).unwrap();
         let kept = Boundary::Wave(Box::new(kept));
-        let found = balances(&kept, &places, rays, &stop, &|_, _| ()).unwrap();
+        let found = balances(&kept, &places, rays, Watch::nobody()).unwrap();
         for (k, (_, deg)) in places.into_iter().enumerate() {
             let flux = count_flux(&hybrid, beam(true, deg), Rays { seed, ..rays });
             of_hybrid[k].push(flux.transmitted);

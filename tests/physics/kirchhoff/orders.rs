@@ -1,10 +1,9 @@
 //! Orders of a map against direct sums at just their directions: every order in the plane of incidence, and some
 //! out of it.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::kirchhoff::{Beam, BeamOrders, orders};
 use asperity::surface::{Edges, HeightMap};
+use asperity::watch::Watch;
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 
@@ -31,8 +30,7 @@ fn beams(incidences_deg: &[f64], azimuth_deg: f64) -> Vec<Beam> {
 }
 
 fn all(map: &HeightMap, edges: Edges, beams: &[Beam]) -> Vec<BeamOrders> {
-    let never = AtomicBool::new(false);
-    orders(map, edges, ior(ETA), beams, &never, &|_, _| ()).unwrap().unwrap()
+    orders(map, edges, ior(ETA), beams, Watch::nobody()).unwrap().unwrap()
 }
 
 fn sinusoid((nx, ny): (usize, usize), pitch: f64) -> HeightMap {

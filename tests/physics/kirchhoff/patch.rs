@@ -1,9 +1,8 @@
 //! Maps that alone are lit, where `q_z` goes to zero and elsewhere; and surfaces whose number of rows says nothing.
 
-use std::sync::atomic::AtomicBool;
-
 use asperity::kirchhoff::{Beam, BeamOrders, Tiling, orders};
 use asperity::surface::{Edges, Fill, HeightMap, Preparation, Purpose};
+use asperity::watch::Watch;
 use asperity_core::bsdf::Lobe;
 use asperity_tests::kirchhoff::{intensity, lit_order, obliquity};
 use asperity_tests::oracle::fresnel;
@@ -13,8 +12,7 @@ use super::surfaces::{ETA, Gaussian, LOBES, WAVELENGTH_UM, all, beam, boundary};
 use crate::common::ior;
 
 fn lit(map: &HeightMap, beams: &[Beam]) -> Vec<BeamOrders> {
-    let never = AtomicBool::new(false);
-    orders(map, Tiling::Patch, ior(ETA), beams, &never, &|_, _| ()).unwrap().unwrap()
+    orders(map, Tiling::Patch, ior(ETA), beams, Watch::nobody()).unwrap().unwrap()
 }
 
 fn both_sides(angles: &[f64]) -> Vec<Beam> {

@@ -1,12 +1,12 @@
 //! Gaussian surfaces of correlation `exp(-r^2 / L^2)`: seeded periodic maps, and the closed form of what they scatter.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::atomic::AtomicBool;
 
 use asperity::kirchhoff::{
     Beam, BeamOrders, Fourier, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
 };
 use asperity::surface::{Edges, HeightMap};
+use asperity::watch::Watch;
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 
@@ -25,8 +25,7 @@ pub(super) fn beam(degrees: f64, air: bool, lobe: Lobe) -> Beam {
 
 /// Orders of all beams.
 pub(super) fn all(map: &HeightMap, edges: Edges, beams: &[Beam]) -> Vec<BeamOrders> {
-    let never = AtomicBool::new(false);
-    orders(map, edges, ior(ETA), beams, &never, &|_, _| ()).unwrap().unwrap()
+    orders(map, edges, ior(ETA), beams, Watch::nobody()).unwrap().unwrap()
 }
 
 /// Light of 0.55 um, averaged.

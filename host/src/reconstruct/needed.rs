@@ -1,17 +1,25 @@
-//! Tables without all lobes: what a verb needs of them, and what it says.
-
-use std::path::Path;
+//! Tables without all lobes: what a scan or a balance needs of them.
 
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
-use super::error::Failure;
 use crate::boundary::Boundary;
+use crate::embedded::MissingLobes;
 use crate::forward::{Sample, Setup};
 
 /// Which lobes: reflection and transmission from the air, then from the dielectric.
-pub(super) type Lobes = [bool; 4];
+pub type Lobes = [bool; 4];
+
+/// What a table lacks.
+#[derive(Debug, thiserror::Error)]
+#[error("the table holds no {missing}, which {what} needs")]
+pub struct Lacking {
+    /// The lobes.
+    pub missing: MissingLobes,
+    /// What they are needed for.
+    pub what: &'static str,
+}
 
 /// The lobes that the readings of a scan are made of; with rays the account of the flux too.
 pub(super) fn of_scan(setup: &Setup, rays: bool) -> Lobes {
@@ -34,17 +42,8 @@ pub(super) fn of_balance(sides: &[Side]) -> Lobes {
     [air, air, dielectric, dielectric]
 }
 
-/// Refuses a table that lacks lobes; `or` is another way, and begins the remedy.
-pub(super) fn need(
-    path: &Path,
-    boundary: &Boundary,
-    (wanted, what, or): (Lobes, &str, &str),
-) -> Result<(), Failure> {
+/// Refuses a table that lacks lobes.
+pub(super) fn need(boundary: &Boundary, wanted: Lobes, what: &'static str) -> Result<(), Lacking> {
     let Boundary::Table(table) = boundary else { return Ok(()) };
-    let Some(missing) = table.missing(wanted) else { return Ok(()) };
-    Err(Failure::bad(format!(
-        "{}: the table holds no {missing}, which {what} needs; {or}give one made by `asperity tabulate` with \
-         --side both --lobe both",
-        path.display()
-    )))
+    table.missing(wanted).map_or(Ok(()), |missing| Err(Lacking { missing, what }))
 }

@@ -1,0 +1,80 @@
+//! What a fit minimises, with how much effort, and what counts as described: the flags of `fit`, `compare` and `trade`.
+
+use clap::ValueEnum;
+
+use super::error::Failure;
+use super::source::{number, parse_rays};
+use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
+use crate::method::Surface;
+
+/// What is minimised, as a flag.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum ObjectiveFlag {
+    /// Eq. (18): rms deviation over the largest reading
+    #[default]
+    Rmsd,
+    /// Rms relative deviation
+    Relative,
+    /// Rms deviation of the logarithms
+    Log,
+}
+
+impl From<ObjectiveFlag> for Objective {
+    fn from(flag: ObjectiveFlag) -> Self {
+        match flag {
+            ObjectiveFlag::Rmsd => Self::Rmsd,
+            ObjectiveFlag::Relative => Self::Relative,
+            ObjectiveFlag::Log => Self::Log,
+        }
+    }
+}
+
+/// What is minimised, with how much effort, and what counts as described.
+#[derive(Debug, clap::Args)]
+pub(super) struct EffortFlags {
+    /// What is minimised; eq. (18) is always printed
+    #[arg(long, value_enum, default_value = "rmsd")]
+    objective: ObjectiveFlag,
+    /// Rays an incidence for the final figures of a traced method; without it as many as bring their noise below 0.2 %
+    #[arg(long, value_name = "N", value_parser = parse_rays)]
+    rays: Option<u64>,
+    /// Rays an incidence while a traced method is fitted; without it as many as bring their noise to 1.3 %
+    #[arg(long, value_name = "N", value_parser = parse_rays)]
+    fit_rays: Option<u64>,
+    /// Seed of traced methods
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+    /// Evaluations of the forward model at most
+    #[arg(long, value_name = "N", default_value_t = 4000)]
+    max_evaluations: u64,
+    /// Largest error of a single incidence that counts as described, in % of its largest reading
+    #[arg(long, value_name = "PERCENT", default_value_t = MISFIT_PERCENT, value_parser = number)]
+    pub(super) max_misfit: f64,
+}
+
+impl EffortFlags {
+    /// Refuses what would leave nothing to do.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        if self.max_misfit.is_nan() || self.max_misfit <= 0.0 || self.max_evaluations == 0 {
+            return Err(Failure::bad("--max-misfit and --max-evaluations must be positive"));
+        }
+        Ok(())
+    }
+
+    /// The options of a fit to a body, with nothing free but the method's own parameters.
+    pub(super) fn options(&self, surface: Surface) -> FitOptions {
+        FitOptions {
+            surface,
+            fit_ior: false,
+            fit_gain: false,
+            objective: self.objective.into(),
+            max_evaluations: self.max_evaluations,
+            rays: FitRays {
+                fit: self.fit_rays,
+                last: self.rays,
+                seed: self.seed,
+                ..FitRays::default()
+            },
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! The virtual goniophotometer: a scan of a boundary.
+
+use asperity_core::gonio::{AngleGrid, Geometry};
+use asperity_core::plate::{Outcome, RoughSide};
+use asperity_core::quantity::RelativeIor;
+
+use crate::boundary::Boundary;
+use crate::forward::{
+    Effort, Incidence, Plan, Rays, Readings, Sample, Setup, monte_carlo, simulate, wave,
+};
+use crate::measurement::meta::HeaderFault;
+use crate::measurement::{AngleRange, InvalidReading, Measurement, Metadata, Quantity, Reading};
+use crate::surface::{Edges, Form};
+use crate::watch::Watch;
+
+use super::situation::{Unclear, check_aperture, check_plate};
+use super::subject::Subject;
+use super::{Lacking, header, needed};
+
+/// Rays per incidence where there is no other way.
+const TRACED_RAYS: u64 = 15_000_000;
+
+/// What the instrument is to measure; the default is the GP-200's usual scan of transmitted light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanRequest {
+    /// Angles of incidence, 0 to below 90 degrees.
+    pub sigma_deg: Vec<f64>,
+    /// Angles of observation.
+    pub theta: AngleRange,
+    /// Step of the angle of observation, degrees.
+    pub step_deg: f64,
+    /// Full angle of the detector's cone, degrees.
+    pub aperture_deg: f64,
+    /// Side of the detector; `None`: transmission, of an opaque body reflection.
+    pub geometry: Option<Geometry>,
+    /// Which way the rough face of a plate looks.
+    pub rough_side: RoughSide,
+    /// What the readings are.
+    pub quantity: Quantity,
+    /// Monte Carlo with so many rays per incidence; `None`: by quadrature, of a traced boundary 1.5e7 rays.
+    pub rays: Option<u64>,
+    /// Seed of the rays.
+    pub seed: u64,
+}
+
+impl Default for ScanRequest {
+    fn default() -> Self {
+        Self {
+            sigma_deg: vec![0.0, 15.0, 30.0, 45.0, 60.0],
+            theta: AngleRange::ALL,
+            step_deg: 0.1,
+            aperture_deg: 0.6,
+            geometry: None,
+            rough_side: RoughSide::Source,
+            quantity: Quantity::Flux,
+            rays: None,
+            seed: 1,
+        }
+    }
+}
+
+/// A finished virtual scan.
+#[derive(Clone, Debug)]
+pub struct VirtualScan {
+    /// Its readings and what is known of them.
+    pub measurement: Measurement,
+    /// Angle of incidence and reflected, transmitted and lost flux; Monte Carlo only.
+    pub outcomes: Vec<(f64, Outcome<f64>)>,
+    /// Flux left out of the internal passes; quadrature only.
+    pub neglected: Option<f64>,
+    /// Whether it was stopped: the incidences that were finished are there.
+    pub interrupted: bool,
+}
+
+/// Why there is no scan.
+#[derive(Debug, thiserror::Error)]
+pub enum NoScan {
+    /// An angle of incidence outside 0 to below 90 degrees.
+    #[error("an incidence of {0} degrees is not usable; give 0 to below 90 degrees")]
+    Incidence(f64),
+    /// The same incidence twice.
+    #[error("the incidence of {0} degrees is given twice; leave one out")]
+    IncidenceTwice(f64),
+    /// Angles of observation that no instrument has.
+    #[error("{0} is outside -90:90; give degrees from the plate normal")]
+    Outside(AngleRange),
+    /// A step that gives no angles, or too many.
+    #[error(
+        "a step of {step_deg} over {from_deg} to {to_deg} degrees is not usable; give a positive step of at most a million angles"
+    )]
+    Step {
+        /// The step.
+        step_deg: f64,
+        /// First angle.
+        from_deg: f64,
+        /// Last angle.
+        to_deg: f64,
+    },
+    /// Transmitted light of an opaque body.
+    #[error("an opaque body transmits nothing")]
+    OpaqueTransmits,
+    /// Rays without an aperture.
+    #[error("rays need a detector to fall into")]
+    RaysNeedAperture,
+    /// Coherent light without an aperture.
+    #[error("coherent light needs a detector to fall into")]
+    CoherentNeedsAperture,
+    /// Rays of waves.
+    #[error("waves are summed, not traced")]
+    WavesAreNotTraced,
+    /// Plate or aperture cannot be.
+    #[error(transparent)]
+    Unclear(#[from] Unclear),
+    /// A table lacks lobes.
+    #[error(transparent)]
+    Lacking(#[from] Lacking),
+    /// A text that no header holds.
+    #[error(transparent)]
+    Header(#[from] HeaderFault),
+    /// The index is none.
+    #[error("{0}")]
+    Index(String),
+    /// Readings that no measurement has.
+    #[error("the model gives no usable scan: {0}")]
+    Unusable(#[from] InvalidReading),
+    /// Stopped, with nothing to keep.
+    #[error("interrupted")]
+    Interrupted,
+    /// Stopped, with nothing to keep.
+    #[error("interrupted before the first incidence was done")]
+    InterruptedEarly,
+}
+
+impl ScanRequest {
+    /// Measures a subject; the header says what it is.
+    ///
+    /// `watch` is told rays or transforms; a scan by rays that is stopped keeps the incidences that it finished.
+    ///
+    /// # Errors
+    /// [`NoScan`].
+    pub fn run(&self, subject: &Subject, watch: Watch<'_>) -> Result<VirtualScan, NoScan> {
+        let checked = self.check(&subject.boundary)?;
+        self.carry_out(&subject.boundary, &checked, of_subject(subject)?, watch)
+    }
+
+    /// Measures a boundary; `meta` is completed with what the instrument is.
+    ///
+    /// # Errors
+    /// [`NoScan`].
+    pub fn of_boundary(
+        &self,
+        boundary: &Boundary,
+        meta: Metadata,
+        watch: Watch<'_>,
+    ) -> Result<VirtualScan, NoScan> {
+        self.carry_out(boundary, &self.check(boundary)?, meta, watch)
+    }
+
+    /// Refuses what cannot be measured, before any work: the front end may open its output in between.
+    ///
+    /// # Errors
+    /// [`NoScan`].
+    pub fn check(&self, boundary: &Boundary) -> Result<Checked, NoScan> {
+        let setup = self.setup(boundary)?;
+        let lobes = needed::of_scan(&setup, self.rays.is_some());
+        needed::need(boundary, lobes, "this scan")?;
+        let grid = self.grid()?;
+        let sigma = &self.sigma_deg;
+        if let Some(bad) = sigma.iter().find(|s| !(0.0..90.0).contains(*s)) {
+            return Err(NoScan::Incidence(*bad));
+        }
+        let is_repeated = |k: &usize| sigma[..*k].iter().any(|s| s.total_cmp(&sigma[*k]).is_eq());
+        if let Some(k) = (1..sigma.len()).find(is_repeated) {
+            return Err(NoScan::IncidenceTwice(sigma[k]));
+        }
+        let count = self.rays.or(boundary.is_traced().then_some(TRACED_RAYS));
+        Ok(Checked { setup, grid, rays: count.map(|count| Rays { count, seed: self.seed }) })
+    }
+
+    fn setup(&self, boundary: &Boundary) -> Result<Setup, NoScan> {
+        let (sample, usual) = match boundary.eta() {
+            Some(eta) => {
+                let eta = RelativeIor::new(eta).map_err(|e| NoScan::Index(e.to_string()))?;
+                check_plate(eta)?;
+                (Sample::Plate { eta, rough_side: self.rough_side }, Geometry::Transmission)
+            }
+            None => (Sample::Opaque, Geometry::Reflection),
+        };
+        let geometry = self.geometry.unwrap_or(usual);
+        if sample == Sample::Opaque && geometry == Geometry::Transmission {
+            return Err(NoScan::OpaqueTransmits);
+        }
+        let (aperture_deg, quantity) = (self.aperture_deg, self.quantity);
+        check_aperture(aperture_deg, quantity)?;
+        if (self.rays.is_some() || boundary.is_traced()) && aperture_deg <= 0.0 {
+            return Err(NoScan::RaysNeedAperture);
+        }
+        if matches!(boundary, Boundary::Wave(_)) && self.rays.is_some() {
+            return Err(NoScan::WavesAreNotTraced);
+        }
+        let is_coherent = match boundary {
+            Boundary::Wave(_) => true,
+            Boundary::Table(table) => table.is_coherent(),
+            _ => false,
+        };
+        if is_coherent && aperture_deg <= 0.0 {
+            return Err(NoScan::CoherentNeedsAperture);
+        }
+        Ok(Setup { sample, geometry, aperture_deg, quantity })
+    }
+
+    fn grid(&self) -> Result<AngleGrid<f64>, NoScan> {
+        let (from_deg, to_deg) = (self.theta.min_deg().max(-90.0), self.theta.max_deg().min(90.0));
+        if from_deg > to_deg {
+            return Err(NoScan::Outside(self.theta));
+        }
+        let step_deg = self.step_deg;
+        let count = ((to_deg - from_deg) / step_deg + 1e-6).floor();
+        if !(step_deg > 0.0 && step_deg.is_finite() && (0.0..=1e6).contains(&count)) {
+            return Err(NoScan::Step { step_deg, from_deg, to_deg });
+        }
+        Ok(AngleGrid { start_deg: from_deg, step_deg, count: count as usize + 1 })
+    }
+
+    fn carry_out(
+        &self,
+        boundary: &Boundary,
+        Checked { setup, grid, rays }: &Checked,
+        mut meta: Metadata,
+        watch: Watch<'_>,
+    ) -> Result<VirtualScan, NoScan> {
+        let angles: Vec<f64> = (0..grid.count).map(|k| grid.degrees(k)).collect();
+        let raw = match rays {
+            None => self.summed(boundary, setup, &angles, watch)?,
+            Some(rays) => self.traced(boundary, setup, &angles, *rays, watch),
+        };
+        if raw.values.is_empty() {
+            return Err(NoScan::InterruptedEarly);
+        }
+        if let (Boundary::Wave(waves), Some(errors)) = (boundary, &raw.std_errors) {
+            header::speckle(waves, errors, &raw.values, &mut meta)?;
+        }
+        if let Some(light) = boundary.wavelengths() {
+            header::light(light, &mut meta)?;
+        }
+        self.say(boundary, setup, &raw, &mut meta);
+        let at = self.sigma_deg.iter().flat_map(|&s| angles.iter().map(move |&t| (s, t)));
+        let reading = |((sigma_deg, theta_deg), value)| Reading { sigma_deg, theta_deg, value };
+        let readings = at.zip(raw.values.iter().copied()).map(reading).collect();
+        Ok(VirtualScan {
+            measurement: Measurement::new(meta, readings)?,
+            outcomes: raw.outcomes,
+            neglected: raw.neglected,
+            interrupted: raw.interrupted,
+        })
+    }
+
+    /// By quadrature, or from the orders of waves.
+    fn summed(
+        &self,
+        boundary: &Boundary,
+        setup: &Setup,
+        angles: &[f64],
+        watch: Watch<'_>,
+    ) -> Result<Raw, NoScan> {
+        let plan = Plan::product(&self.sigma_deg, angles);
+        let done = if let Boundary::Wave(waves) = boundary {
+            wave(waves, setup, &plan, Effort::Full, watch)
+        } else {
+            let no_rays = Rays { count: 1, seed: 0 };
+            simulate(boundary, setup, &plan, Effort::Full, no_rays, watch)
+        };
+        let Readings { values, std_errors, neglected, .. } = done.ok_or(NoScan::Interrupted)?;
+        Ok(Raw { values, std_errors, neglected: Some(neglected.flux), ..Raw::default() })
+    }
+
+    /// Incidence by incidence, each by rays.
+    fn traced(
+        &self,
+        boundary: &Boundary,
+        setup: &Setup,
+        angles: &[f64],
+        rays: Rays,
+        watch: Watch<'_>,
+    ) -> Raw {
+        let mut raw = Raw::default();
+        let all = rays.count.saturating_mul(self.sigma_deg.len() as u64);
+        watch.done(0, usize::try_from(all).unwrap_or(usize::MAX));
+        for &sigma_deg in &self.sigma_deg {
+            let incidence = Incidence { sigma_deg, theta_deg: angles.to_vec() };
+            let Some(done) = monte_carlo(boundary, setup, &incidence, rays, watch) else {
+                raw.interrupted = true;
+                break;
+            };
+            raw.values.extend(&done.values);
+            raw.variance += done.std_errors.iter().map(|e| e * e).sum::<f64>();
+            raw.rays = Some(done.rays);
+            raw.outcomes.push((sigma_deg, done.outcome));
+        }
+        raw
+    }
+
+    /// Completes the header.
+    fn say(&self, boundary: &Boundary, setup: &Setup, raw: &Raw, meta: &mut Metadata) {
+        let how = match raw.rays {
+            None if matches!(boundary, Boundary::Wave(_)) => "Kirchhoff".to_owned(),
+            None => "quadrature".to_owned(),
+            Some(traced) => format!("Monte Carlo, {traced} rays an incidence"),
+        };
+        meta.instrument = Some(format!("asperity scan, {how}"));
+        meta.geometry = Some(setup.geometry);
+        meta.aperture_deg = (setup.aperture_deg > 0.0).then_some(setup.aperture_deg);
+        meta.calibration = Some("relative to the beam without sample".into());
+        if let Sample::Plate { rough_side, .. } = setup.sample {
+            meta.rough_side = Some(rough_side);
+        }
+        if setup.quantity == Quantity::Bsdf {
+            meta.quantity = Some(Quantity::Bsdf);
+        }
+        if raw.rays.is_none() {
+            return;
+        }
+        meta.seed = Some(self.seed);
+        let largest = raw.values.iter().copied().fold(0.0, f64::max);
+        if largest > 0.0 {
+            let rms = (raw.variance / raw.values.len() as f64).sqrt();
+            meta.noise_floor_percent = Some(100.0 * rms / largest);
+        }
+    }
+}
+
+/// A request that can be carried out.
+#[derive(Clone, Copy, Debug)]
+pub struct Checked {
+    setup: Setup,
+    grid: AngleGrid<f64>,
+    rays: Option<Rays>,
+}
+
+/// Readings before they are a measurement: incidence by incidence, as far as they were finished.
+#[derive(Default)]
+struct Raw {
+    values: Vec<f64>,
+    std_errors: Option<Vec<f64>>,
+    /// Sum over the readings.
+    variance: f64,
+    /// Rays per incidence.
+    rays: Option<u64>,
+    outcomes: Vec<(f64, Outcome<f64>)>,
+    neglected: Option<f64>,
+    interrupted: bool,
+}
+
+/// What the header says of a subject.
+fn of_subject(subject: &Subject) -> Result<Metadata, HeaderFault> {
+    let sample = Some(format!("virtual: {}", subject.path.display()));
+    let mut meta = Metadata { sample, ior: subject.ior, ..Metadata::default() };
+    if let Some(said) = &subject.table {
+        meta.set("table", said)?;
+    }
+    if let Some(map) = &subject.preparation {
+        let (edges, form) = (map.edges.map(Edges::name), map.form.map(Form::name));
+        for (key, word) in [("edges", edges), ("form_removed", form)] {
+            if let Some(word) = word {
+                meta.set(key, word)?;
+            }
+        }
+    }
+    Ok(meta)
+}
