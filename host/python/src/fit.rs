@@ -1,26 +1,48 @@
 //! Fitting a model to a scan.
 
-use asperity::fit::{
-    self as library, Fit, FitError, FitOptions, FitRays, Fitted, MISFIT_PERCENT, Objective,
-};
-use asperity::method::{Choice, Kind, Method, Surface};
-use asperity::model::{self, IncidenceRecord, Timing};
-use asperity::provenance::Provenance;
-use asperity::reconstruct::{Said, Situation, Unclear};
+use asperity::fit::MISFIT_PERCENT;
+use asperity::method::Kind;
+use asperity::reconstruct::{Found, Trials, usually_asked};
 use pyo3::prelude::*;
 
 use crate::error::bad;
+use crate::light::Lines;
+use crate::map::HeightMap;
 use crate::model::Model;
 use crate::scan::Scan;
+use crate::setup::{Given, unusable, warn_of_failed};
 use crate::work::interruptible;
 
-/// Fits a method that needs no height map, with every law it has unless one is given; the best is kept.
+/// Fits a model to a scan, with every law and every way to treat speckle that the method has; the best is kept.
+///
+/// An argument goes before the header of the scan. Other threads run meanwhile; Ctrl-C ends the fit.
+///
+/// Parameters
+/// ----------
+/// scan : the readings.
+/// method : "ggx", "normals", "heights", and with `map` "measured-ray", "measured-wave" or "measured-hybrid".
+/// ior, opaque : refractive index over that of air, or an opaque body.
+/// law : "gauss" or "cauchy" alone; both are tried without it.
+/// free : optional parameters to fit as well: ior, gain, theta0 (normals), n, h_max, z0 (heights).
+/// cutoff : whether the filter of a map (cutoff_um) is fitted too.
+/// geometry, rough_side, aperture_deg : the instrument, as in the header of a scan file.
+/// map : the height map of the surface.
+/// wavelength_nm : vacuum wavelength of the light, several, or pairs with weights, for waves.
+/// speckle, shadowing : "averaged", "kept" or "patch"; "auto", "on" or "off".
+/// objective : "rmsd" (eq. 18), "relative" or "log".
+/// max_misfit_percent : largest error of a single incidence that counts as described.
+/// rays, fit_rays, seed : rays per incidence for the final figures and while a traced method is fitted.
+///
+/// Raises
+/// ------
+/// ValueError with the argument that mends it. A law that fails beside a better one is a warning.
 #[pyfunction]
 #[pyo3(signature = (
-    scan, method="ggx", *, ior=None, opaque=false, law=None, free=None, geometry=None, rough_side=None,
-    aperture_deg=None, objective="rmsd", max_evaluations=4000, rays=None, fit_rays=None, seed=1
+    scan, method="ggx", *, ior=None, opaque=false, law=None, free=None, cutoff=true, geometry=None, rough_side=None,
+    aperture_deg=None, map=None, wavelength_nm=None, speckle=None, shadowing=None, objective="rmsd",
+    max_evaluations=4000, max_misfit_percent=MISFIT_PERCENT, rays=None, fit_rays=None, seed=1
 ))]
-#[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
+#[expect(clippy::too_many_arguments, clippy::fn_params_excessive_bools, reason = "named arguments of Python")]
 pub(crate) fn fit(
     py: Python<'_>,
     scan: &Scan,
@@ -29,152 +51,75 @@ pub(crate) fn fit(
     opaque: bool,
     law: Option<&str>,
     free: Option<Vec<String>>,
+    cutoff: bool,
     geometry: Option<&str>,
     rough_side: Option<&str>,
     aperture_deg: Option<f64>,
+    map: Option<&HeightMap>,
+    wavelength_nm: Option<Lines>,
+    speckle: Option<&str>,
+    shadowing: Option<&str>,
     objective: &str,
     max_evaluations: u64,
+    max_misfit_percent: f64,
     rays: Option<u64>,
     fit_rays: Option<u64>,
     seed: u64,
 ) -> PyResult<Model> {
-    let (measurement, free) = (&scan.measurement, free.unwrap_or_default());
-    // the words of the header, checked where those of a file are
-    let mut said = measurement.meta.clone();
-    let number = aperture_deg.filter(|a| *a > 0.0).map(|a| a.to_string());
-    let given = [("geometry", geometry), ("rough_side", rough_side)];
-    for (key, value) in given.into_iter().chain([("aperture_deg", number.as_deref())]) {
-        if let Some(value) = value {
-            said.set(key, value).map_err(bad)?;
-        }
-    }
-    let said = Said {
-        geometry: said.geometry,
+    let given = Given {
         ior,
         opaque,
-        rough_side: said.rough_side,
-        aperture_deg: aperture_deg.or(said.aperture_deg),
-    };
-    let Situation { surface, setup } = said.about(measurement).map_err(|e| unclear(&e))?;
-    if rays == Some(0) || fit_rays == Some(0) || max_evaluations == 0 {
-        return Err(bad("rays, fit_rays and max_evaluations must be positive"));
-    }
-    let options = FitOptions {
-        surface,
-        fit_ior: free.iter().any(|f| f == "ior"),
-        fit_gain: free.iter().any(|f| f == "gain"),
-        objective: objective.parse().map_err(|e: <Objective as std::str::FromStr>::Err| bad(e))?,
+        geometry,
+        rough_side,
+        aperture_deg,
+        speckle,
+        shadowing,
+        objective,
         max_evaluations,
-        rays: FitRays { fit: fit_rays, last: rays, seed, ..FitRays::default() },
+        max_misfit_percent,
+        rays,
+        fit_rays,
+        seed,
     };
-    if opaque && (options.fit_ior || options.fit_gain) {
-        return Err(bad("an opaque body has a gain anyway and no index; leave them out of free"));
+    let kind = Kind::named(method).map_err(bad)?;
+    if law.is_some() && !kind.has_law {
+        return Err(bad(format!("method {method} has no law; leave it out")));
     }
-    let methods = methods(method, law, &free, surface, seed)?;
-    if setup.aperture_deg <= 0.0 && methods.iter().any(|m| m.is_traced()) {
-        return Err(bad("rays need a detector to fall into; give aperture_deg above 0"));
+    if map.is_some() && !kind.needs_map {
+        return Err(bad(format!("method {method} has no map; leave it out")));
     }
-    let (chosen, fit) = interruptible(py, |stop| {
-        let mut best: Option<(&dyn Method, Fit)> = None;
-        let (mut evaluations, mut seconds) = (0, 0.0);
-        for method in &methods {
-            let done = match library::fit(&**method, measurement, &setup, &options, stop, &|_| ()) {
-                Err(_) if best.is_some() => continue,
-                done => done?,
-            };
-            evaluations += done.evaluations;
-            seconds += done.seconds;
-            if best.as_ref().is_none_or(|(_, b)| done.objective.1 < b.objective.1) {
-                best = Some((&**method, done));
-            }
-        }
-        let (method, fit) = best.ok_or(FitError::NoStart)?;
-        Ok::<_, FitError>((method, Fit { evaluations, seconds, ..fit }))
-    })?
-    .map_err(bad)?;
-    let boundary = fit.boundary.clone();
-    Model::of(record(chosen, &fit, scan, &options), boundary)
-}
-
-/// The methods to try: one with every law.
-fn methods(
-    name: &str,
-    law: Option<&str>,
-    free: &[String],
-    surface: Surface,
-    seed: u64,
-) -> PyResult<Vec<Box<dyn Method>>> {
-    let kind = Kind::named(name).map_err(bad)?;
-    if kind.needs_map {
-        let what =
-            format!("method {name} needs a height map; fit it with `asperity fit --map FILE`");
+    if !kind.is_wave() && (speckle.is_some() || shadowing.is_some()) {
+        let what = format!("method {method} sends no waves; leave speckle and shadowing out");
         return Err(bad(what));
     }
-    if law.is_some() && !kind.has_law {
-        return Err(bad(format!("method {name} has no law; leave it out")));
+    let free = free.unwrap_or_default();
+    let mut task = given.task(scan, map, wavelength_nm)?;
+    task.options.fit_ior = free.iter().any(|f| f == "ior");
+    task.options.fit_gain = free.iter().any(|f| f == "gain");
+    if opaque && (task.options.fit_ior || task.options.fit_gain) {
+        return Err(bad("an opaque body has a gain anyway and no index; leave them out of free"));
     }
-    let laws: &[Option<&str>] = match law {
-        None if kind.has_law => &[Some("gauss"), Some("cauchy")],
-        law => &[law],
+    let asked = |parameter: &str| match parameter {
+        "cutoff_um" => cutoff,
+        other => usually_asked(other) || free.iter().any(|f| f == other),
     };
-    let asked = |parameter: &str| free.iter().any(|f| f == parameter);
-    let of_law = |law: Option<&str>| {
-        Choice { law, asked: &asked, seed, ..Choice::new(name, surface) }.method()
-    };
-    let methods = laws.iter().copied().map(of_law).collect::<Result<Vec<_>, _>>().map_err(bad)?;
+    let trials = task.trials(method, law, &asked).map_err(|why| unusable(&why))?;
+    check_free(method, &free, &trials)?;
+    let found = interruptible(py, |watch| task.fit(&trials, watch))?;
+    let Found { entry, model, failed } = found.map_err(bad)?;
+    warn_of_failed(py, &failed)?;
+    let folder = map.and_then(|map| std::path::absolute(&map.path).ok());
+    let folder = folder.and_then(|path| path.parent().map(std::path::PathBuf::from));
+    Model::of(model, entry.fit.boundary, folder)
+}
+
+/// Refuses names that are no parameters of the method.
+fn check_free(method: &str, free: &[String], trials: &Trials) -> PyResult<()> {
     for parameter in free {
-        let mut known = methods.iter().flat_map(|m| m.parameters()).map(|p| p.name);
+        let mut known = trials.iter().flat_map(|m| m.parameters()).map(|p| p.name);
         if !["ior", "gain"].contains(&parameter.as_str()) && !known.any(|name| name == parameter) {
-            return Err(bad(format!("method {name} has no parameter `{parameter}` to set free")));
+            return Err(bad(format!("method {method} has no parameter `{parameter}` to set free")));
         }
     }
-    Ok(methods)
-}
-
-/// What is unclear about a scan, and the argument that says it.
-fn unclear(what: &Unclear) -> PyErr {
-    let argument = match what {
-        Unclear::Geometry => "give geometry=\"transmission\" or \"reflection\"",
-        Unclear::Index { .. } => "give ior, or opaque=True",
-        Unclear::RoughSide => "give rough_side=\"source\" or \"detector\"",
-        Unclear::Aperture => "give aperture_deg (full angle)",
-        Unclear::OpaqueIndex => "leave ior or opaque out",
-        Unclear::OpaqueTransmits => "give ior instead of opaque",
-        Unclear::NoPlate => "give another ior",
-        Unclear::UnusableAperture(_) => {
-            "give the full angle of the detector's cone as aperture_deg, above 0 to 30 (0 only for BSDF values)"
-        }
-        Unclear::Domain(_) => return bad(what),
-    };
-    bad(format!("{what}; {argument}"))
-}
-
-/// The fit as a model.
-fn record(method: &dyn Method, fit: &Fit, scan: &Scan, options: &FitOptions) -> model::Model {
-    let surface = fit.ior.map_or(options.surface, |ior| Surface::Dielectric { ior });
-    let values = fit.parameters.iter().map(|p| (p.name.to_owned(), p.record()));
-    let mut made = model::Model::new(method, surface, values);
-    let measurement = &scan.measurement;
-    made.rmsd_percent = Some(fit.rmsd_percent);
-    made.noise_floor_percent = fit.noise_floor_percent;
-    made.simulation_noise_percent = fit.simulation_noise_percent;
-    made.objective = Some(fit.objective.0.to_string());
-    made.objective_value = Some(fit.objective.1);
-    let incidences = fit.incidences.iter();
-    made.incidences = incidences
-        .map(|i| IncidenceRecord { sigma_deg: i.sigma_deg, rmsd_percent: i.rmsd_percent })
-        .collect();
-    made.evaluations = Some(fit.evaluations);
-    made.timing = Some(Timing { seconds: fit.seconds });
-    made.termination = Some(fit.termination.word().into());
-    made.neglected_flux = Some(fit.neglected.flux);
-    made.neglected_percent = Some(100.0 * fit.neglected.reading / measurement.largest_reading());
-    made.validity = fit.refusal(MISFIT_PERCENT).into_iter().collect();
-    made.validity.extend(fit.parameters.iter().filter_map(Fitted::warning));
-    let seed = method.is_traced().then_some(options.rays.seed);
-    let mut provenance = Provenance::of_this_program(seed);
-    provenance.inputs = scan.input.iter().cloned().collect();
-    provenance.references = method.references().iter().map(|&r| r.to_owned()).collect();
-    made.provenance = Some(provenance);
-    made
+    Ok(())
 }

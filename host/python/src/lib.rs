@@ -11,11 +11,17 @@ mod pairs;
 mod rays;
 mod precision;
 mod closed;
+mod json;
+mod light;
 mod scan;
+mod map;
+mod setup;
 mod traced;
 mod model;
-mod fit;
 mod table;
+mod fit;
+mod subject;
+mod compare;
 
 use pyo3::prelude::*;
 
@@ -33,5 +39,10 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::restore_model, module)?)?;
     module.add_function(wrap_pyfunction!(table::restore_table, module)?)?;
     module.add_function(wrap_pyfunction!(scan::read_scan, module)?)?;
+    module.add_class::<map::HeightMap>()?;
+    module.add_function(wrap_pyfunction!(map::read_map, module)?)?;
+    module.add_function(wrap_pyfunction!(subject::scan, module)?)?;
+    module.add_function(wrap_pyfunction!(subject::check, module)?)?;
+    module.add_function(wrap_pyfunction!(compare::compare, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)
 }

@@ -7,6 +7,8 @@ use asperity::boundary::Boundary;
 use asperity::forward::Rays;
 use asperity::model;
 use asperity::output::AtomicFile;
+use asperity::reconstruct::Subject;
+use asperity::table::Asked;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
@@ -17,6 +19,7 @@ use crate::pairs::{Each, What, values};
 use crate::pickled::{self, Reduced};
 use crate::precision::Rounded;
 use crate::rays::{Samples, samples};
+use crate::subject::subject;
 use crate::traced;
 
 /// How values are computed.
@@ -39,11 +42,7 @@ pub(crate) struct Model {
 }
 
 impl Model {
-    pub(crate) fn of(model: model::Model, boundary: Boundary) -> PyResult<Self> {
-        Self::in_folder(model, boundary, None)
-    }
-
-    fn in_folder(
+    pub(crate) fn of(
         model: model::Model,
         boundary: Boundary,
         folder: Option<PathBuf>,
@@ -78,10 +77,17 @@ impl Model {
         // what is wrong with wo is said before the work
         Argument::new("wo", wo)?.hold::<f64>()?.rows()?.common(&held.rows()?)?;
         let directions = held.rows()?.directions()?;
-        let Some(table) = traced::table(wi.py(), &self.boundary, &directions, rays)? else {
+        let Asked::Table(table) = traced::table(wi.py(), &self.boundary, &directions, rays)? else {
             return Err(bad("interrupted before the table was made"));
         };
-        values(wi, wo, &Each(&Rounded(&table), what), &Each(&table, what))
+        values(wi, wo, &Each(&Rounded(&*table), what), &Each(&*table, what))
+    }
+
+    /// What light is sent on.
+    pub(crate) fn subject(&self) -> Subject {
+        let preparation = self.record.map.as_ref().map(|map| map.preparation.clone());
+        let made = subject(self.boundary.clone(), &self.record.method, self.record.ior);
+        Subject { preparation, ..made }
     }
 
     fn numbers<T>(&self, of: impl Fn(&model::Value) -> T) -> BTreeMap<&str, T> {
@@ -96,7 +102,7 @@ impl Model {
         let read = py.detach(|| model::Model::read(&path));
         let (model, boundary, _) = read.map_err(|e| of_file(&path, e))?;
         let path = std::path::absolute(&path)?;
-        Self::in_folder(model, boundary, path.parent().map(PathBuf::from))
+        Self::of(model, boundary, path.parent().map(PathBuf::from))
     }
 
     #[staticmethod]
@@ -244,5 +250,5 @@ pub(crate) fn restore_model(
     let (model, boundary) = parsed.map_err(|(line, what)| {
         bad(line.map_or_else(|| what.clone(), |line| format!("line {line}: {what}")))
     })?;
-    Model::in_folder(model, boundary, folder)
+    Model::of(model, boundary, folder)
 }

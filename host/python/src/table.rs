@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use asperity::boundary::Boundary;
 use asperity::embedded::{EmbeddedTable, Record, of_bytes, read, to_bytes};
+use asperity::law_file::Kind;
+use asperity::reconstruct::Subject;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -11,6 +14,7 @@ use crate::pairs::{Each, What, values};
 use crate::pickled::{self, Reduced};
 use crate::precision::Rounded;
 use crate::rays::{Samples, samples};
+use crate::subject::subject;
 
 /// The BSDF of any method in arrays.
 #[pyclass(frozen, module = "asperity")]
@@ -29,6 +33,14 @@ impl Table {
     ) -> PyResult<Bound<'py, PyAny>> {
         let rounded = Rounded(&self.table);
         values(wi, wo, &Each(&rounded, what), &Each(&self.table, what))
+    }
+
+    /// What light is sent on.
+    pub(crate) fn subject(&self) -> Subject {
+        let kind = Kind::Table(Box::new(self.record.clone()));
+        let boundary = Boundary::Table(Box::new(self.table.clone()));
+        let ior = kind.ior(&boundary);
+        Subject { table: kind.table(), ..subject(boundary, &kind.method(), ior) }
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use asperity::watch::Watch;
 use pyo3::prelude::*;
 
 /// How often Python is asked whether a signal came.
@@ -11,21 +12,21 @@ const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Runs `work` on a thread of its own while other Python threads run.
 ///
-/// A signal whose handler raises (Ctrl-C) sets the flag that `work` gets; when the work has ended the exception goes on
+/// A signal whose handler raises (Ctrl-C) stops the work; when the work has ended the exception goes on
 /// and the result is dropped.
 ///
 /// # Errors
 /// What the handler of a signal raised.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
-    work: impl FnOnce(&AtomicBool) -> T + Send,
+    work: impl FnOnce(Watch<'_>) -> T + Send,
 ) -> PyResult<T> {
     let stop = &AtomicBool::new(false);
     let (done, raised) = py.detach(|| {
         thread::scope(|scope| {
             let waiting = thread::current();
             let worker = scope.spawn(move || {
-                let done = work(stop);
+                let done = work(Watch::silent(stop));
                 waiting.unpark();
                 done
             });

@@ -5,6 +5,34 @@ Directions are unit vectors that point away from the surface; +z is the mean nor
 Flux is transported, not radiance: transmission carries no eta^2.
 """
 
-from ._native import Ggx, Model, Normals, Scan, Table, __version__, fit, read_scan
+from ._native import (
+    Ggx,
+    HeightMap,
+    Model,
+    Normals,
+    Scan,
+    Table,
+    __version__,
+    check,
+    compare,
+    fit,
+    read_map,
+    read_scan,
+    scan,
+)
 
-__all__ = ["Ggx", "Model", "Normals", "Scan", "Table", "__version__", "fit", "read_scan"]
+__all__ = [
+    "Ggx",
+    "HeightMap",
+    "Model",
+    "Normals",
+    "Scan",
+    "Table",
+    "__version__",
+    "check",
+    "compare",
+    "fit",
+    "read_map",
+    "read_scan",
+    "scan",
+]

@@ -17,7 +17,24 @@ _Values: TypeAlias = Any
 _Samples: TypeAlias = tuple[NDArray[Any], Any]
 """Directions wo (N, 3) and weights (N,); a lost ray has the weight 0 and NaN for its direction."""
 
-__all__ = ["Ggx", "Model", "Normals", "Scan", "Table", "__version__", "fit", "read_scan"]
+_Lines: TypeAlias = float | Sequence[float] | Sequence[tuple[float, float]]
+"""Vacuum wavelengths, nm: one, several of the same weight, or pairs with weights."""
+
+__all__ = [
+    "Ggx",
+    "HeightMap",
+    "Model",
+    "Normals",
+    "Scan",
+    "Table",
+    "__version__",
+    "check",
+    "compare",
+    "fit",
+    "read_map",
+    "read_scan",
+    "scan",
+]
 __version__: str
 
 @final
@@ -173,19 +190,60 @@ class Scan:
 def read_scan(path: str | PathLike[str]) -> Scan:
     """Reads a standard scan file."""
 
+@final
+class HeightMap:
+    """A measured height map, made ready for light; read one with ``read_map``."""
+
+    @property
+    def heights_um(self) -> NDArray[np.float64]:
+        """Heights, um, (ny, nx): rows are y, columns x."""
+    @property
+    def pitch_um(self) -> tuple[float, float]:
+        """Distances of neighbouring points along x and y, um."""
+    @property
+    def edges(self) -> Literal["periodic", "mirrored"]: ...
+    @property
+    def format(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def roughness(self) -> dict[str, float | None]:
+        """Roughness figures, as ``asperity stats --json`` names them."""
+
+def read_map(
+    path: str | PathLike[str],
+    *,
+    pixel_um: float | None = None,
+    z_um: float | None = None,
+    xy_unit: str | None = None,
+    z_unit: str | None = None,
+    crop: str | None = None,
+    fill: Literal["plane", "nearest", "harmonic"] | None = None,
+    form: Literal["none", "mean", "plane", "quadratic"] | None = None,
+    edges: Literal["periodic", "mirrored"] | None = None,
+    ignore_checksum: bool = False,
+    allow_steep: bool = False,
+) -> HeightMap:
+    """Reads a height map and makes it ready for light."""
+
 def fit(
     scan: Scan,
-    method: Literal["ggx", "normals", "heights"] = "ggx",
+    method: Literal["ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid"] = "ggx",
     *,
     ior: float | None = None,
     opaque: bool = False,
     law: Literal["gauss", "cauchy"] | None = None,
     free: Sequence[str] | None = None,
+    cutoff: bool = True,
     geometry: Literal["transmission", "reflection"] | None = None,
     rough_side: Literal["source", "detector"] | None = None,
     aperture_deg: float | None = None,
+    map: HeightMap | None = None,
+    wavelength_nm: _Lines | None = None,
+    speckle: Literal["averaged", "kept", "patch"] | None = None,
+    shadowing: Literal["auto", "on", "off"] | None = None,
     objective: Literal["rmsd", "relative", "log"] = "rmsd",
     max_evaluations: int = 4000,
+    max_misfit_percent: float = 15.0,
     rays: int | None = None,
     fit_rays: int | None = None,
     seed: int = 1,
@@ -195,3 +253,61 @@ def fit(
     ``free``: optional parameters to fit as well: ior, gain, theta0 (normals), n, h_max, z0 (heights). Without ``law`` both are
     tried and the better one is kept. Other threads run meanwhile; Ctrl-C ends the fit.
     """
+
+def compare(
+    scans: Sequence[Scan],
+    *,
+    maps: Sequence[HeightMap] | None = None,
+    names: Sequence[str] | None = None,
+    methods: Sequence[str] | None = None,
+    ior: float | None = None,
+    opaque: bool = False,
+    geometry: Literal["transmission", "reflection"] | None = None,
+    rough_side: Literal["source", "detector"] | None = None,
+    aperture_deg: float | None = None,
+    wavelength_nm: _Lines | None = None,
+    speckle: Literal["averaged", "kept", "patch"] | None = None,
+    shadowing: Literal["auto", "on", "off"] | None = None,
+    objective: Literal["rmsd", "relative", "log"] = "rmsd",
+    max_evaluations: int = 4000,
+    max_misfit_percent: float = 15.0,
+    rays: int | None = None,
+    fit_rays: int | None = None,
+    seed: int = 1,
+) -> dict[str, Any]:
+    """Fits every method to every scan; the object that ``asperity compare --json --no-timing`` prints."""
+
+def scan(
+    of: Model | Table | HeightMap,
+    *,
+    sigma_deg: Sequence[float] = (0.0, 15.0, 30.0, 45.0, 60.0),
+    theta_deg: tuple[float, float] = (-90.0, 90.0),
+    step_deg: float = 0.1,
+    aperture_deg: float = 0.6,
+    geometry: Literal["transmission", "reflection"] | None = None,
+    rough_side: Literal["source", "detector"] = "source",
+    quantity: Literal["flux", "bsdf"] = "flux",
+    rays: int | None = None,
+    seed: int = 1,
+    ior: float | None = None,
+    engine: Literal["ray", "wave", "hybrid"] | None = None,
+    wavelength_nm: _Lines | None = None,
+    speckle: Literal["averaged", "kept", "patch"] | None = None,
+    shadowing: Literal["auto", "on", "off"] | None = None,
+) -> Scan:
+    """Simulates a goniophotometer scan; a map needs ``ior``."""
+
+def check(
+    of: Model | Table | HeightMap,
+    *,
+    incidences_deg: Sequence[float] = (0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0),
+    side: Literal["air", "dielectric"] | None = None,
+    rays: int = 1_000_000,
+    seed: int = 1,
+    ior: float | None = None,
+    engine: Literal["ray", "wave", "hybrid"] | None = None,
+    wavelength_nm: _Lines | None = None,
+    speckle: Literal["averaged", "kept", "patch"] | None = None,
+    shadowing: Literal["auto", "on", "off"] | None = None,
+) -> dict[str, Any]:
+    """Says where the flux goes; the object that ``asperity check --json`` prints."""

@@ -1,0 +1,126 @@
+//! Every method on every sample.
+
+use asperity::fit::MISFIT_PERCENT;
+use asperity::measurement::noise;
+use asperity::method::Kind;
+use asperity::reconstruct::{Comparison, SampleResult, Task, Trials, usually_asked};
+use pyo3::prelude::*;
+
+use crate::error::bad;
+use crate::json;
+use crate::light::Lines;
+use crate::map::HeightMap;
+use crate::scan::Scan;
+use crate::setup::{Given, unusable, warn_of_failed};
+use crate::work::interruptible;
+
+/// Fits every method to every scan, and sets the results side by side, as `asperity compare` does.
+///
+/// Parameters
+/// ----------
+/// scans : the readings, one scan per sample.
+/// maps : height maps of the samples, in the order of the scans; or none.
+/// names : names of the samples; `sample1`, `sample2`, ... without them.
+/// methods : names of methods; the five of the paper without them.
+/// The other arguments are those of `fit`, and hold for all samples.
+///
+/// Returns
+/// -------
+/// dict, the object that `asperity compare --json --no-timing` prints. A method that cannot be used is in it with the reason.
+#[pyfunction]
+#[pyo3(signature = (
+    scans, *, maps=None, names=None, methods=None, ior=None, opaque=false, geometry=None, rough_side=None,
+    aperture_deg=None, wavelength_nm=None, speckle=None, shadowing=None, objective="rmsd", max_evaluations=4000,
+    max_misfit_percent=MISFIT_PERCENT, rays=None, fit_rays=None, seed=1
+))]
+#[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
+pub(crate) fn compare<'py>(
+    py: Python<'py>,
+    scans: Vec<PyRef<'py, Scan>>,
+    maps: Option<Vec<PyRef<'py, HeightMap>>>,
+    names: Option<Vec<String>>,
+    methods: Option<Vec<String>>,
+    ior: Option<f64>,
+    opaque: bool,
+    geometry: Option<&str>,
+    rough_side: Option<&str>,
+    aperture_deg: Option<f64>,
+    wavelength_nm: Option<Lines>,
+    speckle: Option<&str>,
+    shadowing: Option<&str>,
+    objective: &str,
+    max_evaluations: u64,
+    max_misfit_percent: f64,
+    rays: Option<u64>,
+    fit_rays: Option<u64>,
+    seed: u64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let given = Given {
+        ior,
+        opaque,
+        geometry,
+        rough_side,
+        aperture_deg,
+        speckle,
+        shadowing,
+        objective,
+        max_evaluations,
+        max_misfit_percent,
+        rays,
+        fit_rays,
+        seed,
+    };
+    let methods = methods.unwrap_or_else(|| Kind::of_paper().into_iter().map(String::from).collect());
+    for name in &methods {
+        Kind::named(name).map_err(bad)?;
+    }
+    let maps = maps.unwrap_or_default();
+    for (what, count) in [("maps", maps.len()), ("names", names.as_ref().map_or(0, Vec::len))] {
+        if count != 0 && count != scans.len() {
+            return Err(bad(format!("{} scans, {count} {what}; give one per scan, or none", scans.len())));
+        }
+    }
+    let names = names.unwrap_or_else(|| (1..=scans.len()).map(|k| format!("sample{k}")).collect());
+    let mut samples = Vec::new();
+    for (k, scan) in scans.iter().enumerate() {
+        let task = given.task(scan, maps.get(k).map(|map| &**map), wavelength_nm.clone())?;
+        samples.push(sample(py, &names[k], &task, &methods)?);
+    }
+    let comparison = Comparison {
+        title: "Comparison of the methods".into(),
+        what: String::new(),
+        methods,
+        samples,
+        timing: false,
+    };
+    json::object(py, &comparison.json())
+}
+
+/// All methods on one sample.
+fn sample(
+    py: Python<'_>,
+    name: &str,
+    task: &Task<'_>,
+    methods: &[String],
+) -> PyResult<SampleResult> {
+    let with = |method: &String| -> Result<Trials, String> {
+        let trials = task.trials(method, None, &usually_asked);
+        trials.map_err(|why| unusable(&why).value(py).to_string())
+    };
+    let plan: Vec<_> = methods.iter().map(|method| (method, with(method))).collect();
+    let done = interruptible(py, |watch| {
+        plan.iter().map(|(method, trials)| task.attempt(method, trials, watch)).collect::<Vec<_>>()
+    })?;
+    let mut attempts = Vec::new();
+    for (attempt, failed) in done {
+        warn_of_failed(py, &failed)?;
+        attempts.push(attempt);
+    }
+    Ok(SampleResult {
+        name: name.to_owned(),
+        title: name.to_owned(),
+        noise_floor_percent: SampleResult::floor_of(&attempts)
+            .or_else(|| noise::before_fit(task.measurement)),
+        attempts,
+    })
+}
