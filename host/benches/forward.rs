@@ -8,9 +8,9 @@ use std::time::Duration;
 
 use asperity::batch::{Directions, Vectorised, ggx_ars};
 use asperity::fit::{FitOptions, FitRays, Objective, fit};
-use asperity::forward::{Effort, Plan, Sample, Setup, quadrature};
+use asperity::forward::{Angles, Effort, Sample, Setup, quadrature};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
-use asperity::method::{GgxMethod, Surface};
+use asperity::method::{Body, GgxMethod};
 use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Ggx, Normals};
 use asperity_core::direction::Direction;
@@ -81,9 +81,9 @@ fn batch<T: Vectorised>(c: &mut Criterion, scalar: &str) {
 }
 
 /// 5 incidences, 1801 angles of observation each.
-fn plan() -> Plan {
+fn plan() -> Angles {
     let theta: Vec<f64> = (-900..=900).map(|k| f64::from(k) * 0.1).collect();
-    Plan::product(&SIGMA_DEG, &theta)
+    Angles::product(&SIGMA_DEG, &theta)
 }
 
 fn setup(geometry: Geometry) -> Setup {
@@ -128,16 +128,16 @@ fn fits(c: &mut Criterion) {
         .map(|((sigma_deg, theta_deg), value)| Reading { sigma_deg, theta_deg, value })
         .collect();
     let scan = Measurement::new(Metadata::default(), readings).unwrap();
-    let surface = Surface::Dielectric { ior: IOR };
+    let body = Body::Dielectric { ior: IOR };
     let options = FitOptions {
-        surface,
+        body,
         fit_ior: false,
         fit_gain: false,
         objective: Objective::Rmsd,
         max_evaluations: 5000,
         rays: FitRays::default(),
     };
-    let method = GgxMethod::new(surface);
+    let method = GgxMethod::new(body);
     c.bench_function("fit of 5 x 1801 readings, ggx", |bencher| {
         bencher
             .iter(|| fit(&method, &scan, &setup, &options, Watch::nobody()).unwrap().evaluations);

@@ -306,14 +306,14 @@ fn asymmetry<B: Bsdf<f64>>(boundary: &B, wi: Direction<f64>, n: f64) -> f64 {
 mod tests {
     use super::{balance, reciprocity_error};
     use crate::boundary::Boundary;
-    use crate::method::{GgxMethod, Method, NormalsMethod, Surface};
+    use crate::method::{Body, GgxMethod, Method, NormalsMethod};
     use asperity_core::direction::Side;
     use asperity_core::ndf::law::Profile;
 
     use crate::forward::Rays;
 
     const RAYS: Rays = Rays { count: 1, seed: 1 };
-    const SURFACE: Surface = Surface::Dielectric { ior: 1.49 };
+    const SURFACE: Body = Body::Dielectric { ior: 1.49 };
 
     fn ggx(alpha: f64) -> Boundary {
         GgxMethod::new(SURFACE).boundary(&[alpha], SURFACE).unwrap()

@@ -13,8 +13,8 @@
 //!     sigma_deg,theta_deg,reading\n0,-10,0.00013\n0,-5,0.00061\n0,0,0.00113\n0,5,0.00061\n0,10,0.00013\n";
 //! let scan = csv::parse(text, Path::new("scan.csv"))?; // of a file: csv::load
 //! let plate = Said::default().about(&scan)?; // all is in the header
-//! let method = Choice::new("ggx", plate.surface).method()?;
-//! let options = FitOptions::new(plate.surface);
+//! let method = Choice::new("ggx", plate.body).method()?;
+//! let options = FitOptions::new(plate.body);
 //! let found = fit(&*method, &scan, &plate.setup, &options, Watch::nobody())?;
 //! let alpha = &found.parameters[0];
 //! assert!(alpha.value > 0.05 && alpha.value < 0.5, "{}", alpha.value);
@@ -50,7 +50,7 @@ pub mod embedded;
 pub mod boundary;
 pub mod batch;
 pub mod forward;
-pub mod table;
+pub mod binned;
 pub mod method;
 pub mod model;
 pub mod law_file;

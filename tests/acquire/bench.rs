@@ -4,7 +4,9 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use asperity::acquire::{AcquireError, Draft, InProcess, Job, Patience, Peer, Plan, Summary, run};
+use asperity::acquire::{
+    AcquireError, Draft, InProcess, Job, Patience, Peer, Schedule, Summary, run,
+};
 use asperity_firmware_sim::fault::{Direction, Link, LinkFaults};
 use asperity_firmware_sim::{Config, Instant, MachineFault, Simulator};
 use rand_core::Rng as _;
@@ -132,9 +134,9 @@ impl Peer for Bench {
     }
 }
 
-/// A plan from TOML.
-pub(crate) fn plan(text: &str) -> Plan {
-    Draft::parse(text, Path::new("plan.toml")).unwrap().plan().unwrap()
+/// A schedule from TOML.
+pub(crate) fn schedule(text: &str) -> Schedule {
+    Draft::parse(text, Path::new("plan.toml")).unwrap().schedule().unwrap()
 }
 
 /// An instrument that is fast to simulate.
@@ -147,10 +149,10 @@ pub(crate) fn acquire(line: &mut InProcess<Bench>, job: &Job<'_>) -> Result<Summ
     run(job, || Ok(line), &AtomicBool::new(false), &mut |_| {})
 }
 
-/// A new scan of that plan.
-pub(crate) fn begin<'a>(plan: &Plan, output: &'a Path) -> Job<'a> {
+/// A new scan of that schedule.
+pub(crate) fn begin<'a>(schedule: &Schedule, output: &'a Path) -> Job<'a> {
     Job {
-        plan: Some(plan.clone()),
+        schedule: Some(schedule.clone()),
         output,
         credit: 16,
         resume: false,

@@ -140,7 +140,7 @@ fn two_clients(line: &str, word: &str) {
     let (folder, instrument) =
         (folder(), Instrument::start(&format!("{line} --rays 2000 --acceleration 4")));
     let folder = folder.path();
-    let plan = "--sigma 0 --theta-range -10:10 --step 0.2 --integration-ms 300 --sample two \
+    let schedule = "--sigma 0 --theta-range -10:10 --step 0.2 --integration-ms 300 --sample two \
                 --ior 1.49 --rough-side source";
     let first = start(folder, &format!("acquire --port {} -o first.csv {plan}", instrument.port));
     let begun = Instant::now();

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use asperity::acquire::{AcquireError, InProcess, Job, Journal, Plan};
+use asperity::acquire::{AcquireError, InProcess, Job, Journal, Schedule};
 use asperity_core::protocol::{Axis, Frame, MachineState, Message, Request, encode};
 use asperity_firmware_sim::MachineFault;
 use asperity_firmware_sim::fault::LinkFaults;
@@ -15,7 +15,7 @@ use rand_core::Rng as _;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use crate::bench::{Bench, Trouble, acquire, begin, config, folder, plan};
+use crate::bench::{Bench, Trouble, acquire, begin, config, folder, schedule};
 
 /// Three incidences of 41 points.
 const PLAN: &str = "
@@ -132,12 +132,12 @@ fn clear(line: &mut InProcess<Bench>) {
     while line.receive(&mut buffer, Duration::from_millis(300)).unwrap() > 0 {}
 }
 
-fn campaign(k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> Tally {
+fn campaign(k: usize, schedule: &Schedule, folder: &Path, wanted: &[u8]) -> Tally {
     let (name, trouble) = trouble(k);
     let output = folder.join(format!("{k}.csv"));
     let mut line = InProcess::new(Bench::new(&config(7), &trouble));
     let mut tally = Tally { campaigns: 1, ..Tally::default() };
-    let mut job = begin(plan, &output);
+    let mut job = begin(schedule, &output);
     job.credit = [1, 4, 16, 64][k / 14 % 4];
     let mut result = acquire(&mut line, &job);
     let bad = line.peer().simulator.diagnostics().bad_frames;
@@ -155,7 +155,7 @@ fn campaign(k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> Tally {
         clear(&mut line);
         let resume = Journal::path_of(&output).exists();
         let again = Job {
-            plan: (!resume).then(|| plan.clone()),
+            schedule: (!resume).then(|| schedule.clone()),
             resume,
             recalibrate: resume,
             ..job.clone()
@@ -176,16 +176,16 @@ fn campaign(k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> Tally {
 #[test]
 #[allow(clippy::print_stdout, reason = "shown with --nocapture")]
 fn thousands_of_scans_with_faults_end_right_or_say_why_and_resume() {
-    let (folder, plan) = (folder(), plan(PLAN));
+    let (folder, schedule) = (folder(), schedule(PLAN));
     let output = folder.path().join("undisturbed.csv");
     let mut line = InProcess::new(Bench::new(&config(7), &Trouble::NONE));
-    let summary = acquire(&mut line, &begin(&plan, &output)).unwrap();
+    let summary = acquire(&mut line, &begin(&schedule, &output)).unwrap();
     assert_eq!((summary.points, summary.recoveries), (123, 0));
     let wanted = fs::read(&output).unwrap();
 
     let total = (0..count(5040))
         .into_par_iter()
-        .map(|k| campaign(k, &plan, folder.path(), &wanted))
+        .map(|k| campaign(k, &schedule, folder.path(), &wanted))
         .reduce(Tally::default, Tally::with);
     println!("{total:#?}");
     assert!(total.campaigns >= 5000);

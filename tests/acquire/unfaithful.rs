@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use asperity::acquire::{
-    AcquireError, InProcess, Job, Journal, Plan, Summary, Transport as _, run,
+    AcquireError, InProcess, Job, Journal, Schedule, Summary, Transport as _, run,
 };
 use asperity_core::protocol::{Frame, MachineState, Message, Request, encode};
 use asperity_firmware_sim::Config;
@@ -17,7 +17,7 @@ use rand_core::Rng as _;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
-use crate::bench::{begin, config, folder, plan};
+use crate::bench::{begin, config, folder, schedule};
 use crate::hostile::{Behaviour, Heard, Hostile, kind, request};
 use crate::misdeeds::{self, Expected, Misdeed};
 
@@ -67,17 +67,23 @@ fn at_rest(line: &InProcess<Hostile>) -> bool {
 }
 
 /// The scan of an instrument that does what it says.
-fn wanted(folder: &Path, plan: &Plan) -> (Vec<u8>, BTreeSet<String>) {
+fn wanted(folder: &Path, schedule: &Schedule) -> (Vec<u8>, BTreeSet<String>) {
     let output = folder.join("good.csv");
     let mut line = instrument(&config(7), Behaviour::good());
-    let done = acquire(&mut line, &begin(plan, &output)).unwrap();
+    let done = acquire(&mut line, &begin(schedule, &output)).unwrap();
     assert_eq!((done.points, done.recoveries, done.above_beam), (82, 0, None));
     let kinds = line.peer().heard.keys().cloned().collect();
     (fs::read(output).unwrap(), kinds)
 }
 
 /// What comes of a misbehaviour; all that is wrong with that.
-fn judge(deed: Misdeed, k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> Vec<String> {
+fn judge(
+    deed: Misdeed,
+    k: usize,
+    schedule: &Schedule,
+    folder: &Path,
+    wanted: &[u8],
+) -> Vec<String> {
     let Misdeed { name, expected, behaviour, drift, reachable, spoils } = deed;
     let mut wrong = Vec::new();
     let output = folder.join(format!("{k}.csv"));
@@ -85,7 +91,7 @@ fn judge(deed: Misdeed, k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> 
     let config = Config { drift_per_hour: drift, ..config(7) };
     let mut line = instrument(&config, behaviour);
     let begun = line.now();
-    let result = acquire(&mut line, &begin(plan, &output));
+    let result = acquire(&mut line, &begin(schedule, &output));
     let took = line.now().saturating_sub(begun);
     let mut check = |good: bool, what: String| {
         if !good {
@@ -122,13 +128,13 @@ fn judge(deed: Misdeed, k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> 
     let _ = line.reconnect();
     tell(&mut line, &[Request::Claim, Request::ClearFault, Request::Release]);
     let resume = journal.exists();
-    let mut again = again(plan, &output, resume);
+    let mut again = again(schedule, &output, resume);
     if spoils {
         let refused = acquire(&mut line, &again).map_err(|e| e.to_string());
         let named = refused.as_ref().is_err_and(|e| e.contains("delete the journal"));
         check(named, format!("{refused:?} of a journal that is false"));
         fs::remove_file(&journal).unwrap();
-        again = self::again(plan, &output, false);
+        again = self::again(schedule, &output, false);
     }
     let before = journal_points(&journal);
     match acquire(&mut line, &again) {
@@ -141,9 +147,9 @@ fn judge(deed: Misdeed, k: usize, plan: &Plan, folder: &Path, wanted: &[u8]) -> 
 }
 
 /// Once more, with the journal if there is one.
-fn again<'a>(plan: &Plan, output: &'a Path, resume: bool) -> Job<'a> {
-    let plan_given = (!resume).then(|| plan.clone());
-    Job { plan: plan_given, resume, recalibrate: resume, ..begin(plan, output) }
+fn again<'a>(schedule: &Schedule, output: &'a Path, resume: bool) -> Job<'a> {
+    let plan_given = (!resume).then(|| schedule.clone());
+    Job { schedule: plan_given, resume, recalibrate: resume, ..begin(schedule, output) }
 }
 
 fn journal_points(journal: &Path) -> u64 {
@@ -153,13 +159,13 @@ fn journal_points(journal: &Path) -> u64 {
 
 /// Judges all; shows all that is wrong.
 fn all_good(deeds: Vec<Misdeed>) {
-    let (folder, plan) = (folder(), plan(PLAN));
-    let (wanted, _) = wanted(folder.path(), &plan);
+    let (folder, schedule) = (folder(), schedule(PLAN));
+    let (wanted, _) = wanted(folder.path(), &schedule);
     let count = deeds.len();
     let wrong: Vec<String> = deeds
         .into_par_iter()
         .enumerate()
-        .flat_map(|(k, deed)| judge(deed, k, &plan, folder.path(), &wanted))
+        .flat_map(|(k, deed)| judge(deed, k, &schedule, folder.path(), &wanted))
         .collect();
     assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
 }
@@ -195,7 +201,7 @@ fn silence(kind: &str) -> Expected {
 /// The kinds of requests of an acquisition.
 fn kinds() -> BTreeSet<String> {
     let folder = folder();
-    let kinds = wanted(folder.path(), &plan(PLAN)).1;
+    let kinds = wanted(folder.path(), &schedule(PLAN)).1;
     assert!(kinds.len() >= 15 && kinds.contains("Reference"), "{kinds:?}");
     kinds
 }
@@ -244,8 +250,8 @@ fn a_line_that_closes_at_any_step_is_opened_again_or_ends_it_clearly() {
 
 #[test]
 fn an_interruption_at_any_moment_stops_the_stage_at_once_and_keeps_what_is_measured() {
-    let (folder, plan) = (folder(), plan(PLAN));
-    let (wanted, _) = wanted(folder.path(), &plan);
+    let (folder, schedule) = (folder(), schedule(PLAN));
+    let (wanted, _) = wanted(folder.path(), &schedule);
     let mut generator = Pcg64Mcg::new(15);
     let moments: Vec<u64> = (0..40).map(|_| u64::from(generator.next_u32() % 3500)).collect();
     let begun = moments.par_iter().enumerate().map(|(k, &ms)| {
@@ -261,7 +267,7 @@ fn an_interruption_at_any_moment_stops_the_stage_at_once_and_keeps_what_is_measu
         });
         let mut line = instrument(&config(7), behaviour);
         let start = line.now();
-        let result = run(&begin(&plan, &output), || Ok(&mut line), &stop, &mut |_| {});
+        let result = run(&begin(&schedule, &output), || Ok(&mut line), &stop, &mut |_| {});
         let late = line.now().saturating_sub(start).saturating_sub(Duration::from_millis(ms));
         assert!(late < Duration::from_millis(500), "{ms} ms: {late:?}");
         assert!(at_rest(&line), "{ms} ms: the stage goes on");
@@ -275,7 +281,7 @@ fn an_interruption_at_any_moment_stops_the_stage_at_once_and_keeps_what_is_measu
         assert!(!output.exists() && done == journal_points(&journal), "{ms} ms");
         line.peer_mut().mend();
         let resume = journal.exists();
-        let resumed = acquire(&mut line, &again(&plan, &output, resume)).unwrap();
+        let resumed = acquire(&mut line, &again(&schedule, &output, resume)).unwrap();
         assert_eq!(resumed.resumed, done, "{ms} ms");
         assert!(fs::read(&output).unwrap() == wanted, "{ms} ms: other bytes");
         u32::from(done > 0)
@@ -286,13 +292,13 @@ fn an_interruption_at_any_moment_stops_the_stage_at_once_and_keeps_what_is_measu
 
 #[test]
 fn however_much_credit_the_instrument_hears_of_its_owner_every_second() {
-    let (folder, plan) = (folder(), plan(&PLAN.replace("= 5\n", "= 400\n")));
+    let (folder, schedule) = (folder(), schedule(&PLAN.replace("= 5\n", "= 400\n")));
     for credit in [1, 16, 1801] {
         let output = folder.path().join(format!("{credit}.csv"));
         // as slow as a real one, and less patient
         let config = Config { acceleration: 1, silence_us: 1_500_000, ..config(7) };
         let mut line = instrument(&config, Behaviour::good());
-        let job = Job { credit, ..begin(&plan, &output) };
+        let job = Job { credit, ..begin(&schedule, &output) };
         let done = acquire(&mut line, &job).unwrap();
         assert_eq!((done.points, done.recoveries), (82, 0), "credit {credit}");
         let peer = line.peer();

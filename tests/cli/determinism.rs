@@ -52,7 +52,7 @@ fn quadrature_and_fits_do_not_depend_on_the_number_of_threads() {
     let text = with_threads(&folder, "1", scan).ok();
     assert!(text == with_threads(&folder, "2", scan).ok(), "the scan differs");
     folder.run("scan ggx.json --sigma 0,30,60 --step 1 --rays 2e5 -o noisy.csv").ok();
-    for method in ["ggx --fit-gain", "normals --law cauchy --objective log"] {
+    for method in ["ggx --fit-gain", "normals --profile cauchy --objective log"] {
         let fit = |threads| {
             let line = format!("fit noisy.csv --no-timing --max-misfit 100 --method {method}");
             let text = with_threads(&folder, threads, &line).ok();

@@ -26,7 +26,7 @@ fn slopes_that_no_surface_has_are_refused_by_every_verb() {
     let lines = [
         "stats map.txt --pixel-um 1".to_owned(),
         format!("check {MAP}"),
-        format!("check {MAP} --method wave --wavelength-nm 550"),
+        format!("check {MAP} --engine wave --wavelength-nm 550"),
         format!("scan {MAP} --rays 1e4"),
         format!("model measured-ray --set scale=1 {MAP}"),
         format!("fit scan.csv --method measured-ray {MAP}"),
@@ -74,8 +74,8 @@ fn pixels_that_no_map_for_light_has_are_refused_before_any_work() {
         let map = format!("--map map.txt --pixel-um {um} --ior 1.49");
         [
             format!("check {map} --allow-steep"),
-            format!("check {map} --method wave --wavelength-nm 550 --allow-steep"),
-            format!("scan {map} --method wave --wavelength-nm 550 --allow-steep"),
+            format!("check {map} --engine wave --wavelength-nm 550 --allow-steep"),
+            format!("scan {map} --engine wave --wavelength-nm 550 --allow-steep"),
         ]
     });
     let says = &["map.txt", "pixel"];

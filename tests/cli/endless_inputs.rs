@@ -11,7 +11,7 @@ const MOST_KIB: u32 = 1 << 20;
 
 /// Every place where a file is read, with `@` for it; text and numbers, maps apart, may come through a pipe.
 const READERS: [&str; 13] = [
-    "acquire --dry-run --plan @",
+    "acquire --dry-run --schedule @",
     "check @",
     "eval @ --input pairs.csv",
     "eval model.json --input @",

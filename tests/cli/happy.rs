@@ -58,7 +58,7 @@ fn model_takes_angles_in_degrees_and_radians() {
         close(&delta(text)["value"], 6.9, 1e-12);
         assert_eq!(delta(text)["unit"], "deg");
     }
-    let line = "model normals --set delta=5,n=2,theta0=3 --law cauchy --ior 1.49";
+    let line = "model normals --set delta=5,n=2,theta0=3 --profile cauchy --ior 1.49";
     let model = folder.run(line).json();
     assert_eq!(model["law"], "cauchy");
     close(&model["parameters"]["theta0"]["value"], 3.0, 0.0);
@@ -215,7 +215,7 @@ fn fit_finds_the_model_that_made_the_scan() {
 #[test]
 fn fit_tries_both_laws_of_normals_and_keeps_the_better() {
     let folder = Folder::new();
-    let line = "model normals --set delta=6.9 n=1.66 --law gauss --ior 1.49 -o m.json";
+    let line = "model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json";
     folder.run(line).ok();
     folder.run("scan m.json --sigma 0,45 --step 1 -o scan.csv").ok();
     let fit = folder.run("fit scan.csv --method normals --json").json();

@@ -9,7 +9,7 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ("demo", "--output --rays --json", "the truth is known"),
         (
             "model",
-            "<METHOD> --set --ior --opaque --law --map --seed --output --json",
+            "<METHOD> --set --ior --opaque --profile --map --seed --output --json",
             "Example: asperity model normals",
         ),
         (
@@ -20,7 +20,7 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ),
         (
             "fit",
-            "<SCAN> --method --objective --law --fit-theta0 --fit-n --fit-h-max --fit-z0 --map \
+            "<SCAN> --method --objective --profile --fit-theta0 --fit-n --fit-h-max --fit-z0 --map \
              --no-cutoff --rays --fit-rays --seed --pixel-um --z-um --crop --fill --form --edges --fit-ior --fit-gain \
              --max-evaluations --max-misfit --output --plot --json --ior --opaque --geometry \
              --rough-side --aperture --columns --quantity --where --delimiter --decimal-comma \
@@ -51,7 +51,7 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ),
         (
             "acquire",
-            "--port --baud --plan --sigma --theta-range --step --aperture --integration-ms --range --run-up \
+            "--port --baud --schedule --sigma --theta-range --step --aperture --integration-ms --range --run-up \
              --calibrate --geometry --sample --ior --rough-side --wavelength-nm --output --credit --resume \
              --recalibrate --dry-run --list-ports --json",
             "asperity acquire --port /dev/ttyUSB0 -o scan.csv --resume",

@@ -23,11 +23,11 @@ const MAP: &str = "--map map.txt --pixel-um 1 --wavelength-nm 550";
 fn a_map_of_rays_and_waves_is_scanned_fitted_and_evaluated() {
     let folder = Folder::new();
     folder.write("map.txt", isotropic(0.9));
-    let scan = "scan --method hybrid --ior 1.49 --sigma 0,30 --step 1 --aperture 4 --rays 40000 --seed 5 \
+    let scan = "scan --engine hybrid --ior 1.49 --sigma 0,30 --step 1 --aperture 4 --rays 40000 --seed 5 \
                 -o scan.csv --json";
     folder.run(&format!("{scan} {MAP}")).json();
     assert!(folder.text("scan.csv").contains("# wavelength_nm: 550"));
-    let check = format!("check --method hybrid --ior 1.49 --incidence 20 --side air --json {MAP}");
+    let check = format!("check --engine hybrid --ior 1.49 --incidence 20 --side air --json {MAP}");
     // the pixel is too coarse for what is reflected, so the answer may be no
     let check: serde_json::Value = serde_json::from_str(&folder.run(&check).out).unwrap();
     let warnings = check["warnings"].as_array().unwrap();
@@ -56,7 +56,7 @@ fn what_it_cannot_do_is_refused() {
     let line = (0..16).map(|y| (0..16).map(|_| format!("{}", y % 4)).collect::<Vec<_>>().join(" "));
     let line = format!("# heights in um\n{}", line.collect::<Vec<_>>().join("\n"));
     let with = |line: &str, says: &[&'static str], map: &str| case(line, says).file("map.txt", map);
-    let scan = "scan --map map.txt --pixel-um 1 --ior 1.49 --method hybrid";
+    let scan = "scan --map map.txt --pixel-um 1 --ior 1.49 --engine hybrid";
     refused(vec![
         with(scan, &["--wavelength-nm"], &map),
         with(&format!("{scan} --wavelength-nm 550 --speckle kept"), &["--speckle kept"], &map),

@@ -117,9 +117,9 @@ fn flags_of_fit() {
         fit("", &["--method"]),
         fit("--method phong", &["`phong`", "ggx, normals"]),
         fit("--method ggx --method normals", &["--method"]),
-        fit("--method ggx --law gauss", &["--law", "normals"]),
+        fit("--method ggx --profile gauss", &["--profile", "normals"]),
         fit("--method ggx --fit-theta0", &["--fit-theta0", "normals"]),
-        fit("--method normals --law lorentz", &["lorentz", "gauss, cauchy"]),
+        fit("--method normals --profile lorentz", &["lorentz", "gauss, cauchy"]),
         fit("--method ggx --objective least", &["least", "rmsd, relative, log"]),
         fit("--method ggx --max-evaluations 0", &["--max-evaluations"]),
         fit("--method ggx --max-evaluations many", &["--max-evaluations"]),
@@ -265,7 +265,7 @@ fn flags_of_model() {
         make("ggx --opaque --set alpha=0.2 gain=-1 lambert=0.1", &["gain"]),
         make("ggx --opaque --set alpha=0.2 gain=0.5", &["lambert"]),
         make("ggx --opaque --ior 1.49 --set alpha=0.2", &["--opaque", "--ior"]),
-        make("ggx --ior 1.49 --law gauss --set alpha=0.2", &["--law"]),
+        make("ggx --ior 1.49 --profile gauss --set alpha=0.2", &["--profile"]),
         make("ggx --ior=-1.49 --set alpha=0.2", &["refractive index -1.49", "--ior"]),
         make("ggx --ior -1.49 --set alpha=0.2", &["--ior"]),
         make("ggx --ior 1e9 --set alpha=0.2", &["refractive index", "--ior"]),
@@ -276,7 +276,10 @@ fn flags_of_model() {
         make("normals --ior 1.49 --set delta=5 n=0", &["`n`"]),
         make("normals --ior 1.49 --set delta=5um n=2", &["delta=5um"]),
         make("normals --ior 1.49 --set delta=5 n=2 theta0=91", &["theta0"]),
-        make("normals --ior 1.49 --set delta=5 n=2 --law lorentz", &["lorentz", "gauss, cauchy"]),
+        make(
+            "normals --ior 1.49 --set delta=5 n=2 --profile lorentz",
+            &["lorentz", "gauss, cauchy"],
+        ),
         make("normals --opaque --set delta=5 n=2", &["opaque", "ggx"]),
     ]);
 }

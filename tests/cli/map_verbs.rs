@@ -16,7 +16,7 @@ pub(crate) fn waves(height: f64) -> String {
 }
 
 /// Makes a scan of `map.txt`.
-pub(crate) const SCAN: &str = "scan --map map.txt --pixel-um 1 --method ray --ior 1.49 --sigma 0,30 --step 1 \
+pub(crate) const SCAN: &str = "scan --map map.txt --pixel-um 1 --engine ray --ior 1.49 --sigma 0,30 --step 1 \
                     --aperture 4 --rays 40000 --seed 5 -o scan.csv";
 
 #[test]
@@ -56,7 +56,7 @@ fn a_map_is_scanned_fitted_and_evaluated() {
 #[test]
 fn random_heights_are_a_model_too() {
     let folder = Folder::new();
-    folder.run("model heights --set delta=0.2 --law gauss --ior 1.49 -o m.json").ok();
+    folder.run("model heights --set delta=0.2 --profile gauss --ior 1.49 -o m.json").ok();
     let check = folder.run("check m.json --incidence 30 --side air --rays 1e4 --json").json();
     let reflected = check["energy"][0]["reflected"].as_f64().unwrap();
     assert!((0.02..0.1).contains(&reflected), "{check:#}");
@@ -80,7 +80,7 @@ fn what_a_map_cannot_do_is_refused() {
         with_map("scan --map map.txt --ior 1.49", &["map.txt", "--pixel-um"]),
         with_map("scan --map map.txt --pixel-um 1 --ior 1", &["--ior"]),
         with_map("scan --map map.txt --pixel-um 1 --ior -2", &["refractive index"]),
-        with_map("scan --map map.txt --pixel-um 1 --ior 1.49 --method wave", &["wave"]),
+        with_map("scan --map map.txt --pixel-um 1 --ior 1.49 --engine wave", &["wave"]),
         with_map("scan m.json --map map.txt --pixel-um 1 --ior 1.49", &["--map"]),
         with_map("scan --map none.txt --pixel-um 1 --ior 1.49", &["none.txt"]),
         with_map("scan --map map.txt --pixel-um 1 --ior 1.49 --aperture 0", &["--aperture"]),

@@ -125,7 +125,7 @@ fn the_verdict_and_the_balance_are_one() {
         let light = format!("--pixel-um {pitch} --edges periodic --ior 1.49 --wavelength-nm 550");
         let angles = "--incidence 0,30,38,60,80 --json";
         let stats = folder.run(&format!("stats {map} {light} {angles}")).json();
-        let run = folder.run(&format!("check --map {map} --method wave {light} {angles}"));
+        let run = folder.run(&format!("check --map {map} --engine wave {light} {angles}"));
         let check: serde_json::Value = serde_json::from_str(&run.out).unwrap();
         let mut passing = true;
         for energy in check["energy"].as_array().unwrap() {

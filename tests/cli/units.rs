@@ -194,7 +194,7 @@ fn one_line_of_an_array_is_no_map_for_light() {
     let two = npy(&array("<f8", false, "(64, 2)"), &numbers(128, &positions));
     let says = &["this is a profile, not a map", "give heights over x and y"];
     let mut cases = vec![case("stats p --pixel-um 1", says).file("p", &two)];
-    for flags in ["", "--method wave --wavelength-nm 550", "--method hybrid --wavelength-nm 550"] {
+    for flags in ["", "--engine wave --wavelength-nm 550", "--engine hybrid --wavelength-nm 550"] {
         for file in [line("(1, 64)"), line("(64, 1)"), two.clone()] {
             for verb in ["scan", "check"] {
                 let line = format!("{verb} --map p --pixel-um 1 --ior 1.49 {flags}");

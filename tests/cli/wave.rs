@@ -5,7 +5,7 @@ use crate::program::Folder;
 use crate::refusal::{case, refused};
 
 /// Makes a scan of `map.txt`.
-const SCAN: &str = "scan --map map.txt --pixel-um 0.5 --method wave --ior 1.49 --wavelength-nm 550 --sigma 0,30 \
+const SCAN: &str = "scan --map map.txt --pixel-um 0.5 --engine wave --ior 1.49 --wavelength-nm 550 --sigma 0,30 \
                     --step 0.5 --aperture 2 -o scan.csv";
 
 #[test]
@@ -112,15 +112,15 @@ fn light_without_a_length_or_where_it_does_not_belong_is_refused() {
     let map = "--map map.txt --pixel-um 0.5 --ior 1.49";
     let plate = "--rough-side source --geometry transmission --aperture 0.6";
     let lines: Vec<(String, &'static [&'static str])> = vec![
-        (format!("scan {map} --method wave -o o.csv"), &["--wavelength-nm"]),
-        (format!("scan {map} --method ray --wavelength-nm 550 -o o.csv"), &["--method wave"]),
-        (format!("scan {map} --method wave --wavelength-nm 0 -o o.csv"), &["--wavelength-nm"]),
-        (format!("scan {map} --method wave --wavelength-nm 550 --rays 1e5 -o o.csv"), &["--rays"]),
+        (format!("scan {map} --engine wave -o o.csv"), &["--wavelength-nm"]),
+        (format!("scan {map} --engine ray --wavelength-nm 550 -o o.csv"), &["--engine wave"]),
+        (format!("scan {map} --engine wave --wavelength-nm 0 -o o.csv"), &["--wavelength-nm"]),
+        (format!("scan {map} --engine wave --wavelength-nm 550 --rays 1e5 -o o.csv"), &["--rays"]),
         (
-            format!("scan {map} --method wave --wavelength-nm 550 --aperture 0 -o o.csv"),
+            format!("scan {map} --engine wave --wavelength-nm 550 --aperture 0 -o o.csv"),
             &["--aperture"],
         ),
-        (format!("check {map} --method wave"), &["--wavelength-nm"]),
+        (format!("check {map} --engine wave"), &["--wavelength-nm"]),
         (
             format!("fit scan.csv --method ggx --ior 1.49 --wavelength-nm 550 {plate}"),
             &["measured-wave"],

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use asperity::acquire::transport::{Transport, open};
-use asperity::acquire::{Client, Draft, InProcess, Job, Patience, Peer, Plan, run};
+use asperity::acquire::{Client, Draft, InProcess, Job, Patience, Peer, Schedule, run};
 use asperity_core::protocol::Diagnostics;
 use asperity_firmware_sim::{Config, Instant, Simulator};
 use asperity_needs::absent;
@@ -37,7 +37,7 @@ impl Peer for Twin {
     }
 }
 
-fn plan(text: &str) -> Plan {
+fn plan(text: &str) -> Schedule {
     let sample = "sample = \"emulated\"\nior = 1.49\nrough_side = \"source\"\n";
     Draft::parse(&format!("{text}{sample}"), Path::new("plan.toml")).unwrap().plan().unwrap()
 }

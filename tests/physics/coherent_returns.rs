@@ -2,11 +2,11 @@
 //! follow the law's own samples and know nothing of the difference.
 
 use asperity::boundary::Boundary;
-use asperity::forward::{Effort, Incidence, Plan, Rays, Sample, Setup, monte_carlo, simulate};
+use asperity::forward::{Angles, Effort, Incidence, Rays, Sample, Setup, monte_carlo, simulate};
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
-use asperity::tabulate::{Plan as TablePlan, tabulate};
+use asperity::tabulate::{Budget, tabulate};
 use asperity::watch::Watch;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -30,7 +30,7 @@ fn waves(rq_um: f64, length_um: f64) -> Boundary {
 
 fn table(wave: &Boundary) -> Boundary {
     let rays = Rays { count: 400_000, seed: 5 };
-    let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays };
+    let plan = Budget { lobes: [true; 4], bytes: 32 << 10, kept: None, rays };
     Boundary::Table(Box::new(tabulate(wave, &plan, Watch::nobody()).unwrap()))
 }
 
@@ -40,7 +40,7 @@ fn worst(law: &Boundary, setup: &Setup, sigma_deg: f64) -> (f64, String) {
     let angles = Incidence { sigma_deg, theta_deg };
     let rays = Rays { count: count(400_000) as u64, seed: 7 };
     let drawn = monte_carlo(law, setup, &angles, rays, Watch::nobody()).unwrap();
-    let plan = Plan { incidences: vec![angles.clone()] };
+    let plan = Angles { incidences: vec![angles.clone()] };
     let found = simulate(law, setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap().values;
     let mut worst = (0.0, String::new());
     for (k, theta) in angles.theta_deg.iter().enumerate() {

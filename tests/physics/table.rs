@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use asperity::binned::{Azimuth, Bin, BinnedBsdf, Binning, gather, to_disc};
 use asperity::boundary::Boundary;
 use asperity::energy::balance;
 use asperity::forward::Rays;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap};
-use asperity::table::{Azimuth, Bin, BsdfTable, TablePlan, tabulate, to_disc};
 use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter, Scattered};
 use asperity_core::direction::{Direction, Side};
@@ -21,16 +21,16 @@ use crate::common::{Random, dir, ggx, incidence, ior, wide};
 const SIDES: [Side; 2] = [Side::Air, Side::Dielectric];
 const LOBES: [Lobe; 2] = [Lobe::Reflection, Lobe::Transmission];
 
-fn plan(rays: usize, seed: u64, degrees: &[f64]) -> TablePlan {
-    let mut plan = TablePlan::new(ior(1.49), Rays { count: rays as u64, seed });
+fn plan(rays: usize, seed: u64, degrees: &[f64]) -> Binning {
+    let mut plan = Binning::new(ior(1.49), Rays { count: rays as u64, seed });
     for side in SIDES {
         plan = plan.with_incidences(side, degrees).unwrap();
     }
     plan
 }
 
-fn traced<S: Scatter<f64> + Sync>(boundary: &S, plan: &TablePlan) -> BsdfTable {
-    tabulate(boundary, plan, Watch::nobody()).unwrap()
+fn traced<S: Scatter<f64> + Sync>(boundary: &S, plan: &Binning) -> BinnedBsdf {
+    gather(boundary, plan, Watch::nobody()).unwrap()
 }
 
 fn from(deg: f64, side: Side) -> Direction<f64> {
@@ -192,7 +192,7 @@ fn totals_are_the_balance_of_the_closed_form() {
 fn the_default_incidences_describe_the_critical_angle() {
     for a in [0.01, 0.05, 0.2] {
         let law = ggx::<f64>(a, 1.49);
-        let plan = TablePlan::new(ior(1.49), Rays { count: 20_000, seed: 2 });
+        let plan = Binning::new(ior(1.49), Rays { count: 20_000, seed: 2 });
         let table = traced(&law, &plan.with_incidences(Side::Air, &[]).unwrap());
         let mut worst = [0.0_f64; 2];
         for tenth in 0..850 {

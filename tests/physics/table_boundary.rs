@@ -2,11 +2,11 @@
 
 use asperity::boundary::Boundary;
 use asperity::energy::balance;
-use asperity::forward::{Effort, Plan, Rays, Sample, Setup, simulate};
+use asperity::forward::{Angles, Effort, Rays, Sample, Setup, simulate};
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
-use asperity::tabulate::{NoTable, Plan as TablePlan, tabulate};
+use asperity::tabulate::{Budget, NoTable, tabulate};
 use asperity::watch::Watch;
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
@@ -27,7 +27,7 @@ fn boundaries() -> [Boundary; 2] {
         WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off };
     let wave = WaveBoundary::of_map(&map, Edges::Periodic, ior(1.49), &options).unwrap();
     let wave = Boundary::Wave(Box::new(wave));
-    let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays: RAYS };
+    let plan = Budget { lobes: [true; 4], bytes: 32 << 10, kept: None, rays: RAYS };
     let table = tabulate(&wave, &plan, Watch::nobody()).unwrap();
     let table = Boundary::Table(Box::new(table));
     assert_eq!(tabulate(&table, &plan, Watch::nobody()), Err(NoTable::Table));
@@ -56,7 +56,7 @@ fn coherent_light_of_a_table_is_read_and_counted_as_that_of_its_waves() {
         for rough_side in [RoughSide::Source, RoughSide::Detector] {
             let sample = Sample::Plate { eta: ior(1.49), rough_side };
             let setup = Setup { sample, geometry, aperture_deg: 2.0, quantity: Quantity::Flux };
-            let plan = Plan::product(&SIGMAS, &angles);
+            let plan = Angles::product(&SIGMAS, &angles);
             let [w, t] = [&wave, &table].map(|b| {
                 simulate(b, &setup, &plan, Effort::Full, RAYS, Watch::nobody()).unwrap().values
             });

@@ -6,14 +6,14 @@ use asperity::boundary::Boundary;
 use asperity::embedded::EmbeddedTable;
 use asperity::energy::balance;
 use asperity::forward::{
-    Effort, Incidence, Plan as Angles, Rays, Sample, Setup, monte_carlo, quadrature,
+    Budget as Angles, Effort, Incidence, Rays, Sample, Setup, monte_carlo, quadrature,
 };
 use asperity::hybrid::HybridBoundary;
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, Preparation, Prepared, Purpose};
-use asperity::tabulate::{NoTable, Plan, distance, lobe_distances, tabulate};
+use asperity::tabulate::{Budget, NoTable, distance, lobe_distances, tabulate};
 use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Side;
@@ -26,7 +26,7 @@ use crate::common::{Random, dir, ggx, incidence, ior};
 const RAYS: Rays = Rays { count: 200_000, seed: 5 };
 
 fn made(boundary: &Boundary, bytes: usize) -> Result<EmbeddedTable, NoTable> {
-    let plan = Plan { lobes: [true; 4], bytes, kept: None, rays: RAYS };
+    let plan = Budget { lobes: [true; 4], bytes, kept: None, rays: RAYS };
     tabulate(boundary, &plan, Watch::nobody())
 }
 
@@ -60,7 +60,7 @@ fn a_surface_with_a_direction_is_refused_with_the_figure() {
     {
         for (k, which) in ["all", "R from the air", "T from inside"].into_iter().enumerate() {
             let lobes = [[true; 4], [true, false, false, false], [false, false, false, true]][k];
-            let plan = Plan { lobes, bytes: 8 << 10, kept: None, rays: RAYS };
+            let plan = Budget { lobes, bytes: 8 << 10, kept: None, rays: RAYS };
             match tabulate(&boundary, &plan, Watch::nobody()) {
                 Err(NoTable::Directional { strength, lay_deg, percent }) => {
                     println!("{name}, {which}: {percent:.1} % of the peak");

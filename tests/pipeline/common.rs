@@ -3,10 +3,10 @@
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, FitError, FitOptions, FitRays, Objective, fit};
 use asperity::forward::{
-    Effort, Incidence, MonteCarlo, Plan, Rays, Readings, Sample, Setup, monte_carlo, simulate,
+    Angles, Effort, Incidence, MonteCarlo, Rays, Readings, Sample, Setup, monte_carlo, simulate,
 };
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
-use asperity::method::{GgxMethod, Method, NormalsMethod, Surface};
+use asperity::method::{Body, GgxMethod, Method, NormalsMethod};
 use asperity::watch::Watch;
 use asperity_core::bsdf::Bsdf;
 use asperity_core::gonio::{AngleGrid, Geometry};
@@ -32,23 +32,23 @@ impl Virtual {
         rough_side: RoughSide,
         geometry: Geometry,
     ) -> Self {
-        let surface = Surface::Dielectric { ior };
-        let sample = Sample::Plate { eta: surface.eta().unwrap(), rough_side };
-        let boundary = method.boundary(values, surface).unwrap();
+        let body = Body::Dielectric { ior };
+        let sample = Sample::Plate { eta: body.eta().unwrap(), rough_side };
+        let boundary = method.boundary(values, body).unwrap();
         let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
         Self { boundary, setup }
     }
 
     /// A GGX plate, rough side to the source, transmitted light.
     pub(crate) fn ggx(alpha: f64, ior: f64) -> Self {
-        let method = GgxMethod::new(Surface::Dielectric { ior });
+        let method = GgxMethod::new(Body::Dielectric { ior });
         Self::plate(&method, &[alpha], ior, RoughSide::Source, Geometry::Transmission)
     }
 
     /// An opaque body in relative flux.
     pub(crate) fn opaque(alpha: f64, gain: f64, lambert: f64) -> Self {
-        let method = GgxMethod::new(Surface::Opaque);
-        let boundary = method.boundary(&[alpha, gain, lambert], Surface::Opaque).unwrap();
+        let method = GgxMethod::new(Body::Opaque);
+        let boundary = method.boundary(&[alpha, gain, lambert], Body::Opaque).unwrap();
         let setup = Setup {
             sample: Sample::Opaque,
             geometry: Geometry::Reflection,
@@ -86,7 +86,7 @@ impl Virtual {
     }
 
     pub(crate) fn quadrature(&self, sigmas_deg: &[f64], grid: &AngleGrid<f64>) -> Readings {
-        let plan = Plan::product(sigmas_deg, &angles(grid));
+        let plan = Angles::product(sigmas_deg, &angles(grid));
         let rays = Rays { count: 1, seed: 0 };
         simulate(&self.boundary, &self.setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap()
     }
@@ -152,9 +152,9 @@ pub(crate) fn measurement(
 }
 
 /// The options of a plain fit.
-pub(crate) fn options(surface: Surface) -> FitOptions {
+pub(crate) fn options(body: Body) -> FitOptions {
     FitOptions {
-        surface,
+        body,
         fit_ior: false,
         fit_gain: false,
         objective: Objective::Rmsd,

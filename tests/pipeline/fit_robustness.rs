@@ -8,7 +8,7 @@ use asperity::fit::{
 };
 use asperity::forward::{Rays, Sample, Setup};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
-use asperity::method::{GgxMethod, Method, Surface};
+use asperity::method::{Body, GgxMethod, Method};
 use asperity::watch::{Progress, Watch};
 use asperity_core::gonio::Geometry::{Reflection, Transmission};
 use asperity_core::math::Real;
@@ -19,7 +19,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::common::{CAUCHY, GAUSS, Virtual, angles, fitted, grid, measurement, options, value};
 
 const OBJECTIVES: [Objective; 3] = [Objective::Rmsd, Objective::Relative, Objective::Log];
-const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
+const CLEAR: Body = Body::Dielectric { ior: 1.49 };
 /// Evaluations that a senseless fit may take.
 const BUDGET: u64 = 40;
 
@@ -82,7 +82,7 @@ fn pathological() -> Vec<(&'static str, Vec<Reading>)> {
 }
 
 /// All setups a fit can meet: method, body, instrument.
-fn setups() -> Vec<(&'static str, Box<dyn Method>, Surface, Setup)> {
+fn setups() -> Vec<(&'static str, Box<dyn Method>, Body, Setup)> {
     let plate = |geometry| Setup {
         sample: Sample::Plate { eta: CLEAR.eta().unwrap(), rough_side: Source },
         geometry,
@@ -100,7 +100,7 @@ fn setups() -> Vec<(&'static str, Box<dyn Method>, Surface, Setup)> {
         ("ggx reflection", Box::new(GgxMethod::new(CLEAR)), CLEAR, plate(Reflection)),
         ("gauss", Box::new(GAUSS), CLEAR, plate(Transmission)),
         ("cauchy", Box::new(CAUCHY), CLEAR, plate(Transmission)),
-        ("opaque", Box::new(GgxMethod::new(Surface::Opaque)), Surface::Opaque, opaque),
+        ("opaque", Box::new(GgxMethod::new(Body::Opaque)), Body::Opaque, opaque),
     ]
 }
 
@@ -140,12 +140,12 @@ fn readings_without_sense_give_finite_numbers_or_a_clear_error() {
     let mut wrong = Vec::new();
     for (what, readings) in pathological() {
         let scan = Measurement::new(Metadata::default(), readings).expect(what);
-        for (label, method, surface, setup) in setups() {
+        for (label, method, body, setup) in setups() {
             for objective in OBJECTIVES {
                 for free in [false, true] {
                     // `free` is the index and the calibration of a plate
                     let quick = matches!(label, "ggx" | "opaque") || objective == Objective::Log;
-                    if free && surface == Surface::Opaque || !(quick || extensive()) {
+                    if free && body == Body::Opaque || !(quick || extensive()) {
                         continue;
                     }
                     let options = FitOptions {
@@ -154,7 +154,7 @@ fn readings_without_sense_give_finite_numbers_or_a_clear_error() {
                         fit_gain: free,
                         max_evaluations: BUDGET,
                         rays: FitRays::default(),
-                        ..options(surface)
+                        ..options(body)
                     };
                     let result = fitted(&*method, &scan, &setup, &options);
                     if let Some(complaint) = complaint(&result) {
@@ -175,8 +175,8 @@ fn readings_without_sense_give_finite_numbers_or_a_clear_error() {
 fn noise_is_not_called_described() {
     let (_, noise) = pathological().into_iter().find(|(what, _)| *what == "noise alone").unwrap();
     let scan = Measurement::new(Metadata::default(), noise).unwrap();
-    for (label, method, surface, setup) in setups() {
-        let fit = fitted(&*method, &scan, &setup, &options(surface)).unwrap();
+    for (label, method, body, setup) in setups() {
+        let fit = fitted(&*method, &scan, &setup, &options(body)).unwrap();
         println!("{label}: {:?}", fit.refusal(MISFIT_PERCENT));
         assert!(fit.refusal(MISFIT_PERCENT).is_some(), "{label}: {:?}", fit.parameters);
     }
@@ -186,13 +186,13 @@ fn noise_is_not_called_described() {
 fn values_that_make_no_boundary_are_refused_before_the_work() {
     let (scan, setup) = good_scan();
     for ior in [f64::NAN, f64::INFINITY, 0.0, -1.5, 1e9] {
-        let options = options(Surface::Dielectric { ior });
+        let options = options(Body::Dielectric { ior });
         let result = fitted(&GgxMethod::new(CLEAR), &scan, &setup, &options);
         let error = result.map(|fit| fit.parameters).unwrap_err();
         assert!(matches!(error, FitError::Build(_)), "{ior}: {error}");
         assert!(error.to_string().contains("refractive index"), "{error}");
     }
-    let refused = fitted(&GAUSS, &scan, &setup, &options(Surface::Opaque));
+    let refused = fitted(&GAUSS, &scan, &setup, &options(Body::Opaque));
     assert!(refused.is_err(), "normals of an opaque body");
 }
 

@@ -1,7 +1,7 @@
 //! The quadrature of a fit against Monte Carlo of the same boundary, plate and instrument.
 
 use asperity::forward::{Rays, Sample, Setup};
-use asperity::method::{GgxMethod, Method, Surface};
+use asperity::method::{Body, GgxMethod, Method};
 use asperity_core::fresnel::dielectric;
 use asperity_core::gonio::AngleGrid;
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
@@ -111,7 +111,7 @@ fn family(
 }
 
 fn ggx(geometry: Geometry, rays: usize, seed: u64) {
-    let method = GgxMethod::new(Surface::Dielectric { ior: 1.49 });
+    let method = GgxMethod::new(Body::Dielectric { ior: 1.49 });
     let widths = [[0.003], [0.02], [0.05], [0.2], [0.47]];
     let surfaces: Vec<(&str, &dyn Method, &[f64])> =
         widths.iter().map(|w| ("ggx", &method as &dyn Method, w.as_slice())).collect();

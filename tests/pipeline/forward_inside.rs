@@ -2,7 +2,7 @@
 
 use asperity::boundary::Boundary;
 use asperity::fit::Objective;
-use asperity::method::{GgxMethod, NormalsMethod, Surface};
+use asperity::method::{Body, GgxMethod, NormalsMethod};
 use asperity_core::gonio::AngleGrid;
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::math::Real;
@@ -145,10 +145,10 @@ fn the_logarithmic_objective_finds_the_width_of_independent_rays() {
         let drawn = |sigma: &f64| scored(&sample, n, Detector, *sigma, count(64_000) as u32);
         let values: Vec<f64> = sigmas.iter().flat_map(drawn).map(|s| s.value).collect();
         let scan = measurement(&sigmas, &GRID, &values);
-        let surface = Surface::Dielectric { ior: n };
-        let mut options = options(surface);
+        let body = Body::Dielectric { ior: n };
+        let mut options = options(body);
         options.objective = Objective::Log;
-        let fit = fitted(&GgxMethod::new(surface), &scan, &sample.setup, &options).unwrap();
+        let fit = fitted(&GgxMethod::new(body), &scan, &sample.setup, &options).unwrap();
         let (found, _) = value(&fit, "alpha");
         println!("alpha {alpha}: {found:.5} by the logarithmic objective");
         assert!(near(found, alpha, RECOVERED_ALPHA), "{alpha}: {found}");

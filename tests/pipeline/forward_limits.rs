@@ -3,7 +3,7 @@
 
 use asperity::fit::Objective;
 use asperity::forward::solid_angle;
-use asperity::method::{GgxMethod, Method, Surface};
+use asperity::method::{Body, GgxMethod, Method};
 use asperity_core::fresnel::dielectric;
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
@@ -86,7 +86,7 @@ fn a_wide_lobe_is_read_in_proportion_to_the_solid_angle() {
 
 #[test]
 fn the_light_left_out_is_reported_and_too_little_to_matter() {
-    let ggx = GgxMethod::new(Surface::Dielectric { ior: 1.49 });
+    let ggx = GgxMethod::new(Body::Dielectric { ior: 1.49 });
     let surfaces: [(&dyn Method, &[f64]); 9] = [
         (&ggx, &[1e-4]),
         (&ggx, &[0.003]),

@@ -1,7 +1,7 @@
 //! The noise floor beside a fit: noise that was added, and nothing of the lobe.
 
 use asperity::measurement::{Measurement, Metadata, Reading};
-use asperity::method::{GgxMethod, Method, Surface};
+use asperity::method::{Body, GgxMethod, Method};
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::Source;
 use asperity_tests::tolerance::NOISE_FLOOR;
@@ -11,7 +11,7 @@ use asperity_core::math::Real;
 
 use crate::common::{CAUCHY, GAUSS, Virtual, fitted, grid, options};
 
-const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
+const CLEAR: Body = Body::Dielectric { ior: 1.49 };
 
 /// Noise of one reading from its value and the largest.
 type Noise = fn(f64, f64) -> f64;

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, FitOptions, FitRays, Fitted};
-use asperity::forward::{Plan, Rays, Sample, Setup};
+use asperity::forward::{Angles, Rays, Sample, Setup};
 use asperity::measurement::{Measurement, Quantity};
-use asperity::method::{Choice, GgxMethod, Method, NormalsMethod, Surface};
+use asperity::method::{Body, Choice, GgxMethod, Method, NormalsMethod};
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, LowPass};
 use asperity::watch::Watch;
@@ -18,7 +18,7 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::common::{GAUSS, Virtual, angles, fitted, grid, measurement, options, value};
 
-const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
+const CLEAR: Body = Body::Dielectric { ior: 1.49 };
 const SIGMAS: [f64; 3] = [0.0, 30.0, 60.0];
 
 /// A normal deviate.
@@ -74,12 +74,12 @@ fn one_standard_error_covers_two_of_three_truths() {
 #[test]
 fn an_error_that_the_curvature_understates_is_enlarged() {
     // a floor of one and a half standard errors: its logarithm has no parabola, and its lower side ends at nothing
-    let method = GgxMethod::new(Surface::Opaque);
+    let method = GgxMethod::new(Body::Opaque);
     let sample = Virtual::opaque(0.3, 0.5, 0.004);
     let exact = sample.exact_scan(&[0.0, 45.0], &grid(1));
     for seed in 0..6 {
         let scan = noisy(&exact, 0.02, seed);
-        let fit = fitted(&method, &scan, &sample.setup, &options(Surface::Opaque)).unwrap();
+        let fit = fitted(&method, &scan, &sample.setup, &options(Body::Opaque)).unwrap();
         let floor = parameter(&fit, "lambert");
         let gain = parameter(&fit, "gain");
         println!("{floor:?}");
@@ -90,13 +90,13 @@ fn an_error_that_the_curvature_understates_is_enlarged() {
 
 #[test]
 fn no_floor_and_no_offset_are_kept_unless_the_data_ask() {
-    let opaque = GgxMethod::new(Surface::Opaque);
+    let opaque = GgxMethod::new(Body::Opaque);
     let centred = NormalsMethod { profile: Profile::Gauss, centre: true };
     let (source, transmission) = (RoughSide::Source, Geometry::Transmission);
     let plate = |theta0| Virtual::plate(&centred, &[6.0, 2.0, theta0], 1.49, source, transmission);
-    let cases: [(&dyn Method, &str, Virtual, Surface, bool); 4] = [
-        (&opaque, "lambert", Virtual::opaque(0.3, 0.5, 0.0), Surface::Opaque, true),
-        (&opaque, "lambert", Virtual::opaque(0.3, 0.5, 0.03), Surface::Opaque, false),
+    let cases: [(&dyn Method, &str, Virtual, Body, bool); 4] = [
+        (&opaque, "lambert", Virtual::opaque(0.3, 0.5, 0.0), Body::Opaque, true),
+        (&opaque, "lambert", Virtual::opaque(0.3, 0.5, 0.03), Body::Opaque, false),
         (&centred, "theta0", plate(0.0), CLEAR, true),
         (&centred, "theta0", plate(9.0), CLEAR, false),
     ];
@@ -146,7 +146,7 @@ fn a_filter_is_found_where_there_is_one_and_else_left_out() {
         let boundary = Boundary::Traced(TracedBoundary { field, eta: CLEAR.eta().unwrap() });
         let virtual_plate = Virtual { boundary, setup };
         let (sigmas, grid) = ([0.0, 40.0], grid(1));
-        let plan = Plan::product(&sigmas, &angles(&grid));
+        let plan = Angles::product(&sigmas, &angles(&grid));
         let rays = Rays { count: 400_000, seed: 91 + seed };
         let effort = asperity::forward::Effort::Full;
         let readings = asperity::forward::simulate(

@@ -3,13 +3,13 @@
 use asperity::fit::{Fit, MISFIT_PERCENT};
 use asperity::forward::{Sample, Setup};
 use asperity::measurement::{Measurement, csv};
-use asperity::method::{GgxMethod, Method, Surface};
+use asperity::method::{Body, GgxMethod, Method};
 use asperity_tests::data;
 use asperity_tests::tolerance::{SAMPLE_5_ALPHA, SAMPLE_8_ALPHA, Tolerance, near};
 
 use crate::common::{CAUCHY, GAUSS, fitted, options};
 
-const SURFACE: Surface = Surface::Dielectric { ior: 1.49 };
+const SURFACE: Body = Body::Dielectric { ior: 1.49 };
 
 /// The instrument that the header describes.
 pub(crate) fn setup(scan: &Measurement) -> Setup {

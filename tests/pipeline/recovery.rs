@@ -3,7 +3,7 @@
 use asperity::fit::FitOptions;
 use asperity::forward::Rays;
 use asperity::measurement::Measurement;
-use asperity::method::{GgxMethod, Method, Surface};
+use asperity::method::{Body, GgxMethod, Method};
 use asperity_core::gonio::Geometry::{self, Reflection, Transmission};
 use asperity_core::plate::RoughSide::{self, Detector, Source};
 use asperity_tests::tolerance::{
@@ -42,12 +42,12 @@ impl<'a> Case<'a> {
         sides: (RoughSide, Geometry),
         truths: Vec<Truth>,
     ) -> Self {
-        let law = method.law().unwrap_or_default();
+        let law = method.profile().unwrap_or_default();
         Case {
             name: format!("{} {law} {values:?} n {ior} {:?} {:?}", method.name(), sides.0, sides.1),
             sample: Virtual::plate(method, values, ior, sides.0, sides.1),
             method,
-            options: options(Surface::Dielectric { ior }),
+            options: options(Body::Dielectric { ior }),
             rays: 200_000,
             gain: 1.0,
             truths,
@@ -120,7 +120,7 @@ fn check_all<'a>(seed: u64, cases: impl IntoIterator<Item = Case<'a>>) {
 }
 
 fn ggx(ior: f64) -> GgxMethod {
-    GgxMethod::new(Surface::Dielectric { ior })
+    GgxMethod::new(Body::Dielectric { ior })
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn ggx_and_the_refractive_index_from_a_wrong_start() {
         let case = Case::plate(&method, &[alpha], ior, (side, Transmission), truths);
         let mut case = case.with_light(3_000_000, aperture_deg);
         case.name = format!("{} from {start}", case.name);
-        let start = Surface::Dielectric { ior: start };
+        let start = Body::Dielectric { ior: start };
         case.options = FitOptions { fit_ior: true, ..options(start) };
         case
     });
@@ -217,13 +217,13 @@ fn both_laws_of_normals() {
 
 #[test]
 fn an_opaque_body_with_a_lambert_floor() {
-    let method = GgxMethod::new(Surface::Opaque);
+    let method = GgxMethod::new(Body::Opaque);
     let shapes = [(0.1, 0.5, 0.1, 3.0), (0.2, 0.5, 0.05, 6.0), (0.3, 0.47, 0.03, 10.0)];
     let cases = shapes.map(|(alpha, gain, lambert, aperture_deg)| Case {
         name: format!("opaque ggx {alpha} {gain} {lambert}"),
         sample: Virtual::opaque(alpha, gain, lambert).with_aperture(aperture_deg),
         method: &method,
-        options: options(Surface::Opaque),
+        options: options(Body::Opaque),
         rays: 4_000_000,
         gain: 1.0,
         truths: vec![
@@ -238,12 +238,12 @@ fn an_opaque_body_with_a_lambert_floor() {
 #[test]
 fn a_weak_floor_beside_a_strong_lobe_is_not_lost() {
     // the noise of the lobe hides most of the floor, yet no fit may end above the error of the truth
-    let method = GgxMethod::new(Surface::Opaque);
+    let method = GgxMethod::new(Body::Opaque);
     let case = Case {
         name: "opaque ggx 0.05 0.6 0.02".into(),
         sample: Virtual::opaque(0.05, 0.6, 0.02),
         method: &method,
-        options: options(Surface::Opaque),
+        options: options(Body::Opaque),
         rays: 2_000_000,
         gain: 1.0,
         truths: vec![("alpha", 0.05, RECOVERED_ALPHA), ("gain", 0.6, RECOVERED_GAIN)],
@@ -270,7 +270,7 @@ fn standard_errors_are_as_large_as_the_scatter_of_the_fits() {
             .map(|seed| {
                 let rays = Rays { count: rays, seed };
                 let scan = sample.noisy_scan(&SIGMAS, &grid(STEPS_PER_DEGREE), rays, 1.0);
-                let options = options(Surface::Dielectric { ior: 1.49 });
+                let options = options(Body::Dielectric { ior: 1.49 });
                 let fit = fitted(&method, &scan, &sample.setup, &options).unwrap();
                 let (found, error) = value(&fit, "alpha");
                 (found - alpha) / error

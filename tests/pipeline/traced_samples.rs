@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use asperity::fit::{Fit, FitOptions, FitRays};
-use asperity::forward::{Incidence, Plan, Rays, monte_carlo};
+use asperity::forward::{Angles, Incidence, Rays, monte_carlo};
 use asperity::measurement::{Measurement, csv};
-use asperity::method::{Choice, Kind, Method, Surface};
+use asperity::method::{Body, Choice, Kind, Method};
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, Preparation, Prepared, Purpose};
 use asperity::watch::Watch;
@@ -19,7 +19,7 @@ use asperity_tests::{data, extensive};
 use crate::common::{fitted, options};
 use crate::real_scans::setup;
 
-const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
+const CLEAR: Body = Body::Dielectric { ior: 1.49 };
 
 /// Totals of the transmitted flux that the independent tracer gives, at 0, 15, 30, 45 and 60 degrees.
 const T_5: [f64; 5] = [0.9255, 0.9249, 0.9214, 0.9020, 0.7630];
@@ -38,7 +38,7 @@ fn agrees(number: u32, pixel_um: f64, transmitted: [f64; 5], rays: u64, limit: T
     let Some((scan, prepared)) = sample(number, pixel_um) else { return };
     let field = Arc::new(Field::new(&prepared.map, prepared.edges).unwrap());
     let boundary = TracedBoundary { field, eta: CLEAR.eta().unwrap() };
-    let (setup, plan) = (setup(&scan), Plan::of(&scan));
+    let (setup, plan) = (setup(&scan), Angles::of(&scan));
     let rays = if extensive() { 5 * rays } else { rays };
     let rays = Rays { count: rays, seed: 11 };
     let mut values = Vec::new();

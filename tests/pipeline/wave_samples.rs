@@ -5,10 +5,10 @@ use std::f64::consts::TAU;
 
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, cost_at};
-use asperity::forward::{Effort, Plan, Sample, Setup, wave};
+use asperity::forward::{Angles, Effort, Sample, Setup, wave};
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
-use asperity::method::{Choice, Method, Surface};
+use asperity::method::{Body, Choice, Method};
 use asperity::surface::{Crop, Edges, Form, HeightMap, Preparation, Prepared, Purpose};
 use asperity::watch::Watch;
 use asperity_core::direction::Direction;
@@ -23,7 +23,7 @@ use crate::common::{fitted, options};
 use crate::traced_samples::sample;
 
 const IOR: f64 = 1.49;
-const CLEAR: Surface = Surface::Dielectric { ior: IOR };
+const CLEAR: Body = Body::Dielectric { ior: IOR };
 const WAVELENGTH_UM: f64 = 0.55;
 
 fn light(speckle: Speckle) -> WaveOptions {
@@ -36,7 +36,7 @@ fn setup(rough_side: RoughSide, geometry: Geometry) -> Setup {
     Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux }
 }
 
-fn readings(boundary: &WaveBoundary, setup: &Setup, plan: &Plan) -> Vec<f64> {
+fn readings(boundary: &WaveBoundary, setup: &Setup, plan: &Angles) -> Vec<f64> {
     wave(boundary, setup, plan, Effort::Full, Watch::nobody()).unwrap().values
 }
 
@@ -49,7 +49,7 @@ fn a_flat_map_is_a_smooth_plate() {
         for rough_side in [RoughSide::Source, RoughSide::Detector] {
             for geometry in [Geometry::Transmission, Geometry::Reflection] {
                 for sigma in [0.0, 30.0, 60.0, 80.0] {
-                    let plan = Plan::product(&[sigma], &[sigma - 0.4, sigma, sigma + 0.2]);
+                    let plan = Angles::product(&[sigma], &[sigma - 0.4, sigma, sigma + 0.2]);
                     let found = readings(&boundary, &setup(rough_side, geometry), &plan);
                     let r = fresnel(sigma.to_radians().cos(), IOR).unpolarised();
                     // the series of all reflections between the faces

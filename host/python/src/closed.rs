@@ -1,7 +1,7 @@
 //! The laws in closed form, `Ggx` and `Normals`, in both precisions.
 
 use asperity::boundary::Boundary;
-use asperity::method::{GgxMethod, Method, NormalsMethod, Surface};
+use asperity::method::{GgxMethod, Method, NormalsMethod, Body};
 use asperity_core::bsdf;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
@@ -45,8 +45,8 @@ impl Ggx {
 impl Ggx {
     #[new]
     fn new(alpha: f64, ior: f64) -> PyResult<Self> {
-        let surface = Surface::Dielectric { ior };
-        match GgxMethod::new(surface).boundary(&[alpha], surface).map_err(bad)? {
+        let body = Body::Dielectric { ior };
+        match GgxMethod::new(body).boundary(&[alpha], body).map_err(bad)? {
             Boundary::Ggx(double) => Self::of(double),
             _ => Err(bad("the method ggx made no GGX boundary")),
         }
@@ -147,8 +147,8 @@ impl Normals {
     fn new(delta_deg: f64, n: f64, theta0_deg: f64, profile: &str, ior: f64) -> PyResult<Self> {
         let profile = profile_of(profile)?;
         let method = NormalsMethod { profile, centre: true };
-        let surface = Surface::Dielectric { ior };
-        match method.boundary(&[delta_deg, n, theta0_deg], surface).map_err(bad)? {
+        let body = Body::Dielectric { ior };
+        match method.boundary(&[delta_deg, n, theta0_deg], body).map_err(bad)? {
             Boundary::Normals(double) => Self::of(double),
             _ => Err(bad("the method normals made no such boundary")),
         }

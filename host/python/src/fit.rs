@@ -82,7 +82,7 @@ pub(crate) fn fit(
         seed,
     };
     let kind = Kind::named(method).map_err(bad)?;
-    if law.is_some() && !kind.has_law {
+    if law.is_some() && !kind.has_profile {
         return Err(bad(format!("method {method} has no law; leave it out")));
     }
     if map.is_some() && !kind.needs_map {

@@ -8,7 +8,7 @@ use asperity::forward::Rays;
 use asperity::model;
 use asperity::output::AtomicFile;
 use asperity::reconstruct::Subject;
-use asperity::table::Asked;
+use asperity::binned::Asked;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 

@@ -2,7 +2,7 @@
 
 use asperity::boundary::Boundary;
 use asperity::forward::Rays;
-use asperity::table::Asked;
+use asperity::binned::Asked;
 use asperity_core::direction::Direction;
 use pyo3::prelude::*;
 

@@ -155,7 +155,7 @@ def test_other_threads_run_during_a_batch():
     ("make", "law"),
     [
         (["ggx", "--set", "alpha=0.27"], asperity.Ggx(0.27, 1.49)),
-        (["normals", "--law", "cauchy", "--set", "delta=7", "n=2"], asperity.Normals(7.0, profile="cauchy", ior=1.49)),
+        (["normals", "--profile", "cauchy", "--set", "delta=7", "n=2"], asperity.Normals(7.0, profile="cauchy", ior=1.49)),
     ],
 )
 def test_the_program_gives_the_same_bits(make, law, program, tmp_path):

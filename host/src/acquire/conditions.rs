@@ -6,23 +6,23 @@
 use asperity_core::protocol::{Microdegrees, Range, Status};
 
 use super::error::Trouble;
-use super::plan::Plan;
+use super::schedule::Schedule;
 
 /// How far from where it was sent an axis may stand, by its encoder: microdegrees.
 pub(super) const OFF_TARGET: u32 = 20_000;
 
-/// Settings as the plan wants them, and where the sample stands.
+/// Settings as the schedule wants them, and where the sample stands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<'a> {
-    plan: &'a Plan,
+    schedule: &'a Schedule,
     /// Where the sample was turned to; `None` as long as it stands anywhere.
     sigma: Option<Microdegrees>,
 }
 
 impl<'a> Conditions<'a> {
-    /// Those of a plan, the sample standing anywhere.
-    pub(super) fn of(plan: &'a Plan) -> Self {
-        Self { plan, sigma: None }
+    /// Those of a schedule, the sample standing anywhere.
+    pub(super) fn of(schedule: &'a Schedule) -> Self {
+        Self { schedule, sigma: None }
     }
 
     /// The same at an incidence.
@@ -35,7 +35,7 @@ impl<'a> Conditions<'a> {
     /// # Errors
     /// [`Trouble::Disobeyed`] with the first setting that is not as it was set.
     pub(super) fn check(&self, status: &Status) -> Result<(), Trouble> {
-        let plan = self.plan;
+        let schedule = self.schedule;
         let degrees = |angle: Microdegrees| format!("{} deg", angle.degrees());
         let ms = |us: u32| format!("{} ms", f64::from(us) / 1e3);
         let disobeyed = |what, wanted: String, reported: String| {
@@ -44,15 +44,19 @@ impl<'a> Conditions<'a> {
         if !status.lamp {
             return disobeyed("the lamp", "on".to_owned(), "off".to_owned());
         }
-        if status.aperture != plan.aperture() {
-            return disobeyed("the aperture", degrees(plan.aperture()), degrees(status.aperture));
+        if status.aperture != schedule.aperture() {
+            return disobeyed(
+                "the aperture",
+                degrees(schedule.aperture()),
+                degrees(status.aperture),
+            );
         }
-        if status.integration_us != plan.integration_us() {
-            let (wanted, reported) = (ms(plan.integration_us()), ms(status.integration_us));
+        if status.integration_us != schedule.integration_us() {
+            let (wanted, reported) = (ms(schedule.integration_us()), ms(status.integration_us));
             return disobeyed("the integration time", wanted, reported);
         }
-        if status.range != plan.range() {
-            return disobeyed("the range", range(plan.range()), range(status.range));
+        if status.range != schedule.range() {
+            return disobeyed("the range", range(schedule.range()), range(status.range));
         }
         match self.sigma {
             Some(sigma) if status.sigma.0.abs_diff(sigma.0) > OFF_TARGET => {

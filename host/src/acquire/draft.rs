@@ -1,4 +1,4 @@
-//! A plan as a file or as flags say it: anything may be missing.
+//! A schedule as a file or as flags say it: anything may be missing.
 //!
 //! ```toml
 //! sigma_deg = [0, 15, 30, 45, 60]
@@ -21,8 +21,8 @@ use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range};
 use serde::{Deserialize, Serialize};
 
 use super::error::plain;
-use super::plan::{CalibrationRule, Plan};
-use super::plan_error::PlanError;
+use super::schedule::{CalibrationRule, Schedule};
+use super::schedule_error::ScheduleError;
 use crate::measurement::{Metadata, excerpt};
 
 /// Longest number that a message repeats as it is.
@@ -30,7 +30,7 @@ const MOST_DIGITS: usize = 12;
 /// Most angles of incidence.
 const MAX_SIGMAS: usize = 1000;
 
-/// What is said of a plan; `None` is not said. Its text is TOML, in the same order each time.
+/// What is said of a schedule; `None` is not said. Its text is TOML, in the same order each time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Draft {
@@ -114,17 +114,17 @@ impl Draft {
         }
     }
 
-    /// The plan; what is not said is as on the GP-200: incidences 0, 15, 30, 45, 60, observation -90
+    /// The schedule; what is not said is as on the GP-200: incidences 0, 15, 30, 45, 60, observation -90
     /// to 90 in steps of 0.1, aperture 0.6, run-up 0.5 degrees; 100 ms, range `auto`, calibrated once,
     /// transmission.
     ///
     /// # Errors
-    /// [`PlanError::Value`], [`PlanError::TooLong`].
-    pub fn plan(&self) -> Result<Plan, PlanError> {
+    /// [`ScheduleError::Value`], [`ScheduleError::TooLong`].
+    pub fn schedule(&self) -> Result<Schedule, ScheduleError> {
         let sigmas = self.sigmas()?;
         let (start, step, count) = self.grid()?;
         let header = self.header()?;
-        Ok(Plan {
+        Ok(Schedule {
             sigmas,
             start,
             step,
@@ -150,7 +150,7 @@ impl Draft {
         })
     }
 
-    fn sigmas(&self) -> Result<Vec<Microdegrees>, PlanError> {
+    fn sigmas(&self) -> Result<Vec<Microdegrees>, ScheduleError> {
         let given = self.sigma_deg.clone().unwrap_or_else(|| vec![0.0, 15.0, 30.0, 45.0, 60.0]);
         if given.is_empty() || given.len() > MAX_SIGMAS {
             let count = format!("of {} angles", given.len());
@@ -168,7 +168,7 @@ impl Draft {
         Ok(sigmas)
     }
 
-    fn grid(&self) -> Result<(Microdegrees, Microdegrees, u16), PlanError> {
+    fn grid(&self) -> Result<(Microdegrees, Microdegrees, u16), ScheduleError> {
         let quarter = 90 * Microdegrees::DEGREE;
         let inside = |a| (-quarter..=quarter).contains(&a);
         let from = angle("theta_from", self.theta_from_deg.unwrap_or(-90.0), THETA, inside)?;
@@ -181,11 +181,11 @@ impl Draft {
         let count = (i64::from(to.0) - i64::from(from.0)) / i64::from(step.0) + 1;
         match u16::try_from(count).ok().filter(|count| *count <= MAX_POINTS) {
             Some(count) => Ok((from, step, count)),
-            None => Err(PlanError::TooLong { count }),
+            None => Err(ScheduleError::TooLong { count }),
         }
     }
 
-    fn integration(&self) -> Result<u32, PlanError> {
+    fn integration(&self) -> Result<u32, ScheduleError> {
         let ms = self.integration_ms.unwrap_or(100.0);
         let us = (ms * 1e3).round();
         // written so that NaN is refused too
@@ -196,7 +196,7 @@ impl Draft {
         Err(wrong("integration_ms", &number(ms), allowed))
     }
 
-    fn range(&self) -> Result<Range, PlanError> {
+    fn range(&self) -> Result<Range, ScheduleError> {
         let (text, number) = match &self.range {
             None => return Ok(Range::Auto),
             Some(RangeWord::Number(number)) => (number.to_string(), Some(*number)),
@@ -209,7 +209,7 @@ impl Draft {
     }
 
     /// What goes into the header of the scan, checked as a scan file is.
-    fn header(&self) -> Result<Metadata, PlanError> {
+    fn header(&self) -> Result<Metadata, ScheduleError> {
         let mut meta = Metadata::default();
         if let Some(sample) = &self.sample {
             if sample.chars().any(char::is_control) || sample.len() > 500 {
@@ -248,8 +248,8 @@ const STEP: &str = "give degrees above 0, at most 6 decimals";
 const APERTURE: &str = "give the full angle in degrees, above 0 to 10, at most 6 decimals";
 const RUN_UP: &str = "give degrees from 0 to 10, at most 6 decimals";
 
-fn wrong(key: &'static str, value: &str, allowed: &'static str) -> PlanError {
-    PlanError::Value { key, value: excerpt(value), allowed }
+fn wrong(key: &'static str, value: &str, allowed: &'static str) -> ScheduleError {
+    ScheduleError::Value { key, value: excerpt(value), allowed }
 }
 
 /// A number that was given, with all its digits where they are few.
@@ -264,7 +264,7 @@ fn angle(
     degrees: f64,
     allowed: &'static str,
     inside: impl Fn(i32) -> bool,
-) -> Result<Microdegrees, PlanError> {
+) -> Result<Microdegrees, ScheduleError> {
     let exact = |angle: &Microdegrees| (degrees * 1e6 - f64::from(angle.0)).abs() < 1e-3;
     Microdegrees::from_degrees(degrees)
         .filter(|angle| exact(angle) && inside(angle.0))
@@ -277,17 +277,20 @@ mod tests {
 
     use super::*;
 
-    fn read(text: &str) -> Result<Plan, String> {
+    fn read(text: &str) -> Result<Schedule, String> {
         let draft = Draft::parse(text, Path::new("p.toml")).map_err(|e| e.to_string())?;
-        draft.plan().map_err(|e| e.to_string())
+        draft.schedule().map_err(|e| e.to_string())
     }
 
     #[test]
     fn the_usual_plan_is_that_of_the_gp_200() {
-        let plan = read("").unwrap();
-        assert_eq!((plan.count, plan.theta(900), plan.points()), (1801, Microdegrees(0), 9005));
-        assert_eq!(plan.sigmas.last(), Some(&Microdegrees(60_000_000)));
-        assert_eq!(read(&plan.text()).unwrap(), plan);
+        let schedule = read("").unwrap();
+        assert_eq!(
+            (schedule.count, schedule.theta(900), schedule.points()),
+            (1801, Microdegrees(0), 9005)
+        );
+        assert_eq!(schedule.sigmas.last(), Some(&Microdegrees(60_000_000)));
+        assert_eq!(read(&schedule.text()).unwrap(), schedule);
     }
 
     #[test]
@@ -297,11 +300,11 @@ mod tests {
                     run_up_deg = 0\ncalibrate = \"per-sigma\"\ngeometry = \"reflection\"\n\
                     sample = 'a \"b\" # c'\nior = 1.4917\nrough_side = \"detector\"\n\
                     wavelength_nm = 632.8\n";
-        let plan = read(text).unwrap();
-        assert_eq!((plan.count, plan.theta(6)), (7, Microdegrees(800_000)));
-        assert_eq!(read(&plan.text()).unwrap(), plan);
-        assert_ne!(plan.hash(), read("").unwrap().hash());
-        assert!(!plan.text().lines().any(|line| line.trim().is_empty()), "{}", plan.text());
+        let schedule = read(text).unwrap();
+        assert_eq!((schedule.count, schedule.theta(6)), (7, Microdegrees(800_000)));
+        assert_eq!(read(&schedule.text()).unwrap(), schedule);
+        assert_ne!(schedule.hash(), read("").unwrap().hash());
+        assert!(!schedule.text().lines().any(|line| line.trim().is_empty()), "{}", schedule.text());
     }
 
     #[test]

@@ -6,12 +6,12 @@ use asperity_core::protocol::{
     AxisLimits, Ident, MAX_POINTS, Microdegrees, RANGES, Text16, VERSION,
 };
 
-use super::plan::{CalibrationRule, Plan};
+use super::schedule::{CalibrationRule, Schedule};
 
 /// Settling and the line, for each point; a guess.
 const POINT: Duration = Duration::from_millis(5);
 
-/// Limits and speeds of a GP-200 for plans that no instrument has seen yet: -90 to 90 degrees, 20
+/// Limits and speeds of a GP-200 for schedules that no instrument has seen yet: -90 to 90 degrees, 20
 /// degrees a second.
 pub fn typical() -> Ident {
     let quarter = 90 * Microdegrees::DEGREE;
@@ -57,11 +57,13 @@ pub fn reading(integration_us: u32) -> Duration {
 }
 
 /// The next point of a segment.
-pub fn point(plan: &Plan, ident: &Ident) -> Duration {
-    travel(&ident.theta, Microdegrees(0), plan.step()) + reading(plan.integration_us()) + POINT
+pub fn point(schedule: &Schedule, ident: &Ident) -> Duration {
+    travel(&ident.theta, Microdegrees(0), schedule.step())
+        + reading(schedule.integration_us())
+        + POINT
 }
 
-impl Plan {
+impl Schedule {
     /// About how long it takes on that instrument, homing left aside.
     pub fn estimate(&self, ident: &Ident) -> Duration {
         let end = self.theta(self.count().saturating_sub(1));

@@ -11,11 +11,11 @@
 //! | [`client`] | an instrument that is owned, and owned again after the line was lost |
 //! | `recovery` | finding it again |
 //! | `motion` | what takes time: homing, moving, calibrating |
-//! | [`plan`] | what is to be measured |
+//! | [`schedule`] | what is to be measured |
 //! | `conditions` | what the instrument has to be meanwhile |
-//! | [`draft`] | a plan as a file or as flags say it |
-//! | `plan_text` | a plan read from a file and written out |
-//! | [`plan_error`] | a plan that cannot be read, or cannot be meant |
+//! | [`draft`] | a schedule as a file or as flags say it |
+//! | `schedule_text` | a schedule read from a file and written out |
+//! | [`schedule_error`] | a schedule that cannot be read, or cannot be meant |
 //! | [`estimate`] | how long it takes |
 //! | [`journal`] | what has been measured, safe on the disk |
 //! | `run_error` | why there is no scan file |
@@ -34,12 +34,12 @@ mod signal;
 mod link;
 pub mod client;
 mod recovery;
-pub mod plan;
+pub mod schedule;
 mod conditions;
 mod motion;
 pub mod draft;
-mod plan_text;
-pub mod plan_error;
+mod schedule_text;
+pub mod schedule_error;
 pub mod estimate;
 pub mod journal;
 mod result;
@@ -60,9 +60,9 @@ pub use self::draft::Draft;
 pub use self::error::{LinkError, Trouble};
 pub use self::journal::{Journal, JournalError};
 pub use self::patience::Patience;
-pub use self::plan::{CalibrationRule, Plan};
-pub use self::plan_error::PlanError;
 pub use self::result::{AboveBeam, NoScan};
 pub use self::run::{Job, Progress, Summary, run};
 pub use self::run_error::AcquireError;
+pub use self::schedule::{CalibrationRule, Schedule};
+pub use self::schedule_error::ScheduleError;
 pub use self::transport::{InProcess, Peer, Transport};

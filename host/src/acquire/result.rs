@@ -1,6 +1,6 @@
 //! From a complete journal to a scan file.
 //!
-//! The file follows from plan, instrument, calibrations and points alone: how often the line was lost
+//! The file follows from schedule, instrument, calibrations and points alone: how often the line was lost
 //! or the program ended leaves no trace in it.
 
 use thiserror::Error;
@@ -42,13 +42,13 @@ pub(super) struct Finished {
 /// [`NoScan`] where the readings are no scan, as when all are dark, or cannot be: a journal of a former
 /// version may hold such.
 pub(super) fn scan_file(journal: &Journal) -> Result<Finished, NoScan> {
-    let plan = journal.plan();
+    let schedule = journal.schedule();
     let mut readings = Vec::new();
-    for (k, sigma) in plan.sigmas().iter().enumerate() {
-        for (index, point) in (0..plan.count()).zip(journal.points(k)) {
+    for (k, sigma) in schedule.sigmas().iter().enumerate() {
+        for (index, point) in (0..schedule.count()).zip(journal.points(k)) {
             let reading = Reading {
                 sigma_deg: sigma.degrees(),
-                theta_deg: plan.theta(index).degrees(),
+                theta_deg: schedule.theta(index).degrees(),
                 value: relative(journal, point),
             };
             if reading.value.is_finite() && !signal::is_possible(reading.value) {
@@ -87,28 +87,28 @@ fn relative(journal: &Journal, point: &Stored) -> f64 {
 }
 
 /// The header. Aperture, integration time and range are what the instrument reported: no point is in the
-/// journal unless its status was the plan's.
+/// journal unless its status was the schedule's.
 fn header(journal: &Journal) -> Metadata {
-    let plan = journal.plan();
+    let schedule = journal.schedule();
     let (model, serial) = journal.instrument();
     let ids = journal.calibrations().iter().map(|stored| format!("{:08x}", stored.values.id));
     let mut ids: Vec<String> = ids.collect();
     // calibrations with one identity are the same
     ids.dedup();
-    let integration = f64::from(plan.integration_us()) / 1e3;
+    let integration = f64::from(schedule.integration_us()) / 1e3;
     Metadata {
-        sample: plan.sample.clone(),
+        sample: schedule.sample.clone(),
         instrument: Some(format!("{model}, serial number {serial}")),
-        geometry: Some(plan.geometry),
-        ior: plan.ior,
-        rough_side: plan.rough_side,
-        aperture_deg: Some(plan.aperture().degrees()),
-        wavelength_nm: plan.wavelength_nm,
+        geometry: Some(schedule.geometry),
+        ior: schedule.ior,
+        rough_side: schedule.rough_side,
+        aperture_deg: Some(schedule.aperture().degrees()),
+        wavelength_nm: schedule.wavelength_nm,
         calibration: Some(format!("relative to the beam without sample; {}", ids.join(", "))),
         quantity: Some(Quantity::Flux),
         other: vec![
             ("integration_ms".to_owned(), integration.to_string()),
-            ("range".to_owned(), conditions::range(plan.range())),
+            ("range".to_owned(), conditions::range(schedule.range())),
         ],
         ..Metadata::default()
     }

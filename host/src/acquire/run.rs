@@ -9,9 +9,9 @@ use super::client::{Client, describe};
 use super::error::{LinkError, Trouble};
 use super::journal::{Journal, JournalError};
 use super::patience::Patience;
-use super::plan::Plan;
 use super::result::{AboveBeam, Finished, scan_file};
 use super::run_error::AcquireError;
+use super::schedule::Schedule;
 use super::session::Session;
 use super::transport::Transport;
 use crate::output::AtomicFile;
@@ -19,8 +19,8 @@ use crate::output::AtomicFile;
 /// What is to be done.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
-    /// What to measure; on resuming `None` takes the journal's plan.
-    pub plan: Option<Plan>,
+    /// What to measure; on resuming `None` takes the journal's schedule.
+    pub schedule: Option<Schedule>,
     /// The scan file; the journal stands beside it.
     pub output: &'a Path,
     /// Points that may be under way, 1 to 1801: what is measured again at most after the end of power.
@@ -38,7 +38,7 @@ pub struct Job<'a> {
 pub struct Progress {
     /// Points stored.
     pub done: u64,
-    /// Points of the plan.
+    /// Points of the schedule.
     pub total: u64,
     /// What is left at the pace so far, seconds.
     pub seconds_left: f64,
@@ -120,7 +120,7 @@ fn open(job: &Job<'_>) -> Result<Option<Journal>, AcquireError> {
         return if is_there { Err(exists()) } else { Ok(None) };
     }
     let journal = Journal::open(path)?;
-    if job.plan.as_ref().is_some_and(|plan| plan != journal.plan()) {
+    if job.schedule.as_ref().is_some_and(|schedule| schedule != journal.schedule()) {
         return Err(AcquireError::OtherPlan { path: journal.path().to_owned() });
     }
     // a complete journal beside its scan was only not deleted any more
@@ -152,22 +152,22 @@ fn acquire<T: Transport>(
     if let Some(journal) = journal.as_ref() {
         same_instrument(client, journal)?;
     }
-    let plan = match (journal.as_ref(), &job.plan) {
-        (Some(journal), _) => journal.plan().clone(),
-        (None, Some(plan)) => plan.clone(),
+    let schedule = match (journal.as_ref(), &job.schedule) {
+        (Some(journal), _) => journal.schedule().clone(),
+        (None, Some(schedule)) => schedule.clone(),
         (None, None) => return Err(AcquireError::NotBegun),
     };
-    plan.check(client.ident())?;
+    schedule.check(client.ident())?;
     client.claim()?;
     let status = client.wait_idle("what another client has begun", client.patience().grace)?;
     let journal = if let Some(journal) = journal {
         journal
     } else {
         let path = Journal::path_of(job.output);
-        journal.insert(Journal::create(path, &plan, client.ident())?)
+        journal.insert(Journal::create(path, &schedule, client.ident())?)
     };
     let mut session =
-        Session { client, job, plan: &plan, segments: 0, recalibrate: job.recalibrate };
+        Session { client, job, schedule: &schedule, segments: 0, recalibrate: job.recalibrate };
     if !session.will_calibrate(journal) {
         session.check_calibration(&status, journal)?;
     }
@@ -201,6 +201,6 @@ fn park<T: Transport>(client: &mut Client<'_, T>) -> Result<(), LinkError> {
 /// What an interruption has left.
 fn interruption(journal: Option<&Journal>) -> AcquireError {
     let Some(journal) = journal else { return AcquireError::NotBegun };
-    let (done, total) = (journal.len(), journal.plan().points());
+    let (done, total) = (journal.len(), journal.schedule().points());
     AcquireError::Interrupted { done, total, path: journal.path().to_owned() }
 }

@@ -6,8 +6,8 @@ use thiserror::Error;
 
 use super::error::LinkError;
 use super::journal::JournalError;
-use super::plan::LimitError;
 use super::result::NoScan;
+use super::schedule::LimitError;
 use crate::output::OutputError;
 
 /// Why there is no scan file.
@@ -23,7 +23,7 @@ pub enum AcquireError {
     /// Trouble with the scan file.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// The instrument cannot carry out the plan.
+    /// The instrument cannot carry out the schedule.
     #[error(transparent)]
     Limit(#[from] LimitError),
     /// There is a scan already.
@@ -32,9 +32,9 @@ pub enum AcquireError {
         /// The scan file.
         path: PathBuf,
     },
-    /// The journal is of another plan.
+    /// The journal is of another schedule.
     #[error(
-        "{}: was begun with another plan; give the same plan, or none to take the journal's, or \
+        "{}: was begun with another schedule; give the same schedule, or none to take the journal's, or \
          delete the journal to begin anew", path.display()
     )]
     OtherPlan {
@@ -93,7 +93,7 @@ pub enum AcquireError {
     Interrupted {
         /// Points kept.
         done: u64,
-        /// Points of the plan.
+        /// Points of the schedule.
         total: u64,
         /// The journal.
         path: PathBuf,

@@ -13,9 +13,9 @@ use super::conditions::Conditions;
 use super::error::Trouble;
 use super::estimate;
 use super::journal::{Journal, Stored};
-use super::plan::Plan;
 use super::run::Progress;
 use super::run_error::AcquireError;
+use super::schedule::Schedule;
 use super::signal;
 use super::transport::Transport;
 
@@ -27,7 +27,7 @@ const AUTO_READINGS: u32 = 2 * RANGES as u32;
 
 /// What a segment needs to know.
 pub(super) struct Course<'a> {
-    pub(super) plan: &'a Plan,
+    pub(super) schedule: &'a Schedule,
     /// Which incidence, from 0.
     pub(super) sigma: usize,
     /// Its name on the line, used by no other segment of this session.
@@ -56,19 +56,19 @@ pub(super) fn scan<T: Transport>(
     journal: &mut Journal,
     progress: &mut dyn FnMut(&Journal, Duration),
 ) -> Result<End, AcquireError> {
-    let (plan, before) = (course.plan, client.recoveries());
+    let (schedule, before) = (course.schedule, client.recoveries());
     let first = journal.points(course.sigma).len() as u16;
-    let Some(&sigma) = plan.sigmas().get(course.sigma) else { return Ok(End::Complete) };
-    if first >= plan.count() {
+    let Some(&sigma) = schedule.sigmas().get(course.sigma) else { return Ok(End::Complete) };
+    if first >= schedule.count() {
         return Ok(End::Complete);
     }
     client.move_to(Axis::Sigma, sigma)?;
-    client.move_to(Axis::Theta, plan.run_up(first, client.ident()))?;
+    client.move_to(Axis::Theta, schedule.run_up(first, client.ident()))?;
     client.ask(Request::Scan(Segment {
         segment: course.name,
-        start: plan.theta(0),
-        step: plan.step(),
-        count: plan.count(),
+        start: schedule.theta(0),
+        step: schedule.step(),
+        count: schedule.count(),
         first,
         credit: course.credit,
     }))?;
@@ -77,11 +77,11 @@ pub(super) fn scan<T: Transport>(
     }
     let mut taking = Taking {
         course,
-        conditions: Conditions::of(plan).at(sigma),
+        conditions: Conditions::of(schedule).at(sigma),
         before,
         next: first,
         fresh: Vec::new(),
-        granted: first.saturating_add(course.credit).min(plan.count()),
+        granted: first.saturating_add(course.credit).min(schedule.count()),
         heard: client.now(),
     };
     let end = taking.all(client, journal, progress);
@@ -135,7 +135,7 @@ impl Taking<'_> {
         journal: &mut Journal,
         progress: &mut dyn FnMut(&Journal, Duration),
     ) -> Result<End, AcquireError> {
-        while self.next < self.course.plan.count() {
+        while self.next < self.course.schedule.count() {
             if !self.step(client, journal, progress)? {
                 return Ok(End::Disturbed);
             }
@@ -176,7 +176,7 @@ impl Taking<'_> {
         if client.recoveries() != self.before {
             return Ok(false);
         }
-        if self.next >= self.course.plan.count() {
+        if self.next >= self.course.schedule.count() {
             return Ok(true);
         }
         match found {
@@ -224,27 +224,28 @@ impl Taking<'_> {
         client: &Client<'_, T>,
         point: &Point,
     ) -> Result<Stored, AcquireError> {
-        let plan = self.course.plan;
-        let (reading, place) = (point.reading, plan.theta(point.index));
+        let schedule = self.course.schedule;
+        let (reading, place) = (point.reading, schedule.theta(point.index));
         let nonsense = |what: String| {
             let said = format!("point {} at theta {} deg: {what}", point.index, place.degrees());
             client.fail(Trouble::Nonsense(said))
         };
-        if point.index >= plan.count() {
+        if point.index >= schedule.count() {
             return Err(nonsense("beyond the end of the segment".to_owned()).into());
         }
-        let near = (plan.step().0 / 2).min(OFF_PLACE);
+        let near = (schedule.step().0 / 2).min(OFF_PLACE);
         if point.theta.0.abs_diff(place.0) > near.unsigned_abs() {
             let at = point.theta.degrees();
             return Err(nonsense(format!("it was read at {at} deg")).into());
         }
-        let other = matches!(plan.range(), Range::Fixed(range) if range != reading.range);
+        let other = matches!(schedule.range(), Range::Fixed(range) if range != reading.range);
         if other || reading.range >= RANGES {
             return Err(nonsense(format!("it was read in range {}", reading.range)).into());
         }
         signal::check_reading(&self.course.values, &reading).map_err(nonsense)?;
         if reading.over {
-            let sigma = plan.sigmas().get(self.course.sigma).map_or(0.0, |sigma| sigma.degrees());
+            let sigma =
+                schedule.sigmas().get(self.course.sigma).map_or(0.0, |sigma| sigma.degrees());
             let theta_deg = place.degrees();
             let range = reading.range;
             return Err(AcquireError::OverRange { sigma_deg: sigma, theta_deg, range });
@@ -270,9 +271,9 @@ impl Taking<'_> {
         if self.store(journal)? {
             progress(journal, client.now());
         }
-        let plan = self.course.plan;
-        let slowest = estimate::travel(&client.ident().theta, Microdegrees(0), plan.step())
-            + estimate::reading(plan.integration_us()) * AUTO_READINGS;
+        let schedule = self.course.schedule;
+        let slowest = estimate::travel(&client.ident().theta, Microdegrees(0), schedule.step())
+            + estimate::reading(schedule.integration_us()) * AUTO_READINGS;
         let limit = client.patience().motion(slowest);
         if client.now().saturating_sub(self.heard) > limit {
             let seconds = limit.as_secs_f64();
@@ -293,7 +294,7 @@ impl Taking<'_> {
         })
     }
 
-    /// Whether the instrument is set as the plan wants it, and calibrated as the journal says.
+    /// Whether the instrument is set as the schedule wants it, and calibrated as the journal says.
     fn confirm<T: Transport>(
         &self,
         client: &Client<'_, T>,
@@ -340,7 +341,7 @@ impl Taking<'_> {
             Err(e) if is_forgotten(&e.trouble) => return Ok(false),
             Err(e) => return Err(e.into()),
         }
-        self.granted = next.saturating_add(credit).min(self.course.plan.count());
+        self.granted = next.saturating_add(credit).min(self.course.schedule.count());
         Ok(client.recoveries() == self.before)
     }
 }
@@ -354,7 +355,7 @@ pub(super) fn is_forgotten(trouble: &Trouble) -> bool {
 
 /// What [`Progress`] says after some points.
 pub(super) fn progress_of(journal: &Journal, begun: (u64, Duration), now: Duration) -> Progress {
-    let (done, total) = (journal.len(), journal.plan().points());
+    let (done, total) = (journal.len(), journal.schedule().points());
     let measured = done.saturating_sub(begun.0);
     let each = now.saturating_sub(begun.1).as_secs_f64() / measured.max(1) as f64;
     Progress { done, total, seconds_left: each * total.saturating_sub(done) as f64 }

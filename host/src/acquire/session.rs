@@ -6,9 +6,9 @@ use super::client::{Client, describe};
 use super::conditions::Conditions;
 use super::error::{LinkError, Trouble};
 use super::journal::Journal;
-use super::plan::{CalibrationRule, Plan};
 use super::run::{Job, Progress};
 use super::run_error::AcquireError;
+use super::schedule::{CalibrationRule, Schedule};
 use super::segment::{Course, End, is_forgotten, progress_of, scan};
 use super::transport::Transport;
 
@@ -19,7 +19,7 @@ const RESTARTS: u32 = 5;
 pub(super) struct Session<'a, 's, T> {
     pub(super) client: &'a mut Client<'s, T>,
     pub(super) job: &'a Job<'a>,
-    pub(super) plan: &'a Plan,
+    pub(super) schedule: &'a Schedule,
     /// Names of segments given so far.
     pub(super) segments: u32,
     /// Calibrate where the calibration is gone; once.
@@ -31,7 +31,7 @@ impl<T: Transport> Session<'_, '_, T> {
     pub(super) fn will_calibrate(&self, journal: &Journal) -> bool {
         let Some((sigma, _)) = journal.next() else { return false };
         journal.calibrations().last().is_none_or(|last| {
-            self.plan.calibration() == CalibrationRule::PerSigma && last.sigma != sigma
+            self.schedule.calibration() == CalibrationRule::PerSigma && last.sigma != sigma
         })
     }
 
@@ -133,8 +133,8 @@ impl<T: Transport> Session<'_, '_, T> {
         let Some(values) = journal.calibrations().last().map(|last| last.values) else {
             return Ok(End::Disturbed);
         };
-        let (plan, name, credit) = (self.plan, self.segments, self.job.credit.max(1));
-        let course = Course { plan, sigma, name, credit, calibration, values };
+        let (schedule, name, credit) = (self.schedule, self.segments, self.job.credit.max(1));
+        let course = Course { schedule, sigma, name, credit, calibration, values };
         let start = *begun;
         scan(self.client, &course, journal, &mut |journal, now| {
             progress(progress_of(journal, start, now));
@@ -166,10 +166,10 @@ impl<T: Transport> Session<'_, '_, T> {
     fn check_settings(&self, status: &Status) -> Result<(), LinkError> {
         // a fault that puts the lamp out is the fault
         self.client.refuse_fault(status)?;
-        Conditions::of(self.plan).check(status).map_err(|trouble| self.client.fail(trouble))
+        Conditions::of(self.schedule).check(status).map_err(|trouble| self.client.fail(trouble))
     }
 
-    /// Homes and sets what is not as the plan wants it; what is so is left alone, for setting the
+    /// Homes and sets what is not as the schedule wants it; what is so is left alone, for setting the
     /// aperture or the lamp drops the calibration.
     fn settle(&mut self) -> Result<Status, AcquireError> {
         // a request made again after the line was lost may have begun something
@@ -177,13 +177,13 @@ impl<T: Transport> Session<'_, '_, T> {
             self.client.ask(Request::Stop)?;
         }
         let limit = self.client.patience().grace;
-        let (plan, status) = (self.plan, self.client.wait_idle("stopping", limit)?);
+        let (schedule, status) = (self.schedule, self.client.wait_idle("stopping", limit)?);
         let settings = [
-            (status.aperture == plan.aperture(), Request::Aperture(plan.aperture())),
-            (status.range == plan.range(), Request::Range(plan.range())),
+            (status.aperture == schedule.aperture(), Request::Aperture(schedule.aperture())),
+            (status.range == schedule.range(), Request::Range(schedule.range())),
             (
-                status.integration_us == plan.integration_us(),
-                Request::Integration(plan.integration_us()),
+                status.integration_us == schedule.integration_us(),
+                Request::Integration(schedule.integration_us()),
             ),
             (status.lamp, Request::Lamp(true)),
         ];

@@ -16,9 +16,9 @@ const PLAN: &str =
     "sigma_deg = [0, 30]\ntheta_from_deg = -2\ntheta_to_deg = 2\nintegration_ms = 1\n";
 
 fn job(output: &Path, resume: bool) -> Job<'_> {
-    let plan = Draft::parse(PLAN, output).unwrap().plan().unwrap();
+    let schedule = Draft::parse(PLAN, output).unwrap().schedule().unwrap();
     let patience = Patience::default();
-    Job { plan: Some(plan), output, credit: 8, resume, recalibrate: false, patience }
+    Job { schedule: Some(schedule), output, credit: 8, resume, recalibrate: false, patience }
 }
 
 fn go(job: &Job<'_>, device: Device) -> Result<Summary, AcquireError> {
@@ -139,7 +139,7 @@ fn a_resumed_scan_is_the_same_scan() {
 fn the_first_point_of_what_is_missing_is_approached_from_below() {
     let folder = tempfile::tempdir().unwrap();
     let (path, _) = broken_off(folder.path());
-    let job = Job { plan: None, ..job(&path, true) };
+    let job = Job { schedule: None, ..job(&path, true) };
     let seen = std::rc::Rc::new(Cell::new(0));
     let least = std::rc::Rc::clone(&seen);
     let mut device = as_left();
@@ -171,7 +171,7 @@ fn damage_in_a_journal_is_named_with_its_line() {
     let (_, other) = broken_off(folder.path());
     let other: Vec<&str> = other.lines().collect();
     let five = lines.iter().position(|line| line.starts_with("point 0 5 ")).unwrap();
-    // the same readings under the same plan: only the journal is another one
+    // the same readings under the same schedule: only the journal is another one
     let mixed = [&lines[..five], &other[five..]].concat().join("\n") + "\n";
     for (what, text, line, word) in [
         ("changed", changed, five + 1, "checksum"),
@@ -181,7 +181,7 @@ fn damage_in_a_journal_is_named_with_its_line() {
         ("last twice", twice(lines.len() - 1), lines.len() + 1, "does not follow"),
         ("of another journal", mixed, five + 1, "another journal"),
         ("no header", without(0), 1, "is no journal"),
-        ("no plan line", without(2), 3, "does not follow"),
+        ("no schedule line", without(2), 3, "does not follow"),
     ] {
         fs::write(Journal::path_of(&path), text).unwrap();
         let Err(AcquireError::Journal(e)) = go(&job(&path, true), as_left()) else {
@@ -264,8 +264,8 @@ fn a_complete_journal_needs_no_instrument() {
     drop(held);
     // the journal as it is when the last point has come
     let watch = (Journal::path_of(&path), keep.clone());
-    let plan = job(&path, true);
-    run(&plan, || Ok(InProcess::new(as_left())), &AtomicBool::new(false), &mut |progress| {
+    let schedule = job(&path, true);
+    run(&schedule, || Ok(InProcess::new(as_left())), &AtomicBool::new(false), &mut |progress| {
         if progress.done == progress.total {
             fs::copy(&watch.0, &watch.1).unwrap();
         }
@@ -273,10 +273,10 @@ fn a_complete_journal_needs_no_instrument() {
     .unwrap();
     fs::rename(keep, Journal::path_of(&path)).unwrap();
     let never = || -> Result<InProcess<Device>, _> { panic!("not needed") };
-    let done = run(&plan, never, &AtomicBool::new(false), &mut |_| {}).unwrap();
+    let done = run(&schedule, never, &AtomicBool::new(false), &mut |_| {}).unwrap();
     assert_eq!((done.resumed, fs::read_to_string(&path).unwrap()), (82, expected));
     assert!(!begun.is_empty() && !Journal::path_of(&path).exists());
-    let missing = go(&plan, as_left()).unwrap_err();
+    let missing = go(&schedule, as_left()).unwrap_err();
     assert!(missing.to_string().contains("nothing to resume"), "{missing}");
     let exists = go(&job(&path, false), as_left()).unwrap_err();
     assert!(exists.to_string().contains("exists already"), "{exists}");
@@ -291,7 +291,7 @@ fn other_instruments_and_other_plans_do_not_continue_a_journal() {
     let error = go(&job(&path, true), other).unwrap_err();
     assert!(error.to_string().contains("GP-200 1, not GP-200 42"), "{error}");
     let mut changed = job(&path, true);
-    changed.plan = Some(Draft::default().plan().unwrap());
+    changed.schedule = Some(Draft::default().schedule().unwrap());
     let error = go(&changed, as_left()).unwrap_err();
     assert!(matches!(error, AcquireError::OtherPlan { .. }), "{error}");
 }

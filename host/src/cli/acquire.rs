@@ -8,11 +8,13 @@ use asperity_core::protocol::{Ident, MAX_POINTS};
 
 use super::error::Failure;
 use super::last_words::LastWords;
-use super::planning::PlanFlags;
+use super::planning::ScheduleFlags;
 use super::port::PortFlags;
-use super::{interrupt, print, progress};
+use super::{interrupt, print, progress, say};
 use crate::acquire::transport::list;
-use crate::acquire::{AboveBeam, Job, Patience, Plan, Progress, Summary, estimate, run as acquire};
+use crate::acquire::{
+    AboveBeam, Job, Patience, Progress, Schedule, Summary, estimate, run as acquire,
+};
 
 /// Measure a sample on a goniophotometer
 ///
@@ -26,7 +28,7 @@ use crate::acquire::{AboveBeam, Job, Patience, Plan, Progress, Summary, estimate
 /// current, and readings above twice the beam without the sample are errors; nothing measured so is
 /// kept.
 ///
-/// A plan file (TOML) says the same as the flags, which come first where both say something:
+/// A schedule file (TOML) says the same as the flags, which come first where both say something:
 ///   sigma_deg = [0, 15, 30, 45, 60]
 ///   theta_from_deg = -90
 ///   theta_to_deg = 90
@@ -44,7 +46,7 @@ use crate::acquire::{AboveBeam, Job, Patience, Plan, Progress, Summary, estimate
 ///
 /// Examples:
 ///   asperity acquire --list-ports
-///   asperity acquire --port /dev/ttyUSB0 --plan plan.toml --dry-run
+///   asperity acquire --port /dev/ttyUSB0 --schedule schedule.toml --dry-run
 ///   asperity acquire --port /dev/ttyUSB0 --sample "No 5" --ior 1.49 -o scan.csv
 ///   asperity acquire --port /dev/ttyUSB0 -o scan.csv --resume
 #[derive(Debug, clap::Args)]
@@ -57,7 +59,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 16,
           value_parser = clap::value_parser!(u16).range(1..=i64::from(MAX_POINTS)))]
     credit: u16,
-    /// Go on with an acquisition that was broken off; takes its plan unless one is given
+    /// Go on with an acquisition that was broken off; takes its schedule unless one is given
     #[arg(long)]
     resume: bool,
     /// On resuming calibrate again, if the instrument has lost its calibration
@@ -75,25 +77,27 @@ pub(super) struct Args {
     #[command(flatten)]
     port: PortFlags,
     #[command(flatten)]
-    plan: PlanFlags,
+    schedule: ScheduleFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.list_ports {
         return list_ports(args.json);
     }
-    let draft = args.plan.draft()?;
+    let draft = args.schedule.draft()?;
     if args.dry_run {
-        return dry_run(args, &draft.plan()?);
+        return dry_run(args, &draft.schedule()?);
     }
     args.port.need()?;
     let output = args.output.as_deref().ok_or_else(|| {
-        Failure::bad("no scan file is given; add -o SCAN.csv, or --dry-run to see the plan only")
+        Failure::bad(
+            "no scan file is given; add -o SCAN.csv, or --dry-run to see the schedule only",
+        )
     })?;
-    let plan = if args.resume && draft.is_empty() { None } else { Some(draft.plan()?) };
+    let schedule = if args.resume && draft.is_empty() { None } else { Some(draft.schedule()?) };
     let (credit, patience) = (args.credit, Patience::default());
     let (resume, recalibrate) = (args.resume, args.recalibrate);
-    let job = Job { plan, output, credit, resume, recalibrate, patience };
+    let job = Job { schedule, output, credit, resume, recalibrate, patience };
     let bar = progress::timed("measuring");
     let words = LastWords::keep();
     let done = acquire(&job, || args.port.open(), interrupt::flag(), &mut |at: Progress| {
@@ -105,7 +109,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     bar.finish_and_clear();
     let done = done?;
     if let Some(above) = &done.above_beam {
-        eprintln!("warning: {}", too_bright(above));
+        say::note(format_args!("warning: {}", too_bright(above)));
     }
     print(&summary(args, &done))
 }
@@ -166,29 +170,29 @@ fn list_ports(json: bool) -> Result<(), Failure> {
     print(&lines.map(|line| line.trim_end().to_owned() + "\n").collect::<String>())
 }
 
-fn dry_run(args: &Args, plan: &Plan) -> Result<(), Failure> {
+fn dry_run(args: &Args, schedule: &Schedule) -> Result<(), Failure> {
     let found = match args.port.port {
         Some(_) => Some(*args.port.connect()?.ident()),
         None => None,
     };
     let ident = found.unwrap_or_else(estimate::typical);
-    plan.check(&ident).map_err(Failure::bad)?;
-    let seconds = plan.estimate(&ident).as_secs_f64();
+    schedule.check(&ident).map_err(Failure::bad)?;
+    let seconds = schedule.estimate(&ident).as_secs_f64();
     print(&if args.json {
-        dry_json(plan, found.as_ref(), seconds)
+        dry_json(schedule, found.as_ref(), seconds)
     } else {
-        dry_text(plan, found.as_ref(), seconds)
+        dry_text(schedule, found.as_ref(), seconds)
     })
 }
 
-fn dry_json(plan: &Plan, found: Option<&Ident>, seconds: f64) -> String {
-    let draft = serde_json::to_value(plan.draft()).unwrap_or_default();
+fn dry_json(schedule: &Schedule, found: Option<&Ident>, seconds: f64) -> String {
+    let draft = serde_json::to_value(schedule.draft()).unwrap_or_default();
     let answer = serde_json::json!({
         "asperity": 1,
         "plan": draft,
-        "segments": plan.sigmas().len(),
-        "points_per_segment": plan.count(),
-        "points": plan.points(),
+        "segments": schedule.sigmas().len(),
+        "points_per_segment": schedule.count(),
+        "points": schedule.points(),
         "seconds": seconds.round(),
         "instrument": found.map(|ident| serde_json::json!({
             "model": ident.model.as_str(),
@@ -198,11 +202,12 @@ fn dry_json(plan: &Plan, found: Option<&Ident>, seconds: f64) -> String {
     format!("{answer:#}\n")
 }
 
-fn dry_text(plan: &Plan, found: Option<&Ident>, seconds: f64) -> String {
-    let last = plan.theta(plan.count().saturating_sub(1)).degrees();
-    let (first, step, count) = (plan.theta(0).degrees(), plan.step().degrees(), plan.count());
+fn dry_text(schedule: &Schedule, found: Option<&Ident>, seconds: f64) -> String {
+    let last = schedule.theta(schedule.count().saturating_sub(1)).degrees();
+    let (first, step, count) =
+        (schedule.theta(0).degrees(), schedule.step().degrees(), schedule.count());
     let mut text = String::new();
-    for sigma in plan.sigmas() {
+    for sigma in schedule.sigmas() {
         let sigma = sigma.degrees();
         let _ = writeln!(
             text,
@@ -212,8 +217,8 @@ fn dry_text(plan: &Plan, found: Option<&Ident>, seconds: f64) -> String {
     let _ = write!(
         text,
         "{} segments, {} points, about {} ",
-        plan.sigmas().len(),
-        plan.points(),
+        schedule.sigmas().len(),
+        schedule.points(),
         shown(seconds)
     );
     match found {

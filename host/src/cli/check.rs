@@ -6,12 +6,11 @@ use asperity_core::direction::Side;
 use clap::ValueEnum;
 
 use super::error::Failure;
-use super::source::parse_rays;
+use super::rays::RayFlags;
 use super::subject::{SubjectFlags, lacking};
 use super::{print, progress, validity};
 use crate::boundary::Boundary;
 use crate::energy::side_name;
-use crate::forward::Rays;
 use crate::kirchhoff::Speckle;
 use crate::reconstruct::{Check, CheckRequest, NoBalance, Subject};
 
@@ -35,7 +34,7 @@ impl From<SideFlag> for Side {
 
 /// Say where the flux goes: reflected, transmitted and lost fractions, from both sides
 ///
-/// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays, or with --method wave by integrating
+/// Of a model, or of a height map as it is (--map FILE --ior N), by counting rays, or with --engine wave by integrating
 /// the mean law of the surface, with the speckle kept by summing the orders of the map; their coherent part is given
 /// apart. A table (.bsdft) needs both lobes of the sides asked for.
 ///
@@ -52,12 +51,8 @@ pub(super) struct Args {
     /// Only this side; both without it
     #[arg(long, value_enum)]
     side: Option<SideFlag>,
-    /// Rays for each incidence on a height map
-    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
-    rays: u64,
-    /// Seed of the rays
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    rays: RayFlags,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -69,10 +64,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let request = CheckRequest {
         incidences_deg: args.incidence.clone(),
         side: args.side.map(Side::from),
-        rays: Rays { count: args.rays, seed: args.seed },
+        rays: args.rays.rays(),
     };
     request.check_angles().map_err(|e| failed(args, Path::new(""), e))?;
     let subject = args.subject.read(&[Speckle::Averaged])?;
+    args.rays.needed(subject.boundary.is_traced())?;
     let bar = progress::bar(0, "checking");
     let check = bar.watch(|watch| request.run(&subject.boundary, watch));
     let check = check.map_err(|e| failed(args, &subject.path, e))?;

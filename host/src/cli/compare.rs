@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::comparing::{Sample, Work};
 use super::error::Failure;
+use super::method::MethodName;
 use super::print;
 use super::sample::{Loaded, SampleFlags, methods};
 use crate::reconstruct::usually_asked;
@@ -35,7 +36,7 @@ pub(super) struct Args {
     #[arg(long = "map", value_name = "FILE", num_args = 1..)]
     maps: Vec<PathBuf>,
     /// Methods to try; the five of the paper without it
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = MethodName)]
     methods: Vec<String>,
     /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
@@ -52,7 +53,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let methods = methods(&args.methods)?;
-    args.sample.effort.check()?;
+    args.sample.check(&methods, !args.maps.is_empty())?;
     if !args.maps.is_empty() && args.maps.len() != args.scans.len() {
         return Err(Failure::bad(format!(
             "scans: {}, height maps: {}; give one --map a scan in the same order, or none",

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Failure, all};
 use super::fitted::{trials, warn_of_failed};
-use super::{interrupt, progress};
+use super::{interrupt, progress, say};
 use crate::measurement::noise;
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::plot::{self, Scale};
@@ -68,9 +68,12 @@ impl<'a> Sample<'a> {
                     let written = write_text(folder.join(file), &model.to_json());
                     failures.extend(written.err().map(Failure::from));
                     let (rmsd, seconds) = (entry.fit.rmsd_percent, entry.fit.seconds);
-                    eprintln!("{prefix}{}: {rmsd:.3} % in {seconds:.2} s", entry.label);
+                    say::note(format_args!(
+                        "{prefix}{}: {rmsd:.3} % in {seconds:.2} s",
+                        entry.label
+                    ));
                 }
-                Err(why) => eprintln!("{prefix}{method}: {why}"),
+                Err(why) => say::note(format_args!("{prefix}{method}: {why}")),
             }
             attempts.push(attempt);
         }
@@ -97,7 +100,7 @@ impl<'a> Sample<'a> {
             match written {
                 Ok(_) => {}
                 Err(FigureError::Plot(e)) => {
-                    eprintln!("warning: {stem} cannot be drawn: {e}");
+                    say::note(format_args!("warning: {stem} cannot be drawn: {e}"));
                     continue;
                 }
                 Err(FigureError::Output(e)) => failures.push(e.into()),

@@ -1,10 +1,9 @@
 //! `completions`: tab completion for a shell.
 
-use clap::CommandFactory;
 use clap_complete::Shell;
 
 use super::error::Failure;
-use super::{Cli, print};
+use super::{command, print};
 
 /// Write tab completions for a shell to stdout
 ///
@@ -17,6 +16,6 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "asperity", &mut text);
+    clap_complete::generate(args.shell, &mut command(), "asperity", &mut text);
     print(&String::from_utf8_lossy(&text))
 }

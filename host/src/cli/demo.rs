@@ -11,13 +11,13 @@ use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::sample::methods;
 use super::source::parse_rays;
-use super::{print, progress};
+use super::{print, progress, say};
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, FitRays};
 use crate::forward::{self, Setup};
 use crate::kirchhoff::Wavelengths;
 use crate::measurement::{Measurement, Metadata, Quantity, write};
-use crate::method::Surface;
+use crate::method::Body;
 use crate::output::{AtomicFile, ResultFolder, finish_all};
 use crate::provenance::InputFile;
 use crate::raytrace::{Field, TracedBoundary};
@@ -64,8 +64,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let _made = ResultFolder::create(folder)?;
     let [map_file, scan_file] = ["map.sdf", "scan.csv"].map(|n| AtomicFile::create(folder.join(n)));
     let (map_file, scan_file) = (map_file?, scan_file?);
-    let surface = Surface::Dielectric { ior: IOR };
-    let eta = surface.eta().map_err(Failure::bad)?;
+    let body = Body::Dielectric { ior: IOR };
+    let eta = body.eta().map_err(Failure::bad)?;
     let setup = Setup {
         sample: forward::Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
@@ -85,7 +85,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         SURFACE.pitches_um.0,
         args.rays
     );
-    eprintln!("{what}");
+    say::note(format_args!("{what}"));
     let (map, map_text) = make_map()?;
     let field = Field::new(&map.map, map.edges).map_err(Failure::bad)?;
     let truth = Boundary::Traced(TracedBoundary { field: Arc::new(field), eta });
@@ -99,12 +99,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 last: Some((args.rays / 2).max(20_000)),
                 ..FitRays::default()
             },
-            ..FitOptions::new(surface)
+            ..FitOptions::new(body)
         },
         map: Some(&map),
         light: Light::of(Wavelengths::single(WAVELENGTH_NM).map_err(Failure::bad)?),
         input: Some(&input),
-        ..Task::new(&measurement, Situation { surface, setup })
+        ..Task::new(&measurement, Situation { body, setup })
     };
     let methods = methods(&[])?;
     let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);

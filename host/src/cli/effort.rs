@@ -2,10 +2,10 @@
 
 use clap::ValueEnum;
 
-use super::error::Failure;
+use super::error::{Failure, without_effect};
 use super::source::{number, parse_rays};
 use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
-use crate::method::Surface;
+use crate::method::{Body, Kind, in_words};
 
 /// What is minimised, as a flag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -41,9 +41,9 @@ pub(super) struct EffortFlags {
     /// Rays an incidence while a traced method is fitted; without it as many as bring their noise to 1.3 %
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     fit_rays: Option<u64>,
-    /// Seed of traced methods
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    seed: u64,
+    /// Seed of traced methods [default: 1]
+    #[arg(long, value_name = "K")]
+    seed: Option<u64>,
     /// Evaluations of the forward model at most
     #[arg(long, value_name = "N", default_value_t = 4000)]
     max_evaluations: u64,
@@ -61,10 +61,25 @@ impl EffortFlags {
         Ok(())
     }
 
+    /// Refuses the flags of rays where none are traced.
+    ///
+    /// # Errors
+    /// The flags that are given.
+    pub(super) fn need_rays(&self, are_traced: bool) -> Result<(), Failure> {
+        let given = |is: bool| is && !are_traced;
+        let flags = [
+            ("--rays", given(self.rays.is_some())),
+            ("--fit-rays", given(self.fit_rays.is_some())),
+            ("--seed", given(self.seed.is_some())),
+        ];
+        let methods = in_words(&Kind::names(|kind| kind.traced));
+        without_effect(&flags, &format!("rays are traced by the methods {methods}"))
+    }
+
     /// The options of a fit to a body, with nothing free but the method's own parameters.
-    pub(super) fn options(&self, surface: Surface) -> FitOptions {
+    pub(super) fn options(&self, body: Body) -> FitOptions {
         FitOptions {
-            surface,
+            body,
             fit_ior: false,
             fit_gain: false,
             objective: self.objective.into(),
@@ -72,7 +87,7 @@ impl EffortFlags {
             rays: FitRays {
                 fit: self.fit_rays,
                 last: self.rays,
-                seed: self.seed,
+                seed: self.seed.unwrap_or(1),
                 ..FitRays::default()
             },
         }

@@ -2,7 +2,8 @@
 
 use std::fmt::Display;
 
-use crate::method::Lack;
+use super::say;
+use crate::method::{Lack, in_words};
 
 /// The ways to fail, by exit status.
 #[derive(Debug)]
@@ -22,12 +23,23 @@ impl Failure {
     }
 }
 
+/// Refuses flags that are given though they have no effect: each with whether it is given; `why` says where they have one.
+pub(super) fn without_effect(flags: &[(&str, bool)], why: &str) -> Result<(), Failure> {
+    let given: Vec<&str> = flags.iter().filter(|(_, is)| *is).map(|(flag, _)| *flag).collect();
+    let (has, it) = match given.len() {
+        0 => return Ok(()),
+        1 => ("has", "it"),
+        _ => ("have", "them"),
+    };
+    Err(Failure::Bad(format!("{} {has} no effect: {why}; leave {it} out", in_words(&given))))
+}
+
 /// All of these were done, whether the others failed or not: the first failure ends the verb, the others are said.
 pub(super) fn all(done: impl IntoIterator<Item = Result<(), Failure>>) -> Result<(), Failure> {
     let mut failures = done.into_iter().filter_map(Result::err);
     let first = failures.next().map_or(Ok(()), Err);
     for Failure::No(what) | Failure::Trouble(what) | Failure::Bad(what) in failures {
-        eprintln!("error: {what}");
+        say::error(format_args!("error: {what}"));
     }
     first
 }

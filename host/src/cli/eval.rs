@@ -11,18 +11,20 @@ use serde::Serialize;
 use super::error::Failure;
 use super::pairs::{Pair, Pairs};
 use super::progress;
-use super::source::parse_rays;
+use super::rays::RayFlags;
+use super::say;
+use crate::binned::{Asked, BinnedBsdf};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::EmbeddedTable;
 use crate::forward::Rays;
+use crate::kirchhoff::Speckle;
 use crate::law_file;
 use crate::output::AtomicFile;
-use crate::table::{Asked, BsdfTable};
 
 /// Evaluate the BSDF for pairs of directions
 ///
-/// Reads CSV from stdin with the columns wix,wiy,wiz,wox,woy,woz, of any length: unit vectors pointing away from the
-/// surface, +z into the air. Writes the same rows with f (1/sr, without cosine), ars = f |cos theta_o|
+/// Reads CSV from stdin, of any length, with the columns wix,wiy,wiz,wox,woy,woz: unit vectors pointing away from the
+/// surface, +z into the air; or theta_i,phi_i,theta_o,phi_o: degrees from +z, 0 to 180, and about it from x to y. Writes the same rows with f (1/sr, without cosine), ars = f |cos theta_o|
 /// and pdf (1/sr) added. Flux transport: transmission carries no eta^2 of radiance. A height map is traced into
 /// a table first: at just the angles of incidence asked for if they are at most 40 a side, else at 5
 /// degrees. Waves are tabulated likewise: the mean law of averaged speckle drawn as rays, kept speckle order by
@@ -42,12 +44,8 @@ pub(super) struct Args {
     /// Write JSON: a list of objects
     #[arg(long)]
     json: bool,
-    /// Rays an incidence (and azimuth), for a model whose rays must be traced
-    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
-    rays: u64,
-    /// Seed of these rays
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    rays: RayFlags,
 }
 
 #[derive(Serialize)]
@@ -65,7 +63,7 @@ struct Row {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let (boundary, kind) = law_file::read(&args.model)?;
     if let Some(notice) = kind.notice() {
-        eprintln!("warning: {}: {notice}", args.model.display());
+        say::note(format_args!("warning: {}: {notice}", args.model.display()));
     }
     let mut pairs = Pairs::open(args.input.as_deref())?;
     let output = AtomicFile::create(args.output.as_deref().unwrap_or(Path::new("-")))?;
@@ -77,8 +75,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         wi.extend(some.iter().filter(|_| is_tabulated).map(|pair| pair.1));
         Ok(())
     })?;
-    let rays = Rays { count: args.rays, seed: args.seed };
-    let mut rows = Rows { output, json: args.json, is_empty: true };
+    let rays = args.rays.needed(match &boundary {
+        Boundary::Wave(wave) => wave.speckle() == Speckle::Averaged,
+        other => other.is_traced(),
+    })?;
+    let head = format!("{},f,ars,pdf\n", pairs.columns().head());
+    let mut rows = Rows { output, json: args.json, head, is_empty: true };
     if let Some(table) = tabulated(&boundary, &wi, rays)? {
         let row = |p: &Pair<'_>| values(&*table, p, Some(table.std_error(p.1, p.2)));
         pairs.each(|some| rows.add(some, row))?;
@@ -87,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     match &boundary {
         Boundary::Table(table) => {
             let name = args.model.display().to_string();
-            eprintln!("note: {name} is a table {}", kind.table().unwrap_or_default());
+            say::note(format_args!("note: {name} is a table {}", kind.table().unwrap_or_default()));
             of_embedded((&name, table), (&mut pairs, count), &mut rows)?;
         }
         _ => with_boundary!(&boundary, b => {
@@ -112,6 +114,8 @@ fn values<B: Bsdf<f64>>(boundary: &B, &(_, wi, wo): &Pair<'_>, f_std_error: Opti
 struct Rows {
     output: AtomicFile,
     json: bool,
+    /// First line of CSV.
+    head: String,
     is_empty: bool,
 }
 
@@ -140,7 +144,7 @@ impl Rows {
             let between = match (json, self.is_empty) {
                 (true, true) => "[\n  ",
                 (true, false) => ",\n  ",
-                (false, true) => HEAD,
+                (false, true) => &self.head,
                 (false, false) => "",
             };
             self.output.put(between.as_bytes())?;
@@ -154,15 +158,13 @@ impl Rows {
         let end = match (self.json, self.is_empty) {
             (true, true) => "[]\n",
             (true, false) => "\n]\n",
-            (false, true) => HEAD,
+            (false, true) => &self.head,
             (false, false) => "",
         };
         self.output.put(end.as_bytes())?;
         Ok(self.output.commit()?)
     }
 }
-
-const HEAD: &str = "wix,wiy,wiz,wox,woy,woz,f,ars,pdf\n";
 
 /// A row of CSV: the pair as it was, and its values.
 fn line(kept: &str, Row { f, ars, pdf, .. }: &Row) -> String {
@@ -197,12 +199,14 @@ fn of_embedded(
     let wanted = wanted.map(AtomicBool::into_inner);
     if let Some(missing) = table.missing(wanted) {
         let lacking = lacking.into_inner();
-        eprintln!(
+        say::note(format_args!(
             "warning: {name}: the table holds no {missing}: no values for {lacking} of {count} pairs"
-        );
+        ));
     }
     if table.is_coherent() {
-        eprintln!("note: {name}: a part of the light is coherent, which has no values");
+        say::note(format_args!(
+            "note: {name}: a part of the light is coherent, which has no values"
+        ));
     }
     Ok(())
 }
@@ -212,7 +216,7 @@ fn tabulated(
     boundary: &Boundary,
     wi: &[Direction<f64>],
     rays: Rays,
-) -> Result<Option<Box<BsdfTable>>, Failure> {
+) -> Result<Option<Box<BinnedBsdf>>, Failure> {
     let bar = progress::bar(0, "tabulating");
     match bar.watch(|watch| Asked::of(boundary, wi, rays, watch)).map_err(Failure::bad)? {
         Asked::AsItIs => Ok(None),

@@ -8,12 +8,13 @@ use super::error::{Failure, all};
 use super::fitted::{human, trials, warn_of_failed};
 use super::light::LightFlags;
 use super::map::MapFlags;
-use super::model::LawFlag;
+use super::method::MethodName;
+use super::model::ProfileFlag;
 use super::source::{ReadFlags, SetupFlags};
-use super::{print, progress};
+use super::{print, progress, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
-use crate::method::{Kind, Lack, Surface, in_words};
+use crate::method::{Body, Kind, Lack, in_words};
 use crate::output::AtomicFile;
 use crate::reconstruct::{Entry, Found, Task, usually_asked};
 use crate::report::{self, FigureFiles};
@@ -49,11 +50,11 @@ pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
     /// Method: ggx, normals, heights, measured-ray, measured-wave or measured-hybrid
-    #[arg(short, long)]
+    #[arg(short, long, value_parser = MethodName)]
     method: String,
-    /// Law of `normals` and `heights`; both are tried without it
-    #[arg(long, value_enum)]
-    law: Option<LawFlag>,
+    /// Profile of `normals` and `heights`; both are tried without it
+    #[arg(long, value_enum, alias = "law")]
+    profile: Option<ProfileFlag>,
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
@@ -106,8 +107,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
     let (measurement, input) = args.read.read(&args.scan)?;
-    let (surface, setup) = args.setup.resolve(&measurement, &args.scan)?;
-    if surface == Surface::Opaque && (args.fit_ior || args.fit_gain) {
+    let (body, setup) = args.setup.resolve(&measurement, &args.scan)?;
+    if body == Body::Opaque && (args.fit_ior || args.fit_gain) {
         return Err(Failure::bad(
             "--fit-ior and --fit-gain are for a plate; an opaque body has a gain anyway and no index",
         ));
@@ -123,15 +124,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         options: FitOptions {
             fit_ior: args.fit_ior,
             fit_gain: args.fit_gain,
-            ..args.effort.options(surface)
+            ..args.effort.options(body)
         },
         max_misfit: args.effort.max_misfit,
         map: map.as_ref(),
         light: args.light.light(Some(&measurement.meta))?,
         input: Some(&input),
     };
-    let law = args.law.map(LawFlag::word);
-    let trials = trials(&task, &args.method, law, &|name| args.asks_for(name))
+    let profile = args.profile.map(ProfileFlag::word);
+    let trials = trials(&task, &args.method, profile, &|name| args.asks_for(name))
         .map_err(|what| Failure::Bad(of_scan(&what)))?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(open_plots).transpose()?;
@@ -163,7 +164,7 @@ impl Args {
         let title = scan.meta.sample.clone();
         let title = title.unwrap_or_else(|| self.scan.display().to_string());
         for path in files.write(&|scale| report::figure(&title, scan, &[entry], scale))? {
-            eprintln!("wrote {}", path.display());
+            say::note(format_args!("wrote {}", path.display()));
         }
         Ok(())
     }
@@ -205,12 +206,15 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
             return belongs(flag, Kind::names(has));
         }
     }
-    if args.law.is_some() && !kind.has_law {
-        belongs("--law", Kind::names(|kind| kind.has_law))
+    let waves = in_words(&Kind::names(Kind::is_wave));
+    args.light.need_waves(kind.is_wave(), &format!("waves are sent by method {waves}"))?;
+    args.map_flags.need_map(args.map.is_some() && kind.needs_map)?;
+    args.effort.need_rays(kind.traced)?;
+    args.setup.check()?;
+    if args.profile.is_some() && !kind.has_profile {
+        belongs("--profile", Kind::names(|kind| kind.has_profile))
     } else if args.map.is_some() && !kind.needs_map {
         belongs("--map", Kind::names(|kind| kind.needs_map))
-    } else if args.light.are_given() && !kind.is_wave() {
-        belongs("--wavelength-nm, --speckle and --shadowing", Kind::names(Kind::is_wave))
     } else if args.map.is_none() && kind.needs_map {
         Err(Lack::Map(kind.name).into())
     } else {

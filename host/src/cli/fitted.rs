@@ -1,7 +1,7 @@
 //! Fits as the command line makes and says them: what a method lacks with the flag that gives it, and the fit as text.
 
 use super::error::remedy;
-use super::light;
+use super::{light, say};
 use crate::boundary::Boundary;
 use crate::fit::{FitError, Fitted, Objective, Termination};
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
@@ -26,7 +26,7 @@ pub(super) fn trials(
 /// Says which laws failed beside the one that is kept.
 pub(super) fn warn_of_failed(failed: &[(String, FitError)]) {
     for (label, why) in failed {
-        eprintln!("warning: {label}: {why}");
+        say::note(format_args!("warning: {label}: {why}"));
     }
 }
 

@@ -47,7 +47,7 @@ fn on_signal(number: i32) {
     if is_second {
         std::process::exit(128 + number);
     }
-    super::note(format_args!("no: interrupted"));
+    super::say::error(format_args!("no: interrupted"));
     std::process::exit(1);
 }
 

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 
 use clap::ValueEnum;
 
-use super::error::Failure;
+use super::error::{Failure, without_effect};
 use crate::kirchhoff::{Shadowing, Speckle, Wavelengths};
 use crate::measurement::Metadata;
 use crate::reconstruct::{Light, Unlit};
@@ -70,9 +70,12 @@ pub(super) fn with_shadowing(arguments: impl IntoIterator<Item = OsString>) -> V
     arguments
 }
 
+/// Heading of these flags.
+pub(super) const HEADING: &str = "Light (of methods that send waves)";
+
 /// The light of methods that send waves.
 #[derive(Clone, Debug, clap::Args)]
-#[command(next_help_heading = "Light (of methods that send waves)")]
+#[command(next_help_heading = HEADING)]
 pub(super) struct LightFlags {
     /// Vacuum wavelengths in nm, alone or each with its weight: 550, or 450,550, or 450:0.3,550:1
     #[arg(long, value_name = "NM,...", allow_negative_numbers = true)]
@@ -87,9 +90,20 @@ pub(super) struct LightFlags {
 }
 
 impl LightFlags {
-    /// Whether any of them is given.
-    pub(super) fn are_given(&self) -> bool {
-        self.wavelength_nm.is_some() || self.speckle.is_some() || self.shadowing.is_some()
+    /// Refuses the flags where no waves are sent.
+    ///
+    /// # Errors
+    /// The flags that are given, with `why` they have no effect.
+    pub(super) fn need_waves(&self, has_waves: bool, why: &str) -> Result<(), Failure> {
+        if has_waves {
+            return Ok(());
+        }
+        let flags = [
+            ("--wavelength-nm", self.wavelength_nm.is_some()),
+            ("--speckle", self.speckle.is_some()),
+            ("--shadowing", self.shadowing.is_some()),
+        ];
+        without_effect(&flags, why)
     }
 
     /// The light of these flags; a scan's header may know the wavelength.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-use super::error::Failure;
+use super::error::{Failure, without_effect};
+use super::say;
 use super::source::number;
 use crate::surface::io::LengthUnit;
 use crate::surface::{Crop, Edges, Fill, Form, Preparation, Prepared, Purpose};
@@ -65,9 +66,12 @@ enum EdgesFlag {
     Mirrored,
 }
 
+/// Heading of these flags.
+pub(super) const HEADING: &str = "Height map";
+
 /// The flags of a height map; done in the order crop, fill, form.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Height map")]
+#[command(next_help_heading = HEADING)]
 pub(super) struct MapFlags {
     /// Pixel size, for files that give none
     #[arg(long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
@@ -102,6 +106,29 @@ pub(super) struct MapFlags {
 }
 
 impl MapFlags {
+    /// Refuses the flags where there is no map.
+    ///
+    /// # Errors
+    /// The flags that are given.
+    pub(super) fn need_map(&self, has_map: bool) -> Result<(), Failure> {
+        if has_map {
+            return Ok(());
+        }
+        let flags = [
+            ("--pixel-um", self.pixel_um.is_some()),
+            ("--z-um", self.z_um.is_some()),
+            ("--xy-unit", self.xy_unit.is_some()),
+            ("--z-unit", self.z_unit.is_some()),
+            ("--ignore-checksum", self.ignore_checksum),
+            ("--allow-steep", self.allow_steep),
+            ("--crop", self.crop.is_some()),
+            ("--fill", self.fill.is_some()),
+            ("--form", self.form.is_some()),
+            ("--edges", self.edges != EdgesFlag::Auto),
+        ];
+        without_effect(&flags, "there is no height map")
+    }
+
     /// The flags, as the library knows them.
     fn preparation(&self) -> Preparation {
         Preparation {
@@ -129,10 +156,12 @@ impl MapFlags {
     pub(super) fn load(&self, path: &Path, purpose: Purpose) -> Result<Prepared, Failure> {
         let prepared = self.preparation().load(path, purpose).map_err(Failure::Bad)?;
         if prepared.has_pixel_size && self.pixel_um.is_some() {
-            eprintln!("note: the file gives its own pixel size; --pixel-um is not used");
+            say::note(format_args!(
+                "note: the file gives its own pixel size; --pixel-um is not used"
+            ));
         }
         for warning in &prepared.warnings {
-            eprintln!("note: {}: {warning}", path.display());
+            say::note(format_args!("note: {}: {warning}", path.display()));
         }
         Ok(prepared)
     }
@@ -141,7 +170,7 @@ impl MapFlags {
     pub(super) fn load_for_light(&self, path: &Path) -> Result<Prepared, Failure> {
         let prepared = self.load(path, Purpose::Light)?;
         let (edges, form) = (prepared.edges, prepared.preparation.form.unwrap_or_default());
-        eprintln!(
+        say::note(format_args!(
             "{}: {} x {} points of {:.4} x {:.4} um, {} edges, {} subtracted",
             path.display(),
             prepared.map.nx(),
@@ -150,7 +179,7 @@ impl MapFlags {
             prepared.map.dy_um(),
             edges.name(),
             form.name()
-        );
+        ));
         Ok(prepared)
     }
 }

@@ -7,18 +7,14 @@
 #![allow(clippy::struct_excessive_bools, reason = "flags are bools")]
 #![allow(clippy::large_enum_variant, reason = "one verb lives at a time")]
 
-/// In place of the standard one, which ends the program where nobody reads stderr: see [`note`].
-macro_rules! eprintln {
-    ($($what:tt)*) => {
-        $crate::cli::note(format_args!($($what)*))
-    };
-}
-
+mod say;
 mod error;
 mod last_words;
 mod interrupt;
 mod progress;
 mod source;
+mod rays;
+mod method;
 mod map;
 mod light;
 mod validity;
@@ -48,7 +44,7 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use error::Failure;
 
@@ -62,6 +58,12 @@ use crate::message::brief;
 #[derive(Debug, Parser)]
 #[command(name = "asperity", version, after_help = EXAMPLES, propagate_version = true)]
 struct Cli {
+    /// Say nothing on stderr but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose", hide_short_help = true)]
+    quiet: bool,
+    /// Say more: what is read and begun, and the time of each step
+    #[arg(short, long, global = true, hide_short_help = true)]
+    verbose: bool,
     #[command(subcommand)]
     verb: Verb,
 }
@@ -100,14 +102,31 @@ enum Verb {
     Completions(completions::Args),
 }
 
+/// Headings whose flags `-h` leaves to `--help`.
+const SELDOM: [&str; 5] =
+    [map::HEADING, light::HEADING, source::READING, subject::HEADING, validity::HEADING];
+
+/// The command line; `-h` shows what a first use needs, `--help` all.
+fn command() -> clap::Command {
+    Cli::command().mut_subcommands(|verb| {
+        let all_are_seldom = ["stats", "acquire"].contains(&verb.get_name());
+        verb.mut_args(|arg| {
+            let is_seldom = arg.get_help_heading().is_some_and(|heading| SELDOM.contains(&heading));
+            if is_seldom && !all_are_seldom { arg.hide_short_help(true) } else { arg }
+        })
+    })
+}
+
 /// Runs the program with its arguments, the first of which is its own name.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::listen();
     custody::watch();
-    let cli = match Cli::try_parse_from(light::with_shadowing(arguments)) {
+    let matches = command().try_get_matches_from(light::with_shadowing(arguments));
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(e) => return usage(&e),
     };
+    say::set(cli.quiet, cli.verbose);
     let done = match cli.verb {
         Verb::Demo(a) => demo::run(&a),
         Verb::Model(a) => model::run(&a),
@@ -126,15 +145,15 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::No(why)) => {
-            eprintln!("no: {why}");
+            say::error(format_args!("no: {why}"));
             ExitCode::from(1)
         }
         Err(Failure::Trouble(what)) => {
-            eprintln!("error: {what}");
+            say::error(format_args!("error: {what}"));
             ExitCode::from(1)
         }
         Err(Failure::Bad(what)) => {
-            eprintln!("error: {what}");
+            say::error(format_args!("error: {what}"));
             ExitCode::from(2)
         }
     }
@@ -144,17 +163,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn usage(e: &clap::Error) -> ExitCode {
     let text = e.render().to_string();
     if e.use_stderr() && brief(&text) != text {
-        note(format_args!("{}", text.trim_end()));
+        say::error(format_args!("{}", text.trim_end()));
     } else {
         drop(e.print());
     }
     ExitCode::from(u8::from(e.use_stderr()) * 2)
-}
-
-/// Says something on stderr; if nobody can read it, that is no failure.
-fn note(what: std::fmt::Arguments<'_>) {
-    let text = what.to_string();
-    drop(writeln!(std::io::stderr().lock(), "{}", brief(&text)));
 }
 
 /// Prints a result to stdout; a reader that has gone away is no failure.

@@ -4,27 +4,28 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 
-use super::error::Failure;
+use super::error::{Failure, without_effect};
 use super::light::LightFlags;
 use super::map::MapFlags;
+use super::method::MethodName;
 use super::print;
 use super::source::number;
 use crate::kirchhoff::Speckle;
-use crate::method::{Choice, Kind, Surface};
+use crate::method::{Body, Choice, Kind};
 use crate::model::{MapRecord, Model, Value};
 use crate::output::AtomicFile;
 use crate::provenance::Provenance;
 
-/// Shape of the normals' law, as a flag.
+/// Profile of a density, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum LawFlag {
+pub(super) enum ProfileFlag {
     /// exp(-|t|^n / (2 delta^n))
     Gauss,
     /// delta^n / (|t|^n + delta^n)
     Cauchy,
 }
 
-impl LawFlag {
+impl ProfileFlag {
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Gauss => "gauss",
@@ -37,17 +38,18 @@ impl LawFlag {
 ///
 /// Methods and their parameters:
 ///   ggx      alpha (width, 1e-6 to 100); with --opaque also gain and lambert (1/sr)
-///   normals  delta (deg), n (exponent, 0.1 to 100), theta0 (deg, optional); --law gauss or cauchy
-///   heights  delta (steps of the grid), optional n, h_max, z0 (steps); --law gauss or cauchy, --seed
+///   normals  delta (deg), n (exponent, 0.1 to 100), theta0 (deg, optional); --profile gauss or cauchy
+///   heights  delta (steps of the grid), optional n, h_max, z0 (steps); --profile gauss or cauchy, --seed
 ///   measured-ray   scale, cutoff_um (optional); --map FILE
 ///   measured-wave  the same, and --wavelength-nm NM
 ///   measured-hybrid  the same as measured-wave
 ///
-/// Example: asperity model normals --set delta=6.9 n=1.66 --law gauss --ior 1.49 -o m.json
+/// Example: asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
     /// Method: ggx, normals, heights, measured-ray, measured-wave or measured-hybrid
+    #[arg(value_parser = MethodName)]
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
@@ -58,15 +60,15 @@ pub(super) struct Args {
     /// The body is opaque (ggx only)
     #[arg(long)]
     opaque: bool,
-    /// Shape of the law of `normals` and `heights`
-    #[arg(long, value_enum)]
-    law: Option<LawFlag>,
+    /// Profile of the density of `normals` and `heights`
+    #[arg(long, value_enum, alias = "law")]
+    profile: Option<ProfileFlag>,
     /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Seed of the heights of `heights`
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    seed: u64,
+    /// Seed of the heights of `heights` [default: 1]
+    #[arg(long, value_name = "K")]
+    seed: Option<u64>,
     /// File to write; stdout without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -80,32 +82,33 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let surface = match (args.opaque, args.ior) {
-        (true, _) => Surface::Opaque,
-        (false, Some(ior)) => Surface::Dielectric { ior },
+    let body = match (args.opaque, args.ior) {
+        (true, _) => Body::Opaque,
+        (false, Some(ior)) => Body::Dielectric { ior },
         (false, None) => {
             return Err(Failure::bad("the refractive index is missing; give --ior N, or --opaque"));
         }
     };
     let kind = Kind::named(&args.method)?;
-    if args.law.is_some() && !kind.has_law {
-        return Err(Failure::bad(format!("method {} has no law; leave --law out", args.method)));
+    if args.profile.is_some() && !kind.has_profile {
+        return Err(Failure::bad(format!(
+            "method {} has no profile; leave --profile out",
+            args.method
+        )));
     }
     if args.map.is_some() && !kind.needs_map {
         return Err(Failure::bad(format!("method {} has no map; leave --map out", args.method)));
     }
+    args.light.need_waves(kind.is_wave(), &format!("method {} sends no waves", args.method))?;
+    args.map_flags.need_map(args.map.is_some())?;
+    let drawn = kind.traced && !kind.needs_map;
+    without_effect(&[("--seed", args.seed.is_some() && !drawn)], "the method draws no heights")?;
     let pairs = args.set.iter().map(|text| split(text)).collect::<Result<Vec<_>, _>>()?;
     let map = match &args.map {
         Some(path) => Some(args.map_flags.load_for_light(path)?),
         None => None,
     };
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
-    if args.light.are_given() && !kind.is_wave() {
-        return Err(Failure::bad(format!(
-            "method {} sends no waves; leave --wavelength-nm, --speckle and --shadowing out",
-            args.method
-        )));
-    }
     let wave = match (&map, kind.is_wave()) {
         (Some(m), true) => {
             let light = args.light.light(None)?;
@@ -116,11 +119,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let choice = Choice {
         wave: wave.as_ref(),
-        law: args.law.map(LawFlag::word),
+        profile: args.profile.map(ProfileFlag::word),
         asked: &|wanted| pairs.iter().any(|(name, _)| name == wanted),
         map: map.as_ref().map(|m| (&m.map, m.edges)),
-        seed: args.seed,
-        ..Choice::new(&args.method, surface)
+        seed: args.seed.unwrap_or(1),
+        ..Choice::new(&args.method, body)
     };
     let method = choice.method()?;
     let mut values = Vec::new();
@@ -140,7 +143,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let unit = parameter.unit.to_owned();
         values.push((name.clone(), Value::given(value, unit)));
     }
-    let mut model = Model::new(&*method, surface, values);
+    let mut model = Model::new(&*method, body, values);
     model.map = map.as_ref().map(MapRecord::from);
     model.boundary(None).map_err(|(key, what)| {
         let flag = if key == "ior" { "--ior" } else { "--set" };

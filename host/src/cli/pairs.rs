@@ -14,8 +14,29 @@ use super::interrupt;
 use crate::input;
 use crate::message::excerpt;
 
-/// The first line.
+/// The first line of unit vectors.
 pub(super) const COLUMNS: &str = "wix,wiy,wiz,wox,woy,woz";
+/// The first line of angles in degrees: theta from +z, 0 to 180; phi about it, from x to y.
+pub(super) const ANGLES: &str = "theta_i,phi_i,theta_o,phi_o";
+
+/// How directions are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Columns {
+    /// As unit vectors.
+    Vectors,
+    /// As angles.
+    Angles,
+}
+
+impl Columns {
+    /// The first line.
+    pub(super) fn head(self) -> &'static str {
+        match self {
+            Self::Vectors => COLUMNS,
+            Self::Angles => ANGLES,
+        }
+    }
+}
 /// Bytes that are read at a time.
 const PIECE: usize = 1 << 20;
 /// Longest line, bytes.
@@ -30,10 +51,14 @@ const LENGTH: f64 = 1e-3;
 /// A row: its text as it was, and its directions `wi` and `wo`.
 pub(super) type Pair<'a> = (&'a str, Direction<f64>, Direction<f64>);
 
+const FIRST_LINE: &str = "`wix,wiy,wiz,wox,woy,woz` or `theta_i,phi_i,theta_o,phi_o`";
+
 /// Where pairs come from. They can be gone through again: what comes from a pipe is kept.
 pub(super) struct Pairs {
     name: String,
     source: Source,
+    /// Found when they are gone through.
+    columns: Option<Columns>,
 }
 
 enum Source {
@@ -48,7 +73,11 @@ impl Pairs {
     pub(super) fn open(input: Option<&Path>) -> Result<Self, Failure> {
         let pipe = |from: Box<dyn Read>| Source::Pipe(from, SpooledTempFile::new(IN_MEMORY));
         let Some(path) = input.filter(|path| *path != Path::new("-")) else {
-            return Ok(Self { name: "stdin".into(), source: pipe(Box::new(std::io::stdin())) });
+            return Ok(Self {
+                name: "stdin".into(),
+                source: pipe(Box::new(std::io::stdin())),
+                columns: None,
+            });
         };
         let name = path.display().to_string();
         let failed = |e| Failure::bad(format!("{name}: cannot be read ({e}); check the path"));
@@ -57,7 +86,12 @@ impl Pairs {
         }
         let file = input::open(path).map_err(failed)?;
         let source = if path.is_file() { Source::File(file) } else { pipe(Box::new(file)) };
-        Ok(Self { name, source })
+        Ok(Self { name, source, columns: None })
+    }
+
+    /// How the directions are written, as far as it is known: after they have been gone through.
+    pub(super) fn columns(&self) -> Columns {
+        self.columns.unwrap_or(Columns::Vectors)
     }
 
     /// Goes through all pairs, in order, some thousands at a time.
@@ -71,7 +105,7 @@ impl Pairs {
         let name = self.name.clone();
         let failed = |e| Failure::bad(format!("{name}: cannot be read ({e}); check the path"));
         self.source.rewind().map_err(failed)?;
-        let mut lines = Lines { name: &name, header: false, count: 0 };
+        let mut lines = Lines { name: &name, header: None, count: 0 };
         let (mut bytes, mut length) = (Vec::new(), 0);
         loop {
             // who waits for a pipe cannot look at a flag: there a signal ends the program
@@ -92,7 +126,8 @@ impl Pairs {
             let end = if read == 0 { bytes.len() } else { last.unwrap_or(0) };
             let rest = bytes.split_off(end);
             if rest.len() > LINE {
-                return Err(lines.bad(lines.count + 1, "the line is too long; write six numbers"));
+                return Err(lines
+                    .bad(lines.count + 1, "the line is too long; write the numbers of one pair"));
             }
             let text = std::str::from_utf8(&bytes).map_err(|_| {
                 let what = format!("{name}: is not text; give CSV with the columns {COLUMNS}");
@@ -108,11 +143,12 @@ impl Pairs {
             bytes = rest;
         }
         self.source.is_read();
-        if lines.header {
+        self.columns = lines.header;
+        if lines.header.is_some() {
             Ok(())
         } else {
-            Err(lines
-                .bad(1, &format!("there is nothing to read; the first line must be `{COLUMNS}`")))
+            let what = format!("there is nothing to read; the first line must be {FIRST_LINE}");
+            Err(lines.bad(1, &what))
         }
     }
 }
@@ -151,8 +187,8 @@ impl Source {
 /// How far the text is read.
 struct Lines<'a> {
     name: &'a str,
-    /// Whether the line with the columns has been seen.
-    header: bool,
+    /// The columns, once their line has been seen.
+    header: Option<Columns>,
     /// Lines so far.
     count: usize,
 }
@@ -171,18 +207,21 @@ impl Lines<'_> {
             if line.is_empty() || line.starts_with('#') {
                 continue;
             }
-            if self.header {
+            if self.header.is_some() {
                 rows.push((self.count, line));
                 continue;
             }
             let found: String = line.split(',').map(str::trim).collect::<Vec<_>>().join(",");
-            if found != COLUMNS {
-                return Err(self.bad(self.count, &format!("the first line must be `{COLUMNS}`")));
+            let columns =
+                [Columns::Vectors, Columns::Angles].into_iter().find(|c| c.head() == found);
+            if columns.is_none() {
+                return Err(self.bad(self.count, &format!("the first line must be {FIRST_LINE}")));
             }
-            self.header = true;
+            self.header = columns;
         }
+        let columns = self.header.unwrap_or(Columns::Vectors);
         let parsed: Vec<Result<Pair<'_>, String>> =
-            rows.par_iter().map(|(_, line)| pair(line)).collect();
+            rows.par_iter().map(|(_, line)| pair(line, columns)).collect();
         let named = |(parsed, (line, _)): (Result<_, String>, &(usize, &str))| {
             parsed.map_err(|what| self.bad(*line, &what))
         };
@@ -191,8 +230,22 @@ impl Lines<'_> {
 }
 
 /// The pair in a row.
-fn pair(line: &str) -> Result<Pair<'_>, String> {
-    let mut v = [0.0; 6];
+fn pair(line: &str, columns: Columns) -> Result<Pair<'_>, String> {
+    match columns {
+        Columns::Vectors => {
+            let [ix, iy, iz, ox, oy, oz] = numbers(line, columns)?;
+            Ok((line, vector("wi", [ix, iy, iz])?, vector("wo", [ox, oy, oz])?))
+        }
+        Columns::Angles => {
+            let [theta_i, phi_i, theta_o, phi_o] = numbers(line, columns)?;
+            Ok((line, angles("theta_i", theta_i, phi_i)?, angles("theta_o", theta_o, phi_o)?))
+        }
+    }
+}
+
+/// The numbers of a row, as many as there are columns.
+fn numbers<const N: usize>(line: &str, columns: Columns) -> Result<[f64; N], String> {
+    let mut values = [0.0; N];
     let mut count = 0;
     for field in line.split(',') {
         let field = field.trim();
@@ -200,22 +253,34 @@ fn pair(line: &str) -> Result<Pair<'_>, String> {
         let not_finite =
             || format!("`{}` is not a finite number; write one like 0.5", excerpt(field));
         let value = value.ok_or_else(not_finite)?;
-        if let Some(slot) = v.get_mut(count) {
+        if let Some(slot) = values.get_mut(count) {
             *slot = value;
         }
         count += 1;
     }
-    if count != 6 {
-        return Err(format!("{count} values; write six: {COLUMNS}"));
+    if count == N {
+        return Ok(values);
     }
-    let direction = |which: &str, v: &[f64]| {
-        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if (length - 1.0).abs() > LENGTH {
-            return Err(format!("{which} has length {length}; give a unit vector"));
-        }
-        Direction::new(v[0], v[1], v[2]).ok_or_else(|| format!("{which} is no direction"))
-    };
-    Ok((line, direction("wi", &v[..3])?, direction("wo", &v[3..])?))
+    let wanted = if N == 6 { "six" } else { "four" };
+    Err(format!("{count} values; write {wanted}: {}", columns.head()))
+}
+
+fn vector(which: &str, v: [f64; 3]) -> Result<Direction<f64>, String> {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if (length - 1.0).abs() > LENGTH {
+        return Err(format!("{which} has length {length}; give a unit vector"));
+    }
+    Direction::new(v[0], v[1], v[2]).ok_or_else(|| format!("{which} is no direction"))
+}
+
+fn angles(which: &str, theta_deg: f64, phi_deg: f64) -> Result<Direction<f64>, String> {
+    if !(0.0..=180.0).contains(&theta_deg) {
+        return Err(format!("{which} is {theta_deg}; give 0 to 180 degrees from +z"));
+    }
+    let ((sin, cos), (y, x)) = (theta_deg.to_radians().sin_cos(), phi_deg.to_radians().sin_cos());
+    // in the surface there is no light, not what rounding leaves of it
+    let cos = if theta_deg.total_cmp(&90.0).is_eq() { 0.0 } else { cos };
+    Direction::new(sin * x, sin * y, cos).ok_or_else(|| format!("{which} is no direction"))
 }
 
 #[cfg(test)]

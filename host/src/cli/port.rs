@@ -2,7 +2,9 @@
 
 use super::error::Failure;
 use crate::acquire::transport::{self, Transport};
-use crate::acquire::{AcquireError, Client, JournalError, LinkError, Patience, PlanError, Trouble};
+use crate::acquire::{
+    AcquireError, Client, JournalError, LinkError, Patience, ScheduleError, Trouble,
+};
 
 /// Where the instrument is.
 #[derive(Debug, clap::Args)]
@@ -48,8 +50,8 @@ impl From<LinkError> for Failure {
     }
 }
 
-impl From<PlanError> for Failure {
-    fn from(e: PlanError) -> Self {
+impl From<ScheduleError> for Failure {
+    fn from(e: ScheduleError) -> Self {
         Self::bad(e)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::effort::EffortFlags;
-use super::error::Failure;
+use super::error::{Failure, without_effect};
 use super::light::LightFlags;
 use super::map::MapFlags;
 use super::source::{ReadFlags, SetupFlags};
@@ -42,13 +42,33 @@ pub(super) struct Loaded {
 }
 
 impl SampleFlags {
+    /// Refuses what has no effect on any of the methods, or without maps.
+    pub(super) fn check(&self, methods: &[String], has_maps: bool) -> Result<(), Failure> {
+        self.effort.check()?;
+        self.setup.check()?;
+        let any = |is: fn(&Kind) -> bool| methods.iter().any(|m| Kind::named(m).is_ok_and(is));
+        self.map_flags.need_map(has_maps)?;
+        self.effort.need_rays(any(|kind| kind.traced))?;
+        self.light.need_waves(has_maps && any(Kind::is_wave), "no method sends waves on a map")
+    }
+
+    /// Refuses all of them where there is no scan.
+    pub(super) fn need_scan(&self) -> Result<(), Failure> {
+        let why = "models know their own sample";
+        let given: Vec<_> = self.setup.given().into_iter().chain(self.read.given()).collect();
+        without_effect(&given, why)?;
+        self.light.need_waves(false, why)?;
+        self.map_flags.need_map(false)?;
+        self.effort.need_rays(false)
+    }
+
     /// Reads a scan and its map.
     pub(super) fn load(&self, scan: &Path, map: Option<&PathBuf>) -> Result<Loaded, Failure> {
         let (measurement, input) = self.read.read(scan)?;
-        let (surface, setup) = self.setup.resolve(&measurement, scan)?;
+        let (body, setup) = self.setup.resolve(&measurement, scan)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
         let light = self.light.light(Some(&measurement.meta))?;
-        let options = self.effort.options(surface);
+        let options = self.effort.options(body);
         let max_misfit = self.effort.max_misfit;
         Ok(Loaded { measurement, input, setup, map, options, light, max_misfit })
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
-use super::error::Failure;
+use super::error::{Failure, without_effect};
 use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, number, parse_rays};
 use super::subject::{SubjectFlags, lacking};
 use super::{print, progress};
@@ -19,7 +19,7 @@ use crate::reconstruct::{NoScan, ScanRequest, VirtualScan};
 /// Without --rays by quadrature, free of noise; with it by Monte Carlo, and the noise floor is written
 /// into the header. The plate has one rough and one smooth face; all internal passes are followed. A height
 /// map (--map FILE --ior N) and the models made of one are traced ray by ray, all bounces included, or with
-/// --method wave --wavelength-nm NM scatter waves: the orders of this very map, all within the detector's cone.
+/// --engine wave --wavelength-nm NM scatter waves: the orders of this very map, all within the detector's cone.
 /// A table (.bsdft) is scanned as the model that it was made of, if it holds the lobes that the scan is made of.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -48,9 +48,9 @@ pub(super) struct Args {
     /// Monte Carlo with so many rays an incidence; a height map takes 1.5e7 without it
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
-    /// Seed of the Monte Carlo
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    seed: u64,
+    /// Seed of the Monte Carlo [default: 1]
+    #[arg(long, value_name = "K")]
+    seed: Option<u64>,
     /// File to write; stdout without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -69,6 +69,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let request = args.request()?;
     request.check(&subject.boundary).map_err(failed)?;
+    let without_rays = args.rays.is_none() && !subject.boundary.is_traced();
+    without_effect(
+        &[("--seed", args.seed.is_some() && without_rays)],
+        "nothing is drawn without --rays",
+    )?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let bar = progress::bar(0, if request.rays.is_some() { "tracing" } else { "simulating" });
     let done = bar.watch(|watch| request.run(&subject, watch)).map_err(failed)?;
@@ -100,7 +105,7 @@ impl Args {
             rough_side: RoughSide::from(self.rough_side),
             quantity: Quantity::from(self.quantity),
             rays: self.rays,
-            seed: self.seed,
+            seed: self.seed.unwrap_or(1),
         })
     }
 }

@@ -6,11 +6,12 @@ use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use clap::ValueEnum;
 
-use super::error::Failure;
+use super::error::{Failure, without_effect};
+use super::say;
 use crate::forward::Setup;
 use crate::measurement::import::Import;
 use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
-use crate::method::Surface;
+use crate::method::Body;
 use crate::provenance::InputFile;
 use crate::reconstruct::{Said, Situation, Unclear};
 
@@ -89,9 +90,12 @@ pub(super) struct SetupFlags {
     pub(super) aperture: Option<f64>,
 }
 
+/// Heading of the flags that read a scan.
+pub(super) const READING: &str = "Reading the scan";
+
 /// How a foreign file is read, and which part of it.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Reading the scan")]
+#[command(next_help_heading = READING)]
 pub(super) struct ReadFlags {
     /// Columns of a foreign CSV, by name or number: sigma=A,theta=B,reading=C
     #[arg(long, value_name = "MAP")]
@@ -120,6 +124,16 @@ pub(super) struct ReadFlags {
 }
 
 impl ReadFlags {
+    /// The flags, each with whether it is given.
+    pub(super) fn given(&self) -> [(&'static str, bool); 4] {
+        [
+            ("--columns", self.columns.is_some()), // all others of a foreign file need it
+            ("--quantity", self.quantity.is_some()),
+            ("--sigma-range", self.sigma_range.is_some()),
+            ("--theta-range", self.theta_range.is_some()),
+        ]
+    }
+
     /// Reads a scan; the second part names the file's content for the provenance.
     pub(super) fn read(&self, path: &Path) -> Result<(Measurement, InputFile), Failure> {
         let range = |flag: &str, text: &Option<String>| match text {
@@ -163,7 +177,7 @@ impl ReadFlags {
             skip_missing: self.skip_missing,
         };
         let (scan, rows) = import.parse(&bytes, path)?;
-        eprintln!(
+        say::note(format_args!(
             "{}: {} of {} rows used ({} filtered, {} out of range, {} missing)",
             path.display(),
             rows.kept,
@@ -171,18 +185,35 @@ impl ReadFlags {
             rows.filtered,
             rows.out_of_range,
             rows.missing
-        );
+        ));
         Ok((scan, input))
     }
 }
 
 impl SetupFlags {
+    /// The flags, each with whether it is given.
+    pub(super) fn given(&self) -> [(&'static str, bool); 5] {
+        [
+            ("--ior", self.ior.is_some()),
+            ("--opaque", self.opaque),
+            ("--geometry", self.geometry.is_some()),
+            ("--rough-side", self.rough_side.is_some()),
+            ("--aperture", self.aperture.is_some()),
+        ]
+    }
+
+    /// Refuses what has no effect on an opaque body.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        let flag = [("--rough-side", self.opaque && self.rough_side.is_some())];
+        without_effect(&flag, "an opaque body is lit and seen from one side")
+    }
+
     /// The body and the instrument, from flags and header; what neither says is asked for.
     pub(super) fn resolve(
         &self,
         scan: &Measurement,
         path: &Path,
-    ) -> Result<(Surface, Setup), Failure> {
+    ) -> Result<(Body, Setup), Failure> {
         let said = Said {
             geometry: self.geometry.map(Geometry::from),
             ior: self.ior,
@@ -191,7 +222,7 @@ impl SetupFlags {
             aperture_deg: self.aperture,
         };
         match said.about(scan) {
-            Ok(Situation { surface, setup }) => Ok((surface, setup)),
+            Ok(Situation { body, setup }) => Ok((body, setup)),
             Err(
                 unclear @ (Unclear::NoPlate | Unclear::UnusableAperture(_) | Unclear::Domain(_)),
             ) => Err(unclear.into()),

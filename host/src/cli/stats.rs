@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::error::Failure;
 use super::map::MapFlags;
 use super::print;
+use super::say;
 use super::validity::{self, KirchhoffFlags};
 use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures};
@@ -29,7 +30,7 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 ///
 /// With --ior and --wavelength-nm it also says where waves on this map may be trusted, for light
 /// from both sides: the reading with the specular light, and the diffuse light alone, each to 1 %
-/// of its peak. It looks at the facets, at the pixel, and at R + T as `check --method wave` finds
+/// of its peak. It looks at the facets, at the pixel, and at R + T as `check --engine wave` finds
 /// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside.
 ///
 /// Examples:
@@ -124,11 +125,13 @@ fn draw(
     spectrum: Option<&Spectrum>,
 ) -> Result<(), Failure> {
     if spectrum.is_none() {
-        eprintln!("note: no spectrum of a map with missing points is drawn; fill them with --fill");
+        say::note(format_args!(
+            "note: no spectrum of a map with missing points is drawn; fill them with --fill"
+        ));
     }
     let title = &path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     for path in files.write(&MapFigures { title, map: &loaded.map, spectrum })? {
-        eprintln!("wrote {}", path.display());
+        say::note(format_args!("wrote {}", path.display()));
     }
     Ok(())
 }

@@ -7,9 +7,10 @@ use clap::ValueEnum;
 use super::error::Failure;
 use super::light::LightFlags;
 use super::map::MapFlags;
+use super::say;
 use super::source::number;
 use crate::kirchhoff::Speckle;
-use crate::method::Surface;
+use crate::method::Body;
 use crate::reconstruct::{Engine, Lacking, NoSubject, Subject};
 
 /// How light is sent on a map, as a flag.
@@ -34,7 +35,7 @@ impl From<EngineFlag> for Engine {
 }
 
 /// Heading of the flags of a map that takes the place of a model.
-const HEIGHT_MAP: &str = "A height map in place of a model";
+pub(super) const HEADING: &str = "A height map in place of a model";
 
 /// A model file, a table, or a height map with its refractive index.
 #[derive(Debug, clap::Args)]
@@ -43,13 +44,13 @@ pub(super) struct SubjectFlags {
     #[arg(required_unless_present = "map", conflicts_with = "map")]
     model: Option<PathBuf>,
     /// A height map in place of a model
-    #[arg(long, value_name = "FILE", requires = "ior", help_heading = HEIGHT_MAP)]
+    #[arg(long, value_name = "FILE", requires = "ior", help_heading = HEADING)]
     map: Option<PathBuf>,
     /// How light is sent on the map
-    #[arg(long, value_enum, requires = "map", default_value = "ray", help_heading = HEIGHT_MAP)]
-    method: EngineFlag,
+    #[arg(long, alias = "method", value_enum, requires = "map", default_value = "ray", help_heading = HEADING)]
+    engine: EngineFlag,
     /// Refractive index of the material under the map over that of air
-    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true, help_heading = HEIGHT_MAP, value_parser = number)]
+    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true, help_heading = HEADING, value_parser = number)]
     ior: Option<f64>,
     #[command(flatten)]
     light: LightFlags,
@@ -65,26 +66,22 @@ impl SubjectFlags {
         if let Some(path) = &self.model {
             let subject = Subject::read(path)?;
             if let Some(notice) = subject.notice {
-                eprintln!("warning: {}: {notice}", path.display());
+                say::note(format_args!("warning: {}: {notice}", path.display()));
             }
-            if self.light.are_given() {
-                return Err(Failure::bad(
-                    "--wavelength-nm, --speckle and --shadowing belong to a map; a model has its own",
-                ));
-            }
+            self.light.need_waves(false, "a model has its own light")?;
+            self.map_flags.need_map(false)?;
             return Ok(subject);
         }
         let (Some(path), Some(ior)) = (&self.map, self.ior) else {
             return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
         };
         // said before the map is read, which may take long
-        Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
-        let engine = Engine::from(self.method);
-        if !engine.is_wave() && self.light.are_given() {
-            return Err(Failure::bad(
-                "--wavelength-nm, --speckle and --shadowing belong to --method wave or hybrid; leave them out",
-            ));
-        }
+        Body::Dielectric { ior }.eta().map_err(Failure::bad)?;
+        let engine = Engine::from(self.engine);
+        self.light.need_waves(
+            engine.is_wave(),
+            "rays have none; waves are sent by --engine wave or hybrid",
+        )?;
         let prepared = self.map_flags.load_for_light(path)?;
         let light = self.light.light(None)?;
         Ok(Subject::of_map(path, &prepared, ior, (engine, &light), usual)?)

@@ -8,7 +8,8 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::error::Failure;
-use super::source::{number, parse_rays};
+use super::rays::RayFlags;
+use super::source::number;
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
 use crate::embedded::{EmbeddedTable, bytes, c_header, rust_source};
@@ -16,8 +17,8 @@ use crate::forward::Rays;
 use crate::model::Model;
 use crate::output::{AtomicFile, finish_all};
 use crate::tabulate::{
-    Distance, Kept, LobeDistance, NoTable, Plan, distance, energy_error, lobe_distances, lobes_of,
-    tabulate,
+    Budget, Distance, Kept, LobeDistance, NoTable, distance, energy_error, lobe_distances,
+    lobes_of, tabulate,
 };
 
 /// Sides of the boundary, as a flag.
@@ -86,12 +87,8 @@ pub(super) struct Args {
     /// How values are kept; u8 below 12 KiB, else u16 without it
     #[arg(long, value_enum)]
     storage: Option<StorageFlag>,
-    /// Rays an incidence, for a model whose rays must be traced
-    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
-    rays: u64,
-    /// Seed of these rays
-    #[arg(long, value_name = "K", default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    rays: RayFlags,
     /// File to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -181,7 +178,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         files.push((file, c_header(&table, &method, &name).into_bytes()));
     }
     let header = table.header();
-    let rays = |salt| Rays { count: args.rays, seed: args.seed.wrapping_add(salt) };
+    let of_user = args.rays.rays();
+    let rays = |salt| Rays { seed: of_user.seed.wrapping_add(salt), ..of_user };
     let lobes = lobe_distances(&boundary, &table, rays(5), interrupt::watch());
     let energy_error = energy_error(&boundary, &table, rays(7), interrupt::watch());
     heeded()?;
@@ -282,8 +280,8 @@ fn made(
         StorageFlag::U16 => Kept::U16,
         StorageFlag::F32 => Kept::F32,
     });
-    let rays = Rays { count: args.rays, seed: args.seed };
-    let plan = Plan { lobes: lobes_of(sides, lobes), bytes, kept, rays };
+    let rays = args.rays.needed(boundary.is_traced())?;
+    let plan = Budget { lobes: lobes_of(sides, lobes), bytes, kept, rays };
     let bar = progress::bar(0, "tabulating");
     let table = bar.watch(|watch| tabulate(boundary, &plan, watch));
     let table = table.map_err(|e| match e {

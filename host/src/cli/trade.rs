@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Failure, all};
 use super::fitted::{trials, warn_of_failed};
+use super::method::MethodName;
 use super::sample::{Loaded, SampleFlags, methods};
 use super::source::{number, parse_rays};
-use super::{interrupt, print, progress};
+use super::{interrupt, print, progress, say};
 use crate::boundary::Boundary;
 use crate::forward::Rays;
 use crate::model::Model;
@@ -57,7 +58,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Methods to fit; the five of the paper without it
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = MethodName)]
     methods: Vec<String>,
     /// Sizes of the tables
     #[arg(long, value_name = "KIB,...", value_delimiter = ',', default_value = "2,4,8,16,32")]
@@ -89,16 +90,18 @@ const SIZES: std::ops::RangeInclusive<usize> = 1..=256;
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
+    let names = methods(&args.methods)?;
     let models = args.files.iter().filter(|path| is_model(path)).count();
     let input = if models == 0 && args.files.len() == 1 {
+        args.sample.check(&names, args.map.is_some())?;
         Input::Scan(Box::new(args.sample.load(&args.files[0], args.map.as_ref())?))
     } else {
         if models < args.files.len() {
             return Err(Failure::bad("give one scan, or models only"));
         }
+        args.sample.need_scan()?;
         Input::Models(args.models()?)
     };
-    let names = methods(&args.methods)?;
     let device = args.device()?;
     let csv = args.csv.as_ref().map(AtomicFile::create).transpose()?;
     let picture = args.plot.as_ref().map(AtomicFile::create).transpose()?;
@@ -129,7 +132,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         verdict(&report, args.max_error),
     ];
     if let Err(remedy) = device {
-        eprintln!("note: nothing was counted on the device: {remedy}");
+        say::note(format_args!("note: nothing was counted on the device: {remedy}"));
     }
     all(done)
 }
@@ -231,7 +234,10 @@ impl Trade<'_> {
                 Ok(_) if stopped() => break,
                 Ok((entry, _)) => {
                     let fit = &entry.fit;
-                    eprintln!("{}: {:.3} % in {:.2} s", entry.label, fit.rmsd_percent, fit.seconds);
+                    say::note(format_args!(
+                        "{}: {:.3} % in {:.2} s",
+                        entry.label, fit.rmsd_percent, fit.seconds
+                    ));
                     if let Some(why) = &entry.refusal {
                         self.report.notes.push(format!("{}: {why}", entry.label));
                     }
@@ -244,7 +250,7 @@ impl Trade<'_> {
                     });
                 }
                 Err(why) => {
-                    eprintln!("{name}: {why}");
+                    say::note(format_args!("{name}: {why}"));
                     self.report.notes.push(format!("{name}: {why}"));
                     self.nothing.push(format!("{name}: {why}"));
                 }
@@ -311,7 +317,7 @@ fn drawn(report: &TradeReport, path: &Path, file: AtomicFile) -> Result<(), Fail
     match bytes {
         Ok(bytes) => Ok(file.finish(&bytes)?),
         Err(why) => {
-            eprintln!("warning: the plot cannot be drawn: {why}");
+            say::note(format_args!("warning: the plot cannot be drawn: {why}"));
             Ok(())
         }
     }

@@ -12,13 +12,16 @@ use super::source::number;
 use crate::energy;
 use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeValidity};
 use crate::kirchhoff::{Speckle, Validity, WaveBoundary, Wavelengths};
-use crate::method::{Surface, Waves};
+use crate::method::{Body, Waves};
 use crate::reconstruct::Light;
 use crate::surface::{Edges, HeightMap};
 
+/// Heading of these flags.
+pub(super) const HEADING: &str = "Waves on the map";
+
 /// Light on a map; both the index and the wavelength, or neither.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Waves on the map")]
+#[command(next_help_heading = HEADING)]
 pub(super) struct KirchhoffFlags {
     /// Relative index of the material, for the validity of waves on the map
     #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "wavelength_nm", value_parser = number)]
@@ -53,7 +56,7 @@ impl KirchhoffFlags {
         let (Some(ior), Some(wavelengths)) = (self.ior, &self.wavelength_nm) else {
             return Ok(None);
         };
-        let eta = Surface::Dielectric { ior }.eta().map_err(Failure::bad)?;
+        let eta = Body::Dielectric { ior }.eta().map_err(Failure::bad)?;
         if let Some(bad) = self.incidence.iter().find(|deg| !(0.0..90.0).contains(*deg)) {
             return Err(Failure::bad(format!(
                 "--incidence {bad} is not usable; give 0 to below 90 degrees"

@@ -26,9 +26,9 @@ use std::time::Instant;
 use asperity_core::metric::rmsd_percent;
 
 use crate::boundary::Boundary;
-use crate::forward::{Effort, Neglected, Plan, Rays, Readings, Setup};
+use crate::forward::{Angles, Effort, Neglected, Rays, Readings, Setup};
 use crate::measurement::{Measurement, noise};
-use crate::method::{BuildError, Method, Parameter, Surface};
+use crate::method::{Body, BuildError, Method, Parameter};
 use crate::watch::Watch;
 
 use problem::Problem;
@@ -39,7 +39,7 @@ use simplex::{Search, Stopped};
 #[derive(Clone, Copy, Debug)]
 pub struct FitOptions {
     /// The body; its index is the start if `fit_ior` is set.
-    pub surface: Surface,
+    pub body: Body,
     /// Whether the refractive index is a parameter too.
     pub fit_ior: bool,
     /// Whether a calibration factor on all readings is a parameter too (an opaque body has one anyway).
@@ -54,9 +54,9 @@ pub struct FitOptions {
 
 impl FitOptions {
     /// The usual ones: nothing but the method's own parameters is free, the error of eq. (18) is minimised.
-    pub fn new(surface: Surface) -> Self {
+    pub fn new(body: Body) -> Self {
         Self {
-            surface,
+            body,
             fit_ior: false,
             fit_gain: false,
             objective: Objective::default(),
@@ -252,19 +252,19 @@ pub fn fit(
     };
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
     let parameters = fitted(&problem, &all, &values, &readings.values);
-    let (boundary, surface) = problem.boundary(&values)?;
+    let (boundary, body) = problem.boundary(&values)?;
     let simulation_noise_percent = noise_percent(&readings, measurement);
     let of_rays = simulation_noise_percent.filter(|_| problem.is_traced());
     Ok(Fit {
         parameters,
         boundary,
-        ior: match surface {
-            Surface::Dielectric { ior } => Some(ior),
-            Surface::Opaque => None,
+        ior: match body {
+            Body::Dielectric { ior } => Some(ior),
+            Body::Opaque => None,
         },
         rmsd_percent: rmsd_percent(&measured, &readings.values).unwrap_or(f64::NAN),
         objective: (options.objective, problem.cost_of(&readings.values)),
-        incidences: verdict::by_incidence(&Plan::of(measurement), &measured, &readings.values),
+        incidences: verdict::by_incidence(&Angles::of(measurement), &measured, &readings.values),
         neglected: readings.neglected,
         simulation_noise_percent,
         noise_floor_percent: noise::of_fit(measurement, &readings.values, of_rays),

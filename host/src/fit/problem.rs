@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::later::Later;
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, Objective};
-use crate::forward::{Effort, Plan, Rays, Readings, Sample, Setup, simulate};
+use crate::forward::{Angles, Effort, Rays, Readings, Sample, Setup, simulate};
 use crate::measurement::Measurement;
-use crate::method::{BuildError, Method, Parameter, Scale, Surface};
+use crate::method::{Body, BuildError, Method, Parameter, Scale};
 use crate::watch::Watch;
 
 /// A method, a measurement, and what is free.
@@ -18,7 +18,7 @@ pub(super) struct Problem<'a> {
     options: &'a FitOptions,
     watch: Watch<'a>,
     setup: Setup,
-    plan: Plan,
+    angles: Angles,
     measured: Cow<'a, [f64]>,
     largest: f64,
     /// What is free.
@@ -46,10 +46,10 @@ impl<'a> Problem<'a> {
         watch: Watch<'a>,
     ) -> Self {
         let mut parameters = method.parameters().to_vec();
-        if options.fit_ior && options.surface != Surface::Opaque {
+        if options.fit_ior && options.body != Body::Opaque {
             parameters.push(IOR);
         }
-        if options.fit_gain && options.surface != Surface::Opaque {
+        if options.fit_gain && options.body != Body::Opaque {
             parameters.push(GAIN);
         }
         Self {
@@ -57,7 +57,7 @@ impl<'a> Problem<'a> {
             options,
             watch,
             setup: *setup,
-            plan: Plan::of(measurement),
+            angles: Angles::of(measurement),
             measured: measurement.readings().iter().map(|r| r.value).collect(),
             largest: measurement.largest_reading(),
             held: vec![None; parameters.len()],
@@ -83,10 +83,10 @@ impl<'a> Problem<'a> {
         if self.is_traced() {
             return Self { later: None, ..self.clone() };
         }
-        let mut plan = Plan::default();
+        let mut angles = Angles::default();
         let mut measured = Vec::new();
         let mut from = 0;
-        for incidence in &self.plan.incidences {
+        for incidence in &self.angles.incidences {
             let n = incidence.theta_deg.len();
             let values = &self.measured[from..from + n];
             from += n;
@@ -96,9 +96,9 @@ impl<'a> Problem<'a> {
             let mut part = incidence.clone();
             part.theta_deg = (0..n).filter(kept).map(|k| incidence.theta_deg[k]).collect();
             measured.extend((0..n).filter(kept).map(|k| values[k]));
-            plan.incidences.push(part);
+            angles.incidences.push(part);
         }
-        Self { plan, measured: measured.into(), later: None, ..self.clone() }
+        Self { angles, measured: measured.into(), later: None, ..self.clone() }
     }
 
     /// The same with a free parameter held at a value.
@@ -147,8 +147,8 @@ impl<'a> Problem<'a> {
         &self.measured
     }
 
-    pub(super) fn plan(&self) -> &Plan {
-        &self.plan
+    pub(super) fn angles(&self) -> &Angles {
+        &self.angles
     }
 
     /// How many neighbours to one side a reading's cone overlaps, at least 1; angles ascend.
@@ -164,9 +164,9 @@ impl<'a> Problem<'a> {
 
     /// Whether what is not fitted makes sense.
     pub(super) fn check_fixed(&self) -> Result<(), BuildError> {
-        match self.options.surface {
-            Surface::Dielectric { .. } => self.options.surface.eta().map(|_| ()),
-            Surface::Opaque => Ok(()),
+        match self.options.body {
+            Body::Dielectric { .. } => self.options.body.eta().map(|_| ()),
+            Body::Opaque => Ok(()),
         }
     }
 
@@ -178,26 +178,24 @@ impl<'a> Problem<'a> {
     }
 
     /// The boundary for values, and the body it bounds.
-    pub(super) fn boundary(&self, values: &[f64]) -> Result<(Boundary, Surface), BuildError> {
-        let surface = match self.named(values, "ior") {
-            Some(ior) => Surface::Dielectric { ior },
-            None => self.options.surface,
+    pub(super) fn boundary(&self, values: &[f64]) -> Result<(Boundary, Body), BuildError> {
+        let body = match self.named(values, "ior") {
+            Some(ior) => Body::Dielectric { ior },
+            None => self.options.body,
         };
         let all = self.with_held(values);
         let own = &all[..self.method.parameters().len().min(all.len())];
-        Ok((self.method.boundary(own, surface)?, surface))
+        Ok((self.method.boundary(own, body)?, body))
     }
 
     /// The forward model for values, ready to be run.
     fn ready(&self, values: &[f64]) -> Result<Ready<'_>, BuildError> {
-        let (boundary, surface) = self.boundary(values)?;
+        let (boundary, body) = self.boundary(values)?;
         let mut setup = self.setup;
-        if let (Sample::Plate { eta, .. }, Surface::Dielectric { .. }) =
-            (&mut setup.sample, surface)
-        {
-            *eta = surface.eta()?;
+        if let (Sample::Plate { eta, .. }, Body::Dielectric { .. }) = (&mut setup.sample, body) {
+            *eta = body.eta()?;
         }
-        Ok(Ready { boundary, setup, plan: &self.plan, gain: self.named(values, "gain") })
+        Ok(Ready { boundary, setup, angles: &self.angles, gain: self.named(values, "gain") })
     }
 
     /// Rays an incidence in full effort.
@@ -307,8 +305,8 @@ impl<'a> Problem<'a> {
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
         let mut points = vec![Vec::new()];
         for p in &self.parameters {
-            let starts: Vec<f64> = match (p.name, self.options.surface) {
-                ("ior", Surface::Dielectric { ior }) => vec![ior.clamp(1.06, 3.9)],
+            let starts: Vec<f64> = match (p.name, self.options.body) {
+                ("ior", Body::Dielectric { ior }) => vec![ior.clamp(1.06, 3.9)],
                 _ if p.starts.is_empty() => vec![1.0],
                 _ => p.starts.to_vec(),
             };
@@ -384,13 +382,13 @@ impl<'a> Problem<'a> {
 struct Ready<'a> {
     boundary: Boundary,
     setup: Setup,
-    plan: &'a Plan,
+    angles: &'a Angles,
     gain: Option<f64>,
 }
 
 impl Ready<'_> {
     fn readings(&self, effort: Effort, rays: Rays, watch: Watch<'_>) -> Option<Readings> {
-        let mut readings = simulate(&self.boundary, &self.setup, self.plan, effort, rays, watch)?;
+        let mut readings = simulate(&self.boundary, &self.setup, self.angles, effort, rays, watch)?;
         if let Some(gain) = self.gain {
             readings.values.iter_mut().for_each(|r| *r *= gain);
             readings.neglected.reading *= gain;

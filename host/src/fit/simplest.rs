@@ -160,7 +160,7 @@ impl Sum {
         let (va, vb) = (variance(&one, &a), variance(&other, &b));
         let mut ray_variance = 0.0;
         let mut from = 0;
-        for incidence in &problem.plan().incidences {
+        for incidence in &problem.angles().incidences {
             let to = from + incidence.theta_deg.len();
             // neighbours whose cones overlap count the same rays
             let alike = 2.0 * problem.overlap(&incidence.theta_deg) as f64 + 1.0;

@@ -89,7 +89,7 @@ pub(super) fn curvature(
 pub(super) fn correlated_sum(problem: &Problem<'_>, series: &[f64]) -> f64 {
     let mut from = 0;
     let mut estimates = [0.0; 3];
-    for incidence in &problem.plan().incidences {
+    for incidence in &problem.angles().incidences {
         let part = &series[from..from + incidence.theta_deg.len()];
         from += part.len();
         let overlap = problem.overlap(&incidence.theta_deg);

@@ -3,7 +3,7 @@
 use asperity_core::metric::rmsd_percent;
 
 use super::{Fit, Termination};
-use crate::forward::Plan;
+use crate::forward::Angles;
 
 /// Error of eq. (18) taken over one incidence alone, in %.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,12 +23,13 @@ pub const MISFIT_PERCENT: f64 = 15.0;
 
 /// The error of every incidence.
 pub(super) fn by_incidence(
-    plan: &Plan,
+    angles: &Angles,
     measured: &[f64],
     simulated: &[f64],
 ) -> Vec<IncidenceError> {
     let mut from = 0;
-    plan.incidences
+    angles
+        .incidences
         .iter()
         .map(|incidence| {
             let range = from..from + incidence.theta_deg.len();

@@ -7,7 +7,7 @@ use asperity_core::direction::Direction;
 use asperity_core::gonio::{Geometry, incidence};
 use asperity_core::plate::RoughSide;
 
-use super::{Incidence, Plan, Sample, Setup, solid_angle};
+use super::{Angles, Incidence, Sample, Setup, solid_angle};
 use crate::kirchhoff::CoherentFlux;
 use crate::measurement::Quantity;
 
@@ -73,7 +73,7 @@ pub(super) fn add(setup: &Setup, angles: &Incidence, values: &mut [f64], flux: f
 /// Adds all coherent beams of a law to the readings of its diffuse light.
 pub(super) fn add_all(
     setup: &Setup,
-    plan: &Plan,
+    plan: &Angles,
     values: &mut [f64],
     coherent: impl Fn(Direction<f64>) -> CoherentFlux,
 ) {

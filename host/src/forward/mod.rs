@@ -88,26 +88,26 @@ pub struct Incidence {
 
 /// The angles of a scan.
 #[derive(Clone, Debug, PartialEq, Default)]
-pub struct Plan {
+pub struct Angles {
     /// One entry an incidence.
     pub incidences: Vec<Incidence>,
 }
 
-impl Plan {
+impl Angles {
     /// The angles of a measurement, in the order of its readings.
     pub fn of(measurement: &Measurement) -> Self {
-        let mut plan = Self::default();
+        let mut angles = Self::default();
         for r in measurement.readings() {
-            match plan.incidences.last_mut() {
+            match angles.incidences.last_mut() {
                 Some(last) if last.sigma_deg.to_bits() == r.sigma_deg.to_bits() => {
                     last.theta_deg.push(r.theta_deg);
                 }
-                _ => plan
+                _ => angles
                     .incidences
                     .push(Incidence { sigma_deg: r.sigma_deg, theta_deg: vec![r.theta_deg] }),
             }
         }
-        plan
+        angles
     }
 
     /// The same observation angles for every incidence.

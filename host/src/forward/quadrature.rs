@@ -12,7 +12,7 @@ use super::inside::{Light, Shared};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::returns::Returns;
-use super::{Incidence, Plan, Sample, Setup, solid_angle};
+use super::{Angles, Incidence, Sample, Setup, solid_angle};
 use crate::measurement::Quantity;
 
 /// Incidence, rad, from which on internal passes take more rays in transmission: 40 degrees.
@@ -40,7 +40,7 @@ impl Effort {
     }
 }
 
-/// Readings of a scan, in the order of its plan.
+/// Readings of a scan, in the order of its angles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Readings {
     /// The readings.
@@ -75,13 +75,13 @@ impl Neglected {
 pub fn quadrature<B: Bsdf<f64> + Sync>(
     boundary: &B,
     setup: &Setup,
-    plan: &Plan,
+    angles: &Angles,
     effort: Effort,
 ) -> Readings {
     let shared = if effort.has_passes() { Shared::new(boundary, setup) } else { None };
     let one = |incidence| OneIncidence::new(boundary, setup, incidence, effort, shared.as_ref());
     let parts: Vec<(Vec<f64>, Neglected)> =
-        plan.incidences.par_iter().map(|incidence| one(incidence).readings()).collect();
+        angles.incidences.par_iter().map(|incidence| one(incidence).readings()).collect();
     Readings {
         neglected: parts.iter().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
         values: parts.into_iter().flat_map(|p| p.0).collect(),

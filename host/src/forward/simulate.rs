@@ -2,7 +2,7 @@
 //! light of a table add, else Monte Carlo.
 
 use super::quadrature::Neglected;
-use super::{Effort, Plan, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave};
+use super::{Angles, Effort, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave};
 use crate::boundary::{Boundary, with_boundary};
 use crate::watch::Watch;
 
@@ -13,7 +13,7 @@ use crate::watch::Watch;
 pub fn simulate(
     boundary: &Boundary,
     setup: &Setup,
-    plan: &Plan,
+    plan: &Angles,
     effort: Effort,
     rays: Rays,
     watch: Watch<'_>,

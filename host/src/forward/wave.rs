@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::coherent::{self, Hits};
 use super::optics::{Entry, enter, look};
-use super::{Effort, Incidence, Plan, Readings, Sample, Setup, quadrature};
+use super::{Angles, Effort, Incidence, Readings, Sample, Setup, quadrature};
 use crate::kirchhoff::{Beam, BeamOrders, Speckle, Tiling, WaveBoundary, orders};
 use crate::watch::Watch;
 
@@ -21,7 +21,7 @@ use crate::watch::Watch;
 pub fn wave(
     boundary: &WaveBoundary,
     setup: &Setup,
-    plan: &Plan,
+    plan: &Angles,
     effort: Effort,
     watch: Watch<'_>,
 ) -> Option<Readings> {
@@ -31,7 +31,7 @@ pub fn wave(
     }
 }
 
-fn averaged(boundary: &WaveBoundary, setup: &Setup, plan: &Plan, effort: Effort) -> Readings {
+fn averaged(boundary: &WaveBoundary, setup: &Setup, plan: &Angles, effort: Effort) -> Readings {
     let mut readings = quadrature(boundary, setup, plan, effort);
     let mut std_errors = Vec::with_capacity(readings.values.len());
     let mut from = 0;
@@ -50,7 +50,7 @@ fn averaged(boundary: &WaveBoundary, setup: &Setup, plan: &Plan, effort: Effort)
 fn kept(
     boundary: &WaveBoundary,
     setup: &Setup,
-    plan: &Plan,
+    plan: &Angles,
     effort: Effort,
     watch: Watch<'_>,
 ) -> Option<Readings> {

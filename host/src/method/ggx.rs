@@ -7,7 +7,7 @@
 use asperity_core::bsdf::{Ggx, OpaqueGgx};
 
 use super::kind::{Kind, Origin, Waves};
-use super::{BuildError, Method, Parameter, Scale, Surface, alpha};
+use super::{Body, BuildError, Method, Parameter, Scale, alpha};
 use crate::boundary::Boundary;
 
 /// The method, for a clear or an opaque body.
@@ -18,8 +18,8 @@ pub struct GgxMethod {
 
 impl GgxMethod {
     /// For a body.
-    pub fn new(surface: Surface) -> Self {
-        Self { opaque: surface == Surface::Opaque }
+    pub fn new(body: Body) -> Self {
+        Self { opaque: body == Body::Opaque }
     }
 }
 
@@ -37,12 +37,13 @@ pub(super) const KIND: Kind = Kind {
     name: "ggx",
     summary: "Walter's microfacets with the GGX law, closed form",
     origin: Origin::Paper,
-    has_law: false,
+    has_profile: false,
     needs_map: false,
+    traced: false,
     waves: Waves::None,
     takes_opaque: true,
     optional: &[],
-    make: |choice| Ok(Box::new(GgxMethod::new(choice.surface))),
+    make: |choice| Ok(Box::new(GgxMethod::new(choice.body))),
 };
 
 impl Method for GgxMethod {
@@ -58,12 +59,12 @@ impl Method for GgxMethod {
         if self.opaque { &OPAQUE } else { &CLEAR }
     }
 
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
         let mut values = values.iter().copied();
         let mut next = |name| values.next().ok_or(BuildError::Missing(name));
         let width = alpha(next("alpha")?)?;
         if !self.opaque {
-            return Ok(Boundary::Ggx(Ggx::new(width, surface.eta()?)));
+            return Ok(Boundary::Ggx(Ggx::new(width, body.eta()?)));
         }
         let (gain, lambert) = (next("gain")?, next("lambert")?);
         let refused = |name, value| BuildError::OutOfDomain {
@@ -84,23 +85,23 @@ impl Method for GgxMethod {
 
 #[cfg(test)]
 mod tests {
-    use super::{BuildError, GgxMethod, Method, Surface};
+    use super::{Body, BuildError, GgxMethod, Method};
 
     #[test]
     fn values_outside_the_domain_are_refused_by_name() {
-        let surface = Surface::Dielectric { ior: 1.49 };
-        let method = GgxMethod::new(surface);
-        assert!(method.boundary(&[0.2], surface).is_ok());
+        let body = Body::Dielectric { ior: 1.49 };
+        let method = GgxMethod::new(body);
+        assert!(method.boundary(&[0.2], body).is_ok());
         for (values, name) in [(vec![], "alpha"), (vec![-1.0], "alpha"), (vec![f64::NAN], "alpha")]
         {
-            let text = method.boundary(&values, surface).unwrap_err().to_string();
+            let text = method.boundary(&values, body).unwrap_err().to_string();
             assert!(text.contains(name), "{text}");
         }
-        let bad = Surface::Dielectric { ior: 0.0 };
+        let bad = Body::Dielectric { ior: 0.0 };
         assert!(matches!(method.boundary(&[0.2], bad), Err(BuildError::Ior(_))));
-        let opaque = GgxMethod::new(Surface::Opaque);
-        assert!(opaque.boundary(&[0.2, 0.5, 0.0], Surface::Opaque).is_ok());
-        assert!(opaque.boundary(&[0.2, 0.5, -0.1], Surface::Opaque).is_err());
-        assert!(opaque.boundary(&[0.2, -0.5, 0.1], Surface::Opaque).is_err());
+        let opaque = GgxMethod::new(Body::Opaque);
+        assert!(opaque.boundary(&[0.2, 0.5, 0.0], Body::Opaque).is_ok());
+        assert!(opaque.boundary(&[0.2, 0.5, -0.1], Body::Opaque).is_err());
+        assert!(opaque.boundary(&[0.2, -0.5, 0.1], Body::Opaque).is_err());
     }
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use asperity_core::ndf::law::Profile;
 
 use super::kind::{Kind, Origin, Waves};
-use super::{BuildError, Method, Parameter, Scale, Surface};
+use super::{Body, BuildError, Method, Parameter, Scale};
 use crate::boundary::Boundary;
 use crate::raytrace::{Field, TracedBoundary};
 use crate::surface::{Edges, HeightLaw, RandomHeights};
@@ -80,8 +80,9 @@ pub(super) const KIND: Kind = Kind {
     name: "heights",
     summary: "random heights on a grid, traced with all bounces",
     origin: Origin::Paper,
-    has_law: true,
+    has_profile: true,
     needs_map: false,
+    traced: true,
     waves: Waves::None,
     takes_opaque: false,
     optional: &HeightsMethod::OPTIONAL,
@@ -101,9 +102,9 @@ impl Method for HeightsMethod {
         &self.parameters
     }
 
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
         let law = self.height_law(values)?;
-        let eta = surface.eta()?;
+        let eta = body.eta()?;
         let map = RandomHeights { side: SIDE, seed: self.seed }
             .map(&law)
             .ok_or_else(|| BuildError::Map("the law draws no heights from 0 to h_max".into()))?;
@@ -112,7 +113,7 @@ impl Method for HeightsMethod {
         Ok(Boundary::Traced(TracedBoundary { field: Arc::new(field), eta }))
     }
 
-    fn law(&self) -> Option<&'static str> {
+    fn profile(&self) -> Option<&'static str> {
         Some(super::profile_name(self.profile))
     }
 
@@ -127,10 +128,10 @@ impl Method for HeightsMethod {
 
 #[cfg(test)]
 mod tests {
-    use super::{HeightsMethod, Method, Profile, Surface};
+    use super::{Body, HeightsMethod, Method, Profile};
     use crate::boundary::Boundary;
 
-    const CLEAR: Surface = Surface::Dielectric { ior: 1.49 };
+    const CLEAR: Body = Body::Dielectric { ior: 1.49 };
 
     #[test]
     fn values_outside_the_domain_are_refused_by_name() {
@@ -147,7 +148,7 @@ mod tests {
             assert!(text.contains(name), "{text}");
         }
         let one = HeightsMethod::new(Profile::Cauchy, 1, |_| false);
-        assert!(one.boundary(&[0.2], Surface::Opaque).is_err());
+        assert!(one.boundary(&[0.2], Body::Opaque).is_err());
         assert!(matches!(one.boundary(&[0.2], CLEAR), Ok(Boundary::Traced(_))));
     }
 }

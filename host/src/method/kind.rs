@@ -4,7 +4,7 @@ use std::fmt;
 
 use asperity_core::ndf::law::Profile;
 
-use super::{BuildError, Method, Surface};
+use super::{Body, BuildError, Method};
 use crate::kirchhoff::WaveOptions;
 use crate::measurement::excerpt;
 use crate::surface::{Edges, HeightMap};
@@ -19,9 +19,11 @@ pub struct Kind {
     /// Where it comes from.
     pub origin: Origin,
     /// Whether it has a profile, gauss or cauchy.
-    pub has_law: bool,
+    pub has_profile: bool,
     /// Whether it uses a measured height map.
     pub needs_map: bool,
+    /// Whether it traces rays.
+    pub traced: bool,
     /// How it sends waves.
     pub waves: Waves,
     /// Whether it describes an opaque body too.
@@ -71,9 +73,9 @@ pub struct Choice<'a> {
     /// Its name.
     pub name: &'a str,
     /// Shape of the law, for methods that have one; gauss if not said.
-    pub law: Option<&'a str>,
+    pub profile: Option<&'a str>,
     /// The body.
-    pub surface: Surface,
+    pub body: Body,
     /// Which of the optional parameters are wanted.
     pub asked: &'a dyn Fn(&str) -> bool,
     /// The measured map and how it goes on, for methods that need one.
@@ -92,13 +94,13 @@ impl fmt::Debug for Choice<'_> {
 
 impl<'a> Choice<'a> {
     /// A method for a body, nothing optional asked for.
-    pub fn new(name: &'a str, surface: Surface) -> Self {
-        Self { name, law: None, surface, asked: &|_| false, map: None, wave: None, seed: 1 }
+    pub fn new(name: &'a str, body: Body) -> Self {
+        Self { name, profile: None, body, asked: &|_| false, map: None, wave: None, seed: 1 }
     }
 
     /// The profile of the law.
     pub(super) fn profile(&self) -> Result<Profile, Lack> {
-        match self.law {
+        match self.profile {
             None | Some("gauss") => Ok(Profile::Gauss),
             Some("cauchy") => Ok(Profile::Cauchy),
             Some(other) => Err(Lack::Law(other.into())),
@@ -128,7 +130,7 @@ pub enum Lack {
         known: String,
     },
     /// There is no law of this name.
-    #[error("law `{}` is unknown; write gauss or cauchy", excerpt(.0))]
+    #[error("profile `{}` is unknown; write gauss or cauchy", excerpt(.0))]
     Law(String),
     /// The body is opaque.
     #[error(

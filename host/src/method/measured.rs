@@ -99,7 +99,7 @@ pub(super) fn unusable(holes: Incomplete) -> Lack {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::method::{Method, Surface};
+    use crate::method::{Body, Method};
     use crate::surface::HeightMap;
 
     /// A small map.
@@ -115,7 +115,7 @@ pub(super) mod tests {
 
     /// Values outside the domain are refused by name.
     pub(in crate::method) fn check_domain(method: &dyn Method) {
-        let clear = Surface::Dielectric { ior: 1.49 };
+        let clear = Body::Dielectric { ior: 1.49 };
         assert!(method.boundary(&[1.0, 2.0], clear).is_ok());
         assert!(method.boundary(&[-1.0, 0.0], clear).is_ok());
         for (values, name) in [

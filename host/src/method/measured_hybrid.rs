@@ -2,7 +2,7 @@
 
 use super::kind::{Kind, Origin, Waves};
 use super::measured::{MeasuredMap, unusable};
-use super::{BuildError, Method, Parameter, Surface};
+use super::{Body, BuildError, Method, Parameter};
 use crate::boundary::Boundary;
 use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::WaveOptions;
@@ -35,8 +35,9 @@ pub(super) const KIND: Kind = Kind {
     name: "measured-hybrid",
     summary: "the measured map, long waves of it traced, short ones diffracting",
     origin: Origin::Beyond,
-    has_law: false,
+    has_profile: false,
     needs_map: true,
+    traced: true,
     waves: Waves::AveragedSpeckle,
     takes_opaque: false,
     optional: &["cutoff_um"],
@@ -62,8 +63,8 @@ impl Method for MeasuredHybridMethod {
         &self.measured.parameters
     }
 
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
-        let eta = surface.eta()?;
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
+        let eta = body.eta()?;
         let map = self.measured.modified(self.measured.knobs(values)?)?;
         let boundary = HybridBoundary::of_map(&map, self.measured.edges, eta, &self.options);
         let boundary = boundary.map_err(|e| BuildError::Map(e.to_string()))?;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::kind::{Kind, Origin, Waves};
 use super::measured::{MeasuredMap, unusable};
-use super::{BuildError, Method, Parameter, Surface};
+use super::{Body, BuildError, Method, Parameter};
 use crate::boundary::Boundary;
 use crate::raytrace::{Field, TracedBoundary};
 use crate::surface::{Edges, HeightMap, Incomplete};
@@ -30,8 +30,9 @@ pub(super) const KIND: Kind = Kind {
     name: "measured-ray",
     summary: "the measured map, traced with all bounces",
     origin: Origin::Paper,
-    has_law: false,
+    has_profile: false,
     needs_map: true,
+    traced: true,
     waves: Waves::None,
     takes_opaque: false,
     optional: &["cutoff_um"],
@@ -56,8 +57,8 @@ impl Method for MeasuredRayMethod {
         &self.measured.parameters
     }
 
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
-        let eta = surface.eta()?;
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
+        let eta = body.eta()?;
         let map = self.measured.modified(self.measured.knobs(values)?)?;
         let field =
             Field::new(&map, self.measured.edges).map_err(|e| BuildError::Map(e.to_string()))?;

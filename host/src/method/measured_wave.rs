@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::kind::{Kind, Origin, Waves};
 use super::measured::{Knobs, MeasuredMap, unusable};
-use super::{BuildError, Method, Parameter, Surface, wave_job};
+use super::{Body, BuildError, Method, Parameter, wave_job};
 use crate::boundary::Boundary;
 use crate::kirchhoff::{MeanSpectra, WaveBoundary, WaveOptions};
 use crate::surface::{Edges, HeightMap, Incomplete};
@@ -59,8 +59,9 @@ pub(super) const KIND: Kind = Kind {
     name: "measured-wave",
     summary: "the measured map, waves by Kirchhoff",
     origin: Origin::Paper,
-    has_law: false,
+    has_profile: false,
     needs_map: true,
+    traced: false,
     waves: Waves::AnySpeckle,
     takes_opaque: false,
     optional: &["cutoff_um"],
@@ -86,8 +87,8 @@ impl Method for MeasuredWaveMethod {
         &self.measured.parameters
     }
 
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
-        let eta = surface.eta()?;
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
+        let eta = body.eta()?;
         let knobs = self.measured.knobs(values)?;
         let map = Arc::new(self.measured.modified(knobs)?);
         wave_job::check(&map, eta, &self.options)?;

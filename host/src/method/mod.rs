@@ -67,7 +67,7 @@ pub enum BuildError {
 
 /// The body that has the rough surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Surface {
+pub enum Body {
     /// A clear dielectric of this refractive index relative to air.
     Dielectric {
         /// Index of the dielectric over that of air.
@@ -77,7 +77,7 @@ pub enum Surface {
     Opaque,
 }
 
-impl Surface {
+impl Body {
     /// The checked index.
     ///
     /// # Errors
@@ -108,9 +108,9 @@ pub trait Method: Send + Sync {
     ///
     /// # Errors
     /// [`BuildError`] names the value outside its domain.
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError>;
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError>;
     /// The shape of the law, for methods that have one.
-    fn law(&self) -> Option<&'static str> {
+    fn profile(&self) -> Option<&'static str> {
         None
     }
     /// Whether its boundaries are traced: simulated by Monte Carlo, with its noise.
@@ -123,7 +123,7 @@ pub trait Method: Send + Sync {
     }
     /// Its name with what tells its variants apart: `normals (gauss)`.
     fn label(&self) -> String {
-        let variant = self.law().or(self.wave().map(|w| w.speckle.name()));
+        let variant = self.profile().or(self.wave().map(|w| w.speckle.name()));
         variant.map_or_else(|| self.name().to_owned(), |v| format!("{} ({v})", self.name()))
     }
     /// The seed of its surface, for methods that draw one.

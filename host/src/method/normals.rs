@@ -9,7 +9,7 @@ use asperity_core::ndf::law::{Law, LawError, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 
 use super::kind::{Kind, Origin, Waves};
-use super::{BuildError, Method, Parameter, Scale, Surface};
+use super::{Body, BuildError, Method, Parameter, Scale};
 use crate::boundary::Boundary;
 
 /// The method with one of the two laws.
@@ -35,8 +35,9 @@ pub(super) const KIND: Kind = Kind {
     name: "normals",
     summary: "a fitted density of facet normals, one facet at each hit",
     origin: Origin::Paper,
-    has_law: true,
+    has_profile: true,
     needs_map: false,
+    traced: false,
     waves: Waves::None,
     takes_opaque: false,
     optional: &["theta0"],
@@ -58,7 +59,7 @@ impl Method for NormalsMethod {
         if self.centre { &CENTRED } else { &PLAIN }
     }
 
-    fn boundary(&self, values: &[f64], surface: Surface) -> Result<Boundary, BuildError> {
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
         let value = |k: usize, name| values.get(k).copied().ok_or(BuildError::Missing(name));
         let (delta, n) = (value(0, "delta")?, value(1, "n")?);
         let theta0 = if self.centre { value(2, "theta0")? } else { 0.0 };
@@ -78,33 +79,33 @@ impl Method for NormalsMethod {
                 _ => out("theta0", theta0, 0.0, 90.0, "deg"),
             },
         )?;
-        let eta = surface.eta()?;
+        let eta = body.eta()?;
         Ok(Boundary::Normals(Box::new(Normals::new(NormalDensity::new(law), eta))))
     }
 
-    fn law(&self) -> Option<&'static str> {
+    fn profile(&self) -> Option<&'static str> {
         Some(super::profile_name(self.profile))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Method, NormalsMethod, Profile, Surface};
+    use super::{Body, Method, NormalsMethod, Profile};
 
     #[test]
     fn values_outside_the_domain_are_refused_by_name() {
-        let surface = Surface::Dielectric { ior: 1.49 };
+        let body = Body::Dielectric { ior: 1.49 };
         let method = NormalsMethod { profile: Profile::Gauss, centre: true };
-        assert!(method.boundary(&[5.0, 2.0, 1.0], surface).is_ok());
+        assert!(method.boundary(&[5.0, 2.0, 1.0], body).is_ok());
         for (values, name) in [
             (vec![5.0], "`n`"),
             (vec![0.0, 2.0, 0.0], "delta"),
             (vec![5.0, f64::NAN, 0.0], "`n`"),
             (vec![5.0, 2.0, 91.0], "theta0"),
         ] {
-            let text = method.boundary(&values, surface).unwrap_err().to_string();
+            let text = method.boundary(&values, body).unwrap_err().to_string();
             assert!(text.contains(name), "{text}");
         }
-        assert!(method.boundary(&[5.0, 2.0, 1.0], Surface::Opaque).is_err());
+        assert!(method.boundary(&[5.0, 2.0, 1.0], Body::Opaque).is_err());
     }
 }

@@ -4,7 +4,7 @@
 //! comparisons try come from here.
 
 use super::kind::{Choice, Kind, Lack, Origin};
-use super::{Method, Surface, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals};
+use super::{Body, Method, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals};
 
 /// All methods, in the order of tables.
 pub const KINDS: [Kind; 6] = [
@@ -47,7 +47,7 @@ impl Choice<'_> {
     pub fn method(&self) -> Result<Box<dyn Method>, Lack> {
         let kind = Kind::named(self.name)?;
         self.profile()?;
-        if self.surface == Surface::Opaque && !kind.takes_opaque {
+        if self.body == Body::Opaque && !kind.takes_opaque {
             let others = in_words(&Kind::names(|kind| kind.takes_opaque));
             return Err(Lack::Index { method: kind.name, others });
         }
@@ -66,11 +66,11 @@ pub fn in_words(names: &[&str]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Choice, KINDS, Kind, Surface, in_words};
+    use super::{Body, Choice, KINDS, Kind, in_words};
 
     #[test]
     fn what_is_made_has_the_name_and_the_optional_parameters_of_its_kind() {
-        let clear = Surface::Dielectric { ior: 1.49 };
+        let clear = Body::Dielectric { ior: 1.49 };
         for kind in &KINDS {
             let asked = |name: &str| kind.optional.contains(&name);
             let choice = Choice { asked: &asked, ..Choice::new(kind.name, clear) };
@@ -79,7 +79,8 @@ mod tests {
                     assert_eq!(method.name(), kind.name);
                     let names: Vec<&str> = method.parameters().iter().map(|p| p.name).collect();
                     assert!(kind.optional.iter().all(|o| names.contains(o)), "{names:?}");
-                    assert_eq!(method.law().is_some(), kind.has_law);
+                    assert_eq!(method.profile().is_some(), kind.has_profile);
+                    assert_eq!(method.is_traced(), kind.traced);
                 }
                 Err(lack) => assert!(kind.needs_map, "{}: {lack}", kind.name),
             }

@@ -2,24 +2,24 @@
 
 use std::path::Path;
 
-use super::{Body, Model};
+use super::{BodyKind, Model};
 use crate::boundary::Boundary;
 use crate::measurement::excerpt;
-use crate::method::{BuildError, Choice, Kind, Lack, Surface};
+use crate::method::{Body, BuildError, Choice, Kind, Lack};
 
 impl Model {
     /// The body and its index.
     ///
     /// # Errors
     /// The key at fault and what is wrong.
-    pub fn surface(&self) -> Result<Surface, (String, String)> {
+    pub fn surface(&self) -> Result<Body, (String, String)> {
         match (self.body, self.ior) {
-            (Body::Opaque, None) => Ok(Surface::Opaque),
-            (Body::Opaque, Some(_)) => {
+            (BodyKind::Opaque, None) => Ok(Body::Opaque),
+            (BodyKind::Opaque, Some(_)) => {
                 Err(("ior".into(), "an opaque body has no `ior`; leave it out".into()))
             }
-            (Body::Dielectric, Some(ior)) => Ok(Surface::Dielectric { ior }),
-            (Body::Dielectric, None) => Err((
+            (BodyKind::Dielectric, Some(ior)) => Ok(Body::Dielectric { ior }),
+            (BodyKind::Dielectric, None) => Err((
                 "body".into(),
                 "the refractive index `ior` is missing; add it, or `\"body\": \"opaque\"`".into(),
             )),
@@ -31,10 +31,10 @@ impl Model {
     /// # Errors
     /// The key at fault and what is wrong.
     pub fn boundary(&self, folder: Option<&Path>) -> Result<Boundary, (String, String)> {
-        let surface = self.surface()?;
+        let body = self.surface()?;
         let in_method = |lack: Lack| ("method".to_owned(), lack.to_string());
         let kind = Kind::named(&self.method).map_err(in_method)?;
-        if kind.has_law && self.law.is_none() {
+        if kind.has_profile && self.law.is_none() {
             let what = "`law` is missing; write gauss or cauchy";
             return Err(("method".into(), what.into()));
         }
@@ -68,12 +68,12 @@ impl Model {
             }
         }
         let choice = Choice {
-            law: self.law.as_deref(),
+            profile: self.law.as_deref(),
             wave: self.wave.as_ref(),
             asked: &|name| self.parameters.contains_key(name),
             map: map.as_ref().map(|m| (&m.map, m.edges)),
             seed: self.surface_seed.unwrap_or(1),
-            ..Choice::new(&self.method, surface)
+            ..Choice::new(&self.method, body)
         };
         let method = choice.method().map_err(in_method)?;
         // A fit of a plate keeps these two besides the method's own.
@@ -109,7 +109,7 @@ impl Model {
             };
             values.push(v.value);
         }
-        method.boundary(&values, surface).map_err(|e| {
+        method.boundary(&values, body).map_err(|e| {
             let key = match &e {
                 BuildError::OutOfDomain { name, .. } | BuildError::Missing(name) => name,
                 BuildError::Ior(_) => "ior",

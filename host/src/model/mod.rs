@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::kirchhoff::WaveOptions;
-use crate::method::{Method, Surface};
+use crate::method::{Body, Method};
 use crate::provenance::Provenance;
 
 /// Version of the format.
@@ -56,7 +56,7 @@ impl Value {
 /// The body that has the rough surface, in files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Body {
+pub enum BodyKind {
     /// A clear dielectric; `ior` is given.
     #[default]
     Dielectric,
@@ -96,7 +96,7 @@ pub struct Model {
     pub surface_seed: Option<u64>,
     /// What the surface bounds.
     #[serde(default)]
-    pub body: Body,
+    pub body: BodyKind,
     /// Refractive index over that of air; null for an opaque body.
     #[serde(default)]
     pub ior: Option<f64>,
@@ -159,17 +159,17 @@ impl Model {
     /// A model that was not fitted.
     pub fn new(
         method: &dyn Method,
-        surface: Surface,
+        body: Body,
         values: impl IntoIterator<Item = (String, Value)>,
     ) -> Self {
-        let (body, ior) = match surface {
-            Surface::Dielectric { ior } => (Body::Dielectric, Some(ior)),
-            Surface::Opaque => (Body::Opaque, None),
+        let (body, ior) = match body {
+            Body::Dielectric { ior } => (BodyKind::Dielectric, Some(ior)),
+            Body::Opaque => (BodyKind::Opaque, None),
         };
         Self {
             asperity: FORMAT,
             method: method.name().into(),
-            law: method.law().map(Into::into),
+            law: method.profile().map(Into::into),
             map: None,
             wave: method.wave().cloned(),
             surface_seed: method.seed(),

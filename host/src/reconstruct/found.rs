@@ -1,7 +1,7 @@
 //! What a reconstruction finds: the fit that is kept, and its model file.
 
 use crate::fit::{Fit, FitError, Fitted};
-use crate::method::{Kind, Method, Surface};
+use crate::method::{Body, Kind, Method};
 use crate::model::{IncidenceRecord, MapRecord, Model, Timing};
 use crate::provenance::Provenance;
 
@@ -35,12 +35,12 @@ pub struct Found {
 pub(super) fn record(method: &dyn Method, entry: &Entry, task: &Task<'_>) -> Model {
     let fit = &entry.fit;
     let map = task.map.filter(|_| Kind::named(method.name()).is_ok_and(|kind| kind.needs_map));
-    let surface = match fit.ior {
-        Some(ior) => Surface::Dielectric { ior },
-        None => task.options.surface,
+    let body = match fit.ior {
+        Some(ior) => Body::Dielectric { ior },
+        None => task.options.body,
     };
     let values = fit.parameters.iter().map(|p| (p.name.to_owned(), p.record()));
-    let mut model = Model::new(method, surface, values);
+    let mut model = Model::new(method, body, values);
     model.rmsd_percent = Some(fit.rmsd_percent);
     model.map = map.map(MapRecord::from);
     model.noise_floor_percent = fit.noise_floor_percent;

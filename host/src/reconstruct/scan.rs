@@ -6,7 +6,7 @@ use asperity_core::quantity::RelativeIor;
 
 use crate::boundary::Boundary;
 use crate::forward::{
-    Effort, Incidence, Plan, Rays, Readings, Sample, Setup, monte_carlo, simulate, wave,
+    Angles, Effort, Incidence, Rays, Readings, Sample, Setup, monte_carlo, simulate, wave,
 };
 use crate::measurement::meta::HeaderFault;
 use crate::measurement::{AngleRange, InvalidReading, Measurement, Metadata, Quantity, Reading};
@@ -263,7 +263,7 @@ impl ScanRequest {
         angles: &[f64],
         watch: Watch<'_>,
     ) -> Result<Raw, NoScan> {
-        let plan = Plan::product(&self.sigma_deg, angles);
+        let plan = Angles::product(&self.sigma_deg, angles);
         let done = if let Boundary::Wave(waves) = boundary {
             wave(waves, setup, &plan, Effort::Full, watch)
         } else {

@@ -6,7 +6,7 @@ use asperity_core::quantity::RelativeIor;
 
 use crate::forward::{Sample, Setup};
 use crate::measurement::{Measurement, Quantity};
-use crate::method::{BuildError, Surface};
+use crate::method::{Body, BuildError};
 
 /// What the user says; it goes before the header of the scan.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +27,7 @@ pub struct Said {
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
     /// The body that has the rough surface.
-    pub surface: Surface,
+    pub body: Body,
     /// Body, instrument and kind of the readings, as a simulation needs them.
     pub setup: Setup,
 }
@@ -80,18 +80,18 @@ impl Said {
         let of_opaque = self.opaque.then_some(Geometry::Reflection);
         let geometry = self.geometry.or(meta.geometry).or(of_opaque).ok_or(Unclear::Geometry)?;
         let may_be_opaque = geometry == Geometry::Reflection;
-        let (surface, sample) = if self.opaque {
+        let (body, sample) = if self.opaque {
             if geometry == Geometry::Transmission {
                 return Err(Unclear::OpaqueTransmits);
             }
-            (Surface::Opaque, Sample::Opaque)
+            (Body::Opaque, Sample::Opaque)
         } else {
             let ior = self.ior.or(meta.ior).ok_or(Unclear::Index { may_be_opaque })?;
             let rough_side = self.rough_side.or(meta.rough_side).ok_or(Unclear::RoughSide)?;
-            let surface = Surface::Dielectric { ior };
-            let eta = surface.eta()?;
+            let body = Body::Dielectric { ior };
+            let eta = body.eta()?;
             check_plate(eta)?;
-            (surface, Sample::Plate { eta, rough_side })
+            (body, Sample::Plate { eta, rough_side })
         };
         let quantity = scan.quantity();
         let aperture_deg = match self.aperture_deg.or(meta.aperture_deg) {
@@ -101,7 +101,7 @@ impl Said {
             None => return Err(Unclear::Aperture),
         };
         check_aperture(aperture_deg, quantity)?;
-        Ok(Situation { surface, setup: Setup { sample, geometry, aperture_deg, quantity } })
+        Ok(Situation { body, setup: Setup { sample, geometry, aperture_deg, quantity } })
     }
 }
 

@@ -7,7 +7,7 @@ use crate::boundary::Boundary;
 use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::{Speckle, WaveBoundary};
 use crate::law_file::{self, Kind, LawError};
-use crate::method::{BuildError, Surface, Waves};
+use crate::method::{Body, BuildError, Waves};
 use crate::raytrace::{Field, TracedBoundary};
 use crate::surface::{Preparation, Prepared};
 
@@ -110,7 +110,7 @@ impl Subject {
         (engine, light): (Engine, &Light),
         usual: &[Speckle],
     ) -> Result<Self, NoSubject> {
-        let eta = Surface::Dielectric { ior }.eta()?;
+        let eta = Body::Dielectric { ior }.eta()?;
         let (map, edges) = (&prepared.map, prepared.edges);
         let of_file = |what: &dyn std::fmt::Display| NoSubject::Map {
             path: path.to_owned(),

@@ -73,7 +73,7 @@ impl<'a> Task<'a> {
         Self {
             measurement,
             setup: situation.setup,
-            options: FitOptions::new(situation.surface),
+            options: FitOptions::new(situation.body),
             max_misfit: MISFIT_PERCENT,
             map: None,
             light: Light { wavelengths: of_header.and_then(Result::ok), ..Light::default() },
@@ -89,13 +89,13 @@ impl<'a> Task<'a> {
     pub fn trials(
         &self,
         name: &str,
-        law: Option<&str>,
+        profile: Option<&str>,
         asked: &dyn Fn(&str) -> bool,
     ) -> Result<Trials, Unusable> {
         let kind = Kind::named(name)?;
-        let laws: &[Option<&str>] = match law {
-            None if kind.has_law => &[Some("gauss"), Some("cauchy")],
-            law => &[law],
+        let profiles: &[Option<&str>] = match profile {
+            None if kind.has_profile => &[Some("gauss"), Some("cauchy")],
+            profile => &[profile],
         };
         let map = self.map.map(|m| (&m.map, m.edges));
         let waves = if kind.is_wave() && map.is_some() {
@@ -103,12 +103,13 @@ impl<'a> Task<'a> {
         } else {
             vec![None]
         };
-        let with = |(law, wave): (Option<&str>, Option<&WaveOptions>)| {
+        let with = |(profile, wave): (Option<&str>, Option<&WaveOptions>)| {
             let seed = self.options.rays.seed;
-            let usual = Choice::new(name, self.options.surface);
-            Choice { law, asked, map, wave, seed, ..usual }.method()
+            let usual = Choice::new(name, self.options.body);
+            Choice { profile, asked, map, wave, seed, ..usual }.method()
         };
-        let variants = laws.iter().flat_map(|law| waves.iter().map(|w| (*law, w.as_ref())));
+        let variants =
+            profiles.iter().flat_map(|profile| waves.iter().map(|w| (*profile, w.as_ref())));
         let methods = variants.map(with).collect::<Result<Vec<_>, _>>()?;
         if self.setup.aperture_deg <= 0.0 {
             if methods.iter().any(|m| m.is_traced()) {

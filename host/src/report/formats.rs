@@ -87,13 +87,13 @@ fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
 mod tests {
     use crate::fit::{Fit, Fitted, Objective, Termination};
     use crate::forward::Neglected;
-    use crate::method::{GgxMethod, Method, Surface};
+    use crate::method::{Body, GgxMethod, Method};
     use crate::model::Model;
     use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult};
 
     fn attempt(method: &str, rmsd_percent: f64, refusal: Option<&str>) -> Attempt {
-        let surface = Surface::Dielectric { ior: 1.5 };
-        let ggx = GgxMethod::new(surface);
+        let body = Body::Dielectric { ior: 1.5 };
+        let ggx = GgxMethod::new(body);
         let alpha = Fitted {
             name: "alpha",
             unit: "",
@@ -105,7 +105,7 @@ mod tests {
         };
         let fit = Fit {
             parameters: vec![alpha],
-            boundary: ggx.boundary(&[0.187], surface).unwrap(),
+            boundary: ggx.boundary(&[0.187], body).unwrap(),
             ior: Some(1.5),
             readings: Vec::new(),
             rmsd_percent,
@@ -118,7 +118,7 @@ mod tests {
             seconds: 0.25,
             termination: Termination::Converged,
         };
-        let mut model = Model::new(&ggx, surface, []);
+        let mut model = Model::new(&ggx, body, []);
         model.validity = refusal.map(String::from).into_iter().collect();
         let refusal = refusal.map(String::from);
         let entry = Entry { label: method.into(), fit, refusal, warnings: Vec::new() };

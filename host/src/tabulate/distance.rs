@@ -69,13 +69,12 @@ pub fn distance(
     let setup = Setup { sample, geometry, aperture_deg: APERTURE_DEG, quantity: Quantity::Flux };
     let count = (180.0 / step_deg).round() as u32;
     let thetas: Vec<f64> = (0..=count).map(|k| -90.0 + f64::from(k) * step_deg).collect();
-    let plan = forward::Plan::product(&SIGMAS, &thetas);
+    let angles = forward::Angles::product(&SIGMAS, &thetas);
     let effort = if full { Effort::Full } else { Effort::Draft };
-    let of_table =
-        with_view!(table, view => quadrature(&view, &setup, &plan, effort).values, else Vec::new());
+    let of_table = with_view!(table, view => quadrature(&view, &setup, &angles, effort).values, else Vec::new());
     with_boundary!(boundary,
     b => {
-        let percent = rmsd_percent(&quadrature(b, &setup, &plan, effort).values, &of_table)?;
+        let percent = rmsd_percent(&quadrature(b, &setup, &angles, effort).values, &of_table)?;
         Some(Distance { percent, to_mean_percent: percent, azimuths_percent: 0.0 })
     },
     traced t => {

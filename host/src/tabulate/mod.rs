@@ -48,7 +48,7 @@ pub enum Kept {
 
 /// What a table is to hold, and how large it may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plan {
+pub struct Budget {
     /// From the air reflection and transmission, then from the dielectric.
     pub lobes: [bool; 4],
     /// Bytes of all arrays together, at most.
@@ -115,7 +115,7 @@ pub enum NoTable {
 /// [`NoTable`] if there is none.
 pub fn tabulate(
     boundary: &Boundary,
-    plan: &Plan,
+    plan: &Budget,
     watch: Watch<'_>,
 ) -> Result<EmbeddedTable, NoTable> {
     if matches!(boundary, Boundary::Table(_)) {
@@ -175,7 +175,7 @@ type Lobes = [Option<LobeGrid>; 4];
 
 fn of_storage<S: Storage>(
     boundary: &Boundary,
-    plan: &Plan,
+    plan: &Budget,
     (eta, wanted): (f64, [bool; 4]),
     watch: Watch<'_>,
 ) -> Result<(Lobes, f64), NoTable> {
@@ -205,7 +205,7 @@ fn of_storage<S: Storage>(
 /// Lobes of a boundary that is sampled: one choice of nodes for all.
 fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     boundary: &B,
-    plan: &Plan,
+    plan: &Budget,
     (eta, wanted): (f64, [bool; 4]),
     budget: usize,
     watch: Watch<'_>,

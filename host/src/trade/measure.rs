@@ -18,7 +18,7 @@ use super::timing::{eval_ns, sample_ns};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::Rays;
-use crate::tabulate::{NoTable, Plan, distance, energy_error, tabulate};
+use crate::tabulate::{Budget, NoTable, distance, energy_error, tabulate};
 use crate::watch::Watch;
 
 /// Share of coherent light from which on the scan of a table, which is of diffuse light, says nothing.
@@ -247,7 +247,7 @@ impl Bench<'_> {
         }
         self.begin(&format!("table of {kib} KiB"));
         let (boundary, rays) = (self.subject.boundary, self.work.rays);
-        let plan = Plan { lobes: [true; 4], bytes: kib << 10, kept: None, rays };
+        let plan = Budget { lobes: [true; 4], bytes: kib << 10, kept: None, rays };
         let begun = Instant::now();
         let table = match tabulate(boundary, &plan, self.work.watch.quiet()) {
             Ok(table) => table,

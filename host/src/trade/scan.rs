@@ -6,7 +6,7 @@ use asperity_core::metric::rmsd_percent;
 use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
-use crate::forward::{Effort, Plan, Sample, Setup, quadrature};
+use crate::forward::{Angles, Effort, Sample, Setup, quadrature};
 use crate::measurement::{Measurement, Quantity};
 
 /// Incidences of the scan that tells the distance from the model, and its step, degrees.
@@ -17,7 +17,7 @@ pub(super) const STEP: f64 = 0.25;
 #[derive(Clone, Debug)]
 pub struct Scan {
     setup: Setup,
-    plan: Plan,
+    angles: Angles,
     readings: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ impl Scan {
     /// A measurement and how it was made.
     pub fn of(measurement: &Measurement, setup: Setup) -> Self {
         let readings = measurement.readings().iter().map(|r| r.value).collect();
-        Self { setup, plan: Plan::of(measurement), readings }
+        Self { setup, angles: Angles::of(measurement), readings }
     }
 
     /// The scan that any model can be compared on: the GP-200's, in transmission if there is any.
@@ -39,19 +39,19 @@ impl Scan {
         };
         let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
         let thetas: Vec<f64> = (0..=720).map(|k| -90.0 + STEP * f64::from(k)).collect();
-        let plan = Plan::product(&SIGMAS, &thetas);
-        let readings = quadrature(model, &setup, &plan, Effort::Full).values;
-        Some(Self { setup, plan, readings })
+        let angles = Angles::product(&SIGMAS, &thetas);
+        let readings = quadrature(model, &setup, &angles, Effort::Full).values;
+        Some(Self { setup, angles, readings })
     }
 
     /// Its incidences, degrees.
     pub(super) fn sigmas_deg(&self) -> impl Iterator<Item = f64> + '_ {
-        self.plan.incidences.iter().map(|i| i.sigma_deg)
+        self.angles.incidences.iter().map(|i| i.sigma_deg)
     }
 
     /// Eq. (18) of a law's diffuse light.
     pub(super) fn error<B: Bsdf<f64> + Sync>(&self, law: &B) -> Option<f64> {
-        let values = quadrature(law, &self.setup, &self.plan, Effort::Full).values;
+        let values = quadrature(law, &self.setup, &self.angles, Effort::Full).values;
         rmsd_percent(&self.readings, &values).filter(|e| e.is_finite())
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use asperity::boundary::Boundary;
 use asperity::energy::{balance, balances};
-use asperity::forward::{Effort, Plan, Rays, Readings, Sample, Setup, count_flux, simulate};
+use asperity::forward::{Angles, Effort, Rays, Readings, Sample, Setup, count_flux, simulate};
 use asperity::hybrid::HybridBoundary;
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
@@ -50,7 +50,7 @@ fn scan(boundary: &Boundary, geometry: Geometry, sigmas_deg: &[f64], count: u64)
     let sample = Sample::Plate { eta: ior(ETA), rough_side: RoughSide::Source };
     let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
     let angles: Vec<f64> = (0..361).map(|k| f64::from(k) * 0.5 - 90.0).collect();
-    let (plan, rays) = (Plan::product(sigmas_deg, &angles), Rays { count, seed: 5 });
+    let (plan, rays) = (Angles::product(sigmas_deg, &angles), Rays { count, seed: 5 });
     simulate(boundary, &setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap()
 }
 

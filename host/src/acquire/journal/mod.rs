@@ -4,8 +4,8 @@
 //! before it (8 hexadecimal digits; none in the first line) and its text:
 //!
 //! ```text
-//! asperity-journal 2 <serial> <hash of the plan> <number drawn for this journal> <model> ~<crc>
-//! plan <one line of the plan file> ~<crc>
+//! asperity-journal 2 <serial> <hash of the schedule> <number drawn for this journal> <model> ~<crc>
+//! plan <one line of the schedule file> ~<crc>
 //! calibration <number> <incidence> <id> <range> <reference> <six dark currents> ~<crc>
 //! point <incidence> <index> <theta> <signal> <dark> <range> <flags> <calibration> ~<crc>
 //! ```
@@ -30,7 +30,7 @@ use asperity_core::protocol::{Calibration, Ident};
 
 use self::record::{Chain, Header};
 pub use self::record::{Stored, StoredCalibration};
-use super::plan::Plan;
+use super::schedule::Schedule;
 use crate::output::folder_of;
 use crate::scratch::Scratch;
 
@@ -108,7 +108,7 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     chain: Chain,
-    plan: Plan,
+    schedule: Schedule,
     model: String,
     serial: u32,
     calibrations: Vec<StoredCalibration>,
@@ -128,7 +128,7 @@ impl Journal {
     ///
     /// # Errors
     /// [`JournalError::Exists`], [`JournalError::Io`].
-    pub fn create(path: PathBuf, plan: &Plan, ident: &Ident) -> Result<Self, JournalError> {
+    pub fn create(path: PathBuf, schedule: &Schedule, ident: &Ident) -> Result<Self, JournalError> {
         let failed = |source| io_error(&path, "cannot be created", source);
         let folder = folder_of(&path);
         let mut builder = tempfile::Builder::new();
@@ -138,10 +138,10 @@ impl Journal {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let mut file = Scratch::create(&builder, folder).map_err(failed)?;
         let model = ident.model.as_str().to_owned();
-        let (serial, hash, nonce) = (ident.serial, plan.hash(), Some(draw()));
+        let (serial, hash, nonce) = (ident.serial, schedule.hash(), Some(draw()));
         let header = Header { serial, hash, nonce, model: model.clone() };
         let mut chain = Chain::NEW;
-        let lines = record::header(&mut chain, &header, &plan.text());
+        let lines = record::header(&mut chain, &header, &schedule.text());
         file.write_all(lines.as_bytes()).map_err(failed)?;
         file.as_file().and_then(std::fs::File::sync_all).map_err(failed)?;
         lock(file.as_file().map_err(failed)?, &path)?;
@@ -153,9 +153,9 @@ impl Journal {
         if let Ok(folder) = File::open(folder) {
             let _ = folder.sync_all();
         }
-        let points = vec![Vec::new(); plan.sigmas().len()];
-        let (plan, calibrations) = (plan.clone(), Vec::new());
-        Ok(Self { path, file, chain, plan, model, serial, calibrations, points })
+        let points = vec![Vec::new(); schedule.sigmas().len()];
+        let (schedule, calibrations) = (schedule.clone(), Vec::new());
+        Ok(Self { path, file, chain, schedule, model, serial, calibrations, points })
     }
 
     /// Opens the journal of an acquisition that was not finished; a torn last line is cut off.
@@ -187,8 +187,8 @@ impl Journal {
     }
 
     /// What is measured.
-    pub fn plan(&self) -> &Plan {
-        &self.plan
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
     }
 
     /// Model and serial number of the instrument.
@@ -216,14 +216,14 @@ impl Journal {
         self.len() == 0
     }
 
-    /// Whether every point of the plan is there.
+    /// Whether every point of the schedule is there.
     pub fn is_complete(&self) -> bool {
-        self.len() == self.plan.points()
+        self.len() == self.schedule.points()
     }
 
     /// The first incidence with a missing point, and that point.
     pub fn next(&self) -> Option<(usize, u16)> {
-        let short = |points: &Vec<Stored>| points.len() < usize::from(self.plan.count());
+        let short = |points: &Vec<Stored>| points.len() < usize::from(self.schedule.count());
         let sigma = self.points.iter().position(short)?;
         Some((sigma, self.points(sigma).len() as u16))
     }

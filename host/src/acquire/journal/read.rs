@@ -7,7 +7,7 @@ use std::path::Path;
 use super::record::{self, Chain, Header, Stored, StoredCalibration};
 use super::{Journal, JournalError, MAX_BYTES, io_error};
 use crate::acquire::draft::Draft;
-use crate::acquire::plan::Plan;
+use crate::acquire::schedule::Schedule;
 use crate::input::read_all;
 use crate::measurement::excerpt;
 
@@ -32,21 +32,22 @@ pub(super) fn read(path: &Path, file: File) -> Result<Journal, JournalError> {
         .and_then(|text| record::read_header(text, lines.chain))
         .ok_or_else(|| damaged(1, 0, "is no journal of this or a former version of asperity"))?;
     lines.chain = chain;
-    let mut plan = String::new();
+    let mut schedule = String::new();
     let mut record = None;
     while let Some(text) = lines.next().map_err(|line| damaged(line, 0, BROKEN))? {
         let Some(line) = text.strip_prefix("plan ") else {
             record = Some(text);
             break;
         };
-        plan.push_str(line);
-        plan.push('\n');
+        schedule.push_str(line);
+        schedule.push('\n');
     }
-    let plan = read_plan(&plan, &header, path).ok_or_else(|| damaged(1, 0, "its plan is none"))?;
-    let points = vec![Vec::new(); plan.sigmas().len()];
+    let schedule = read_schedule(&schedule, &header, path)
+        .ok_or_else(|| damaged(1, 0, "its schedule is none"))?;
+    let points = vec![Vec::new(); schedule.sigmas().len()];
     let Header { model, serial, .. } = header;
     let (path, calibrations) = (path.to_owned(), Vec::new());
-    let mut journal = Journal { path, file, chain, plan, model, serial, calibrations, points };
+    let mut journal = Journal { path, file, chain, schedule, model, serial, calibrations, points };
     while let Some(text) = record {
         journal.take(text).map_err(|what| damaged(lines.count, lines.count - 1, &what))?;
         record = lines.next().map_err(|line| damaged(line, line - 1, BROKEN))?;
@@ -89,9 +90,9 @@ impl<'a> Lines<'a> {
     }
 }
 
-fn read_plan(text: &str, header: &Header, path: &Path) -> Option<Plan> {
-    let plan = Draft::parse(text, path).ok()?.plan().ok()?;
-    (plan.hash() == header.hash).then_some(plan)
+fn read_schedule(text: &str, header: &Header, path: &Path) -> Option<Schedule> {
+    let schedule = Draft::parse(text, path).ok()?.schedule().ok()?;
+    (schedule.hash() == header.hash).then_some(schedule)
 }
 
 impl Journal {

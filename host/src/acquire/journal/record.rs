@@ -57,7 +57,7 @@ impl Chain {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Header {
     pub(super) serial: u32,
-    /// Of the plan's text.
+    /// Of the schedule's text.
     pub(super) hash: u32,
     /// Drawn for this journal; `None` in version 1.
     pub(super) nonce: Option<u64>,
@@ -85,14 +85,14 @@ pub struct Stored {
 }
 
 /// The lines that a new journal begins with.
-pub(super) fn header(chain: &mut Chain, header: &Header, plan: &str) -> String {
+pub(super) fn header(chain: &mut Chain, header: &Header, schedule: &str) -> String {
     let Header { serial, hash, nonce, model } = header;
     let first = match nonce {
         Some(nonce) => format!("{MAGIC} 2 {serial} {hash:08x} {nonce:016x} {model}"),
         None => format!("{MAGIC} 1 {serial} {hash:08x} {model}"),
     };
     let mut text = chain.line(&first);
-    for line in plan.lines() {
+    for line in schedule.lines() {
         text.push_str(&chain.line(&format!("plan {line}")));
     }
     text

@@ -8,9 +8,9 @@ use asperity_core::bsdf::{Lobe, Scatter};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
 
+use super::binning::{Azimuth, Binning, side_index};
 use super::bins::{BinnedLobe, Estimate, Partition};
-use super::plan::{Azimuth, TablePlan, side_index};
-use super::{BsdfTable, SideTable};
+use super::{BinnedBsdf, SideTable};
 use crate::forward::{Heeding, Rays, Tiles, mix};
 use crate::watch::Watch;
 
@@ -21,36 +21,36 @@ const MOST_PILOT: u64 = 1 << 22;
 /// What golden steps leave of the circle, so that any number of successive ones divides it evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Traces all that a plan asks for.
+/// Traces all that a binning asks for.
 ///
 /// The same bits for any number of threads. `None` if it was stopped before the end. `watch` is told of
-/// more rays; they are [`TablePlan::rays_in_all`].
-pub fn tabulate<S: Scatter<f64> + Sync>(
+/// more rays; they are [`Binning::rays_in_all`].
+pub fn gather<S: Scatter<f64> + Sync>(
     boundary: &S,
-    plan: &TablePlan,
+    binning: &Binning,
     watch: Watch<'_>,
-) -> Option<BsdfTable> {
-    watch.done(0, usize::try_from(plan.rays_in_all()).unwrap_or(usize::MAX));
+) -> Option<BinnedBsdf> {
+    watch.done(0, usize::try_from(binning.rays_in_all()).unwrap_or(usize::MAX));
     let heeding = Heeding { boundary, watch };
-    let work = Work { boundary: &heeding, plan, watch };
-    let azimuths: Vec<Option<f64>> = match &plan.azimuth {
+    let work = Work { boundary: &heeding, binning, watch };
+    let azimuths: Vec<Option<f64>> = match &binning.azimuth {
         Azimuth::Isotropic => vec![None],
         Azimuth::Fixed(degrees) => degrees.iter().copied().map(Some).collect(),
     };
     let mut sides = [SideTable::default(), SideTable::default()];
     for side in [Side::Air, Side::Dielectric] {
         let table = &mut sides[side_index(side)];
-        for &incidence_deg in plan.incidences_deg(side) {
+        for &incidence_deg in binning.incidences_deg(side) {
             table.angles.push(incidence_deg.to_radians());
             for &azimuth_deg in &azimuths {
                 table.beams.push(work.beam(Beam { side, incidence_deg, azimuth_deg })?);
             }
         }
     }
-    Some(BsdfTable::new(plan, sides))
+    Some(BinnedBsdf::new(binning, sides))
 }
 
-impl TablePlan {
+impl Binning {
     fn pilot(&self) -> Rays {
         // as many as give a bin of the smallest number of rays at least a few
         let least = (self.rays.count / 8).max(1024).min(self.rays.count);
@@ -132,14 +132,14 @@ struct Ended {
 
 struct Work<'a, S> {
     boundary: &'a S,
-    plan: &'a TablePlan,
+    binning: &'a Binning,
     watch: Watch<'a>,
 }
 
 impl<S: Scatter<f64> + Sync> Work<'_, S> {
     /// The reflected and the transmitted lobe of a beam.
     fn beam(&self, beam: Beam) -> Option<[BinnedLobe; 2]> {
-        let pilot = beam.tiles(self.plan.pilot());
+        let pilot = beam.tiles(self.binning.pilot());
         let mut points = [Vec::new(), Vec::new()];
         let all = |tile| -> Vec<_> {
             (0..pilot.rays_each())
@@ -152,10 +152,10 @@ impl<S: Scatter<f64> + Sync> Work<'_, S> {
                 points[lobe_index(lobe)].push(point);
             }
         })?;
-        let rays = beam.tiles(self.plan.rays);
+        let rays = beam.tiles(self.binning.rays);
         let n = count(rays) as f64;
         let share = count(pilot) as f64 / n;
-        let most = (2.0 * f64::from(self.plan.rays_per_bin) * share).ceil() as usize;
+        let most = (2.0 * f64::from(self.binning.rays_per_bin) * share).ceil() as usize;
         let mirrored = beam.azimuth_deg.is_none();
         let partitions = points.map(|points| Partition::grow(&points, most, mirrored));
 
@@ -263,8 +263,8 @@ mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-    use super::super::{Azimuth, BsdfTable, TablePlan};
-    use super::tabulate;
+    use super::super::{Azimuth, BinnedBsdf, Binning};
+    use super::gather;
     use crate::forward::Rays;
     use crate::raytrace::{Field, TracedBoundary};
     use crate::surface::{Edges, HeightMap};
@@ -283,11 +283,11 @@ mod tests {
         assert_eq!((again.nx(), again.ny()), (64, 64));
         let boundary = TracedBoundary { field, eta };
         for azimuth in [Azimuth::Isotropic, Azimuth::Fixed(vec![0.0, 40.0])] {
-            let mut plan = TablePlan::new(eta, Rays { count: 20_000, seed: 6 });
+            let mut binning = Binning::new(eta, Rays { count: 20_000, seed: 6 });
             for side in [Side::Air, Side::Dielectric] {
-                plan = plan.with_incidences(side, &[10.0, 50.0]).unwrap();
+                binning = binning.with_incidences(side, &[10.0, 50.0]).unwrap();
             }
-            let plan = plan.with_azimuth(azimuth).unwrap();
+            let binning = binning.with_azimuth(azimuth).unwrap();
             let done = AtomicU64::new(0);
             let count = |told: Progress<'_>| {
                 if let Progress::More(rays) = told {
@@ -296,19 +296,19 @@ mod tests {
             };
             let never = AtomicBool::new(false);
             let watch = Watch::new(&never, &count);
-            let table = |threads| -> BsdfTable {
+            let table = |threads| -> BinnedBsdf {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                pool.install(|| tabulate(&boundary, &plan, watch)).unwrap()
+                pool.install(|| gather(&boundary, &binning, watch)).unwrap()
             };
             let (one, three) = (table(1), table(3));
-            assert_eq!(done.load(Ordering::Relaxed), 2 * plan.rays_in_all());
+            assert_eq!(done.load(Ordering::Relaxed), 2 * binning.rays_in_all());
             for side in [Side::Air, Side::Dielectric] {
                 for (k, lobe) in [(0, Lobe::Reflection), (1, Lobe::Transmission)] {
                     assert!(one.bins(side, k, 0, lobe).count() > 10);
                     assert!(one.bins(side, k, 0, lobe).eq(three.bins(side, k, 0, lobe)));
                 }
             }
-            assert!(tabulate(&boundary, &plan, Watch::silent(&AtomicBool::new(true))).is_none());
+            assert!(gather(&boundary, &binning, Watch::silent(&AtomicBool::new(true))).is_none());
         }
     }
 }

@@ -4,7 +4,7 @@ use asperity_core::bsdf::Scatter;
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
 
-use super::{Azimuth, BsdfTable, PlanError, TablePlan, tabulate, tabulate_orders};
+use super::{Azimuth, BinnedBsdf, Binning, BinningError, gather, gather_orders};
 use crate::boundary::Boundary;
 use crate::forward::Rays;
 use crate::kirchhoff::{Speckle, WaveBoundary};
@@ -17,7 +17,7 @@ pub enum Asked {
     /// Nothing: it has a closed form, or is a table.
     AsItIs,
     /// A table, its incidences those that were asked for if they are few.
-    Table(Box<BsdfTable>),
+    Table(Box<BinnedBsdf>),
     /// Stopped before the table was made.
     Stopped,
 }
@@ -29,13 +29,13 @@ impl Asked {
     /// the rays, or the transforms.
     ///
     /// # Errors
-    /// [`PlanError`].
+    /// [`BinningError`].
     pub fn of(
         boundary: &Boundary,
         wi: &[Direction<f64>],
         rays: Rays,
         watch: Watch<'_>,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, BinningError> {
         let table = match boundary {
             Boundary::Traced(t) => traced(t, (t.eta(), t.anisotropy()), wi, rays, watch)?,
             Boundary::Hybrid(h) => traced(&**h, (h.eta(), h.anisotropy()), wi, rays, watch)?,
@@ -54,9 +54,9 @@ fn traced<S: Scatter<f64> + Sync>(
     wi: &[Direction<f64>],
     rays: Rays,
     watch: Watch<'_>,
-) -> Result<Option<BsdfTable>, PlanError> {
-    let plan = TablePlan::new(eta, rays).with_azimuth(Azimuth::of(anisotropy))?;
-    Ok(tabulate(boundary, &plan.for_directions(wi), watch))
+) -> Result<Option<BinnedBsdf>, BinningError> {
+    let binning = Binning::new(eta, rays).with_azimuth(Azimuth::of(anisotropy))?;
+    Ok(gather(boundary, &binning.for_directions(wi), watch))
 }
 
 fn of_waves(
@@ -64,13 +64,13 @@ fn of_waves(
     wi: &[Direction<f64>],
     rays: Rays,
     watch: Watch<'_>,
-) -> Result<Option<BsdfTable>, PlanError> {
-    let plan = TablePlan::new(wave.eta(), rays);
+) -> Result<Option<BinnedBsdf>, BinningError> {
+    let binning = Binning::new(wave.eta(), rays);
     if wave.speckle() == Speckle::Averaged {
-        return Ok(tabulate(wave, &plan.for_directions(wi), watch));
+        return Ok(gather(wave, &binning.for_directions(wi), watch));
     }
-    let plan = plan.with_azimuth(Azimuth::directional())?.for_directions(wi);
-    Ok(tabulate_orders(wave, &plan, watch))
+    let binning = binning.with_azimuth(Azimuth::directional())?.for_directions(wi);
+    Ok(gather_orders(wave, &binning, watch))
 }
 
 #[cfg(test)]
@@ -82,15 +82,15 @@ mod tests {
     use asperity_core::quantity::RelativeIor;
 
     use super::Asked;
+    use crate::binned::{Azimuth, BinnedBsdf};
     use crate::boundary::Boundary;
     use crate::forward::Rays;
     use crate::raytrace::{Field, TracedBoundary};
     use crate::surface::{Edges, HeightMap};
-    use crate::table::{Azimuth, BsdfTable};
     use crate::watch::Watch;
 
     /// The table of grooves along y, or of bumps.
-    fn tabulated(grooves: bool, wi: &[Direction<f64>]) -> BsdfTable {
+    fn tabulated(grooves: bool, wi: &[Direction<f64>]) -> BinnedBsdf {
         let height = |k: u32| {
             let wave = |k: u32| (f64::from(k % 64) * std::f64::consts::TAU * 7.0 / 64.0).sin();
             0.3 * (wave(k) + if grooves { 0.0 } else { wave(k / 64) })

@@ -34,7 +34,7 @@ impl Azimuth {
 
 /// Why a table cannot be made as asked for.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PlanError {
+pub enum BinningError {
     /// An incidence out of range.
     #[error("an incidence of {0} degrees cannot be tabulated; give 0 to below 90")]
     Incidence(f64),
@@ -46,9 +46,9 @@ pub enum PlanError {
     NoAzimuth,
 }
 
-/// What to tabulate, and with how many rays.
+/// What to gather, and with how many rays.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TablePlan {
+pub struct Binning {
     pub(super) eta: RelativeIor<f64>,
     /// Rays of each incidence and azimuth.
     pub(super) rays: Rays,
@@ -63,7 +63,7 @@ pub(super) fn side_index(side: Side) -> usize {
     usize::from(side == Side::Dielectric)
 }
 
-impl TablePlan {
+impl Binning {
     /// Both sides, the default incidences, all azimuths alike, bins of about a hundred rays.
     pub fn new(eta: RelativeIor<f64>, rays: Rays) -> Self {
         let incidences_deg = [Side::Air, Side::Dielectric].map(|s| default_incidences_deg(s, eta));
@@ -73,10 +73,10 @@ impl TablePlan {
     /// With other incidences for one side, degrees; a side without any scatters nothing.
     ///
     /// # Errors
-    /// [`PlanError::Incidence`] if one is not from 0 to below 90.
-    pub fn with_incidences(mut self, side: Side, degrees: &[f64]) -> Result<Self, PlanError> {
+    /// [`BinningError::Incidence`] if one is not from 0 to below 90.
+    pub fn with_incidences(mut self, side: Side, degrees: &[f64]) -> Result<Self, BinningError> {
         if let Some(bad) = degrees.iter().find(|d| !(0.0..90.0).contains(*d)) {
-            return Err(PlanError::Incidence(*bad));
+            return Err(BinningError::Incidence(*bad));
         }
         self.incidences_deg[side_index(side)] = ascending(degrees.to_vec());
         Ok(self)
@@ -85,17 +85,17 @@ impl TablePlan {
     /// With other azimuths.
     ///
     /// # Errors
-    /// [`PlanError`] if a fixed azimuth is not finite, or there is none.
-    pub fn with_azimuth(mut self, azimuth: Azimuth) -> Result<Self, PlanError> {
+    /// [`BinningError`] if a fixed azimuth is not finite, or there is none.
+    pub fn with_azimuth(mut self, azimuth: Azimuth) -> Result<Self, BinningError> {
         self.azimuth = match azimuth {
             Azimuth::Isotropic => Azimuth::Isotropic,
             Azimuth::Fixed(degrees) => {
                 if let Some(bad) = degrees.iter().find(|d| !d.is_finite()) {
-                    return Err(PlanError::Azimuth(*bad));
+                    return Err(BinningError::Azimuth(*bad));
                 }
                 let once = ascending(degrees.iter().map(|d| d.rem_euclid(360.0)).collect());
                 if once.is_empty() {
-                    return Err(PlanError::NoAzimuth);
+                    return Err(BinningError::NoAzimuth);
                 }
                 Azimuth::Fixed(once)
             }
@@ -182,54 +182,57 @@ pub fn default_incidences_deg(side: Side, eta: RelativeIor<f64>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Azimuth, PlanError, TablePlan};
+    use super::{Azimuth, Binning, BinningError};
     use crate::forward::Rays;
     use asperity_core::direction::{Direction, Side};
     use asperity_core::quantity::RelativeIor;
 
-    fn plan(eta: f64) -> TablePlan {
-        TablePlan::new(RelativeIor::new(eta).unwrap(), Rays { count: 1000, seed: 1 })
+    fn binning(eta: f64) -> Binning {
+        Binning::new(RelativeIor::new(eta).unwrap(), Rays { count: 1000, seed: 1 })
     }
 
     #[test]
     fn incidences_are_denser_about_the_critical_angle() {
-        let p = plan(1.49);
+        let p = binning(1.49);
         assert_eq!(p.incidences_deg(Side::Air).len(), 18);
         let inside = p.incidences_deg(Side::Dielectric);
         let near = inside.iter().filter(|d| (**d - 42.155).abs() < 5.6).count();
         assert!(near == 11 && inside.windows(2).all(|w| w[0] < w[1]), "{inside:?}");
         // an air bubble: the other way round
-        assert_eq!(plan(1.0 / 1.49).incidences_deg(Side::Dielectric).len(), 18);
-        assert!(plan(1.0 / 1.49).incidences_deg(Side::Air).len() > 20);
+        assert_eq!(binning(1.0 / 1.49).incidences_deg(Side::Dielectric).len(), 18);
+        assert!(binning(1.0 / 1.49).incidences_deg(Side::Air).len() > 20);
     }
 
     #[test]
     fn few_directions_are_tabulated_exactly() {
         let at = |deg: f64, phi: f64| Direction::from_angles(deg.to_radians(), phi.to_radians());
         let wi = [at(30.0, 180.0), at(30.000_01, 7.0), at(60.0, 180.0), at(91.0, 190.0)];
-        let p = plan(1.5).for_directions(&wi[..3]);
+        let p = binning(1.5).for_directions(&wi[..3]);
         let found = p.incidences_deg(Side::Air);
         assert!(found.len() == 2 && (found[0] - 30.0).abs() < 1e-4, "{found:?}");
         assert!(p.incidences_deg(Side::Dielectric).is_empty());
-        let p = plan(1.5).with_azimuth(Azimuth::directional()).unwrap().for_directions(&wi);
+        let p = binning(1.5).with_azimuth(Azimuth::directional()).unwrap().for_directions(&wi);
         assert!((p.incidences_deg(Side::Dielectric)[0] - 89.0).abs() < 1e-9);
         let Azimuth::Fixed(azimuths) = &p.azimuth else { panic!() };
         for (found, exact) in azimuths.iter().zip([0.0, 10.0, 187.0]) {
             assert!((found - exact).abs() < 1e-9, "{azimuths:?}");
         }
         let many: Vec<_> = (0..41).map(|k| at(2.0 * f64::from(k), 0.0)).collect();
-        assert_eq!(plan(1.5).for_directions(&many).incidences_deg(Side::Air).len(), 18);
+        assert_eq!(binning(1.5).for_directions(&many).incidences_deg(Side::Air).len(), 18);
     }
 
     #[test]
     fn only_angles_are_accepted() {
         for bad in [90.0, -1.0, f64::NAN] {
-            let found = plan(1.5).with_incidences(Side::Air, &[10.0, bad]);
-            assert!(matches!(found, Err(PlanError::Incidence(_))), "{bad}");
+            let found = binning(1.5).with_incidences(Side::Air, &[10.0, bad]);
+            assert!(matches!(found, Err(BinningError::Incidence(_))), "{bad}");
         }
-        assert!(plan(1.5).with_azimuth(Azimuth::Fixed(vec![f64::NAN])).is_err());
-        assert_eq!(plan(1.5).with_azimuth(Azimuth::Fixed(Vec::new())), Err(PlanError::NoAzimuth));
-        let p = plan(1.5).with_azimuth(Azimuth::Fixed(vec![-30.0, 0.0, 330.0, 360.0])).unwrap();
+        assert!(binning(1.5).with_azimuth(Azimuth::Fixed(vec![f64::NAN])).is_err());
+        assert_eq!(
+            binning(1.5).with_azimuth(Azimuth::Fixed(Vec::new())),
+            Err(BinningError::NoAzimuth)
+        );
+        let p = binning(1.5).with_azimuth(Azimuth::Fixed(vec![-30.0, 0.0, 330.0, 360.0])).unwrap();
         assert_eq!(p.azimuth, Azimuth::Fixed(vec![0.0, 330.0]));
     }
 }

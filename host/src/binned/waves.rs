@@ -8,9 +8,9 @@ use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
 
+use super::binning::{Azimuth, Binning, side_index};
 use super::bins::{BinnedLobe, Estimate, Partition};
-use super::plan::{Azimuth, TablePlan, side_index};
-use super::{BsdfTable, SideTable};
+use super::{BinnedBsdf, SideTable};
 use crate::kirchhoff::{Beam, BeamOrders, WaveBoundary, orders};
 use crate::watch::Watch;
 
@@ -18,23 +18,23 @@ use crate::watch::Watch;
 const POINTS: usize = 1 << 17;
 const MOST_POINTS: usize = 48;
 
-/// Sums all orders that a plan asks for, at its azimuths or, if it has none, at azimuth 0.
+/// Sums all orders that a binning asks for, at its azimuths or, if it has none, at azimuth 0.
 ///
 /// The same bits for any number of threads. `None` if it was stopped before the end. `watch` is told the
 /// transforms done, anew for each incidence.
-pub fn tabulate_orders(
+pub fn gather_orders(
     boundary: &WaveBoundary,
-    plan: &TablePlan,
+    binning: &Binning,
     watch: Watch<'_>,
-) -> Option<BsdfTable> {
-    let azimuths = match &plan.azimuth {
+) -> Option<BinnedBsdf> {
+    let azimuths = match &binning.azimuth {
         Azimuth::Isotropic => vec![0.0],
         Azimuth::Fixed(degrees) => degrees.clone(),
     };
     let mut sides = [SideTable::default(), SideTable::default()];
     for side in [Side::Air, Side::Dielectric] {
         let table = &mut sides[side_index(side)];
-        for &incidence_deg in plan.incidences_deg(side) {
+        for &incidence_deg in binning.incidences_deg(side) {
             table.angles.push(incidence_deg.to_radians());
             for &azimuth_deg in &azimuths {
                 let wi = from(side, incidence_deg, azimuth_deg);
@@ -42,8 +42,8 @@ pub fn tabulate_orders(
             }
         }
     }
-    let plan = TablePlan { azimuth: Azimuth::Fixed(azimuths), ..plan.clone() };
-    Some(BsdfTable::new(&plan, sides))
+    let binning = Binning { azimuth: Azimuth::Fixed(azimuths), ..binning.clone() };
+    Some(BinnedBsdf::new(&binning, sides))
 }
 
 /// Where light comes from.
@@ -100,8 +100,8 @@ fn binned(boundary: &WaveBoundary, of: &[BeamOrders], shares: &[f64]) -> BinnedL
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Azimuth, TablePlan};
-    use super::{from, tabulate_orders};
+    use super::super::{Azimuth, Binning};
+    use super::{from, gather_orders};
     use crate::forward::Rays;
     use crate::kirchhoff::{
         Beam, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths, orders,
@@ -129,14 +129,14 @@ mod tests {
         };
         let map = surface.map().unwrap();
         let wave = WaveBoundary::of_map(&map, Edges::Periodic, eta, &options).unwrap();
-        let plan = TablePlan::new(eta, Rays { count: 1, seed: 1 })
+        let binning = Binning::new(eta, Rays { count: 1, seed: 1 })
             .with_incidences(Side::Air, &[30.0])
             .unwrap()
             .with_incidences(Side::Dielectric, &[])
             .unwrap()
             .with_azimuth(Azimuth::Fixed(vec![20.0]))
             .unwrap();
-        let table = tabulate_orders(&wave, &plan, Watch::nobody()).unwrap();
+        let table = gather_orders(&wave, &binning, Watch::nobody()).unwrap();
         let wi = from(Side::Air, 30.0, 20.0);
         let beam = |lobe| Beam { wi, lobe, wavelength_um: 0.55 };
         let beams = [beam(Lobe::Reflection), beam(Lobe::Transmission)];

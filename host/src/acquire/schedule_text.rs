@@ -1,4 +1,4 @@
-//! A plan as text: read from a file, and written out, with its checksum: the way back from [`Plan`] to [`Draft`].
+//! A schedule as text: read from a file, and written out, with its checksum: the way back from [`Schedule`] to [`Draft`].
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -8,32 +8,32 @@ use asperity_core::plate::RoughSide;
 use asperity_core::protocol::{Range, checksum};
 
 use super::draft::{Draft, RangeWord};
-use super::plan::{CalibrationRule, Plan};
-use super::plan_error::PlanError;
+use super::schedule::{CalibrationRule, Schedule};
+use super::schedule_error::ScheduleError;
 use crate::input::read_file;
 
-/// Largest plan file, bytes.
+/// Largest schedule file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 /// Longest message of the parser that is repeated, characters.
 const MOST_WORDS: usize = 160;
 
 impl Draft {
-    /// Reads a plan file.
+    /// Reads a schedule file.
     ///
     /// # Errors
-    /// [`PlanError::Read`], [`PlanError::TooLarge`], [`PlanError::Syntax`] with file and line.
-    pub fn read(path: impl AsRef<Path>) -> Result<Self, PlanError> {
+    /// [`ScheduleError::Read`], [`ScheduleError::TooLarge`], [`ScheduleError::Syntax`] with file and line.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, ScheduleError> {
         let path = path.as_ref();
         let bytes = read_file(path, MAX_BYTES).map_err(|source| match source.kind() {
             ErrorKind::FileTooLarge | ErrorKind::InvalidInput => {
-                PlanError::TooLarge { path: path.to_owned() }
+                ScheduleError::TooLarge { path: path.to_owned() }
             }
-            _ => PlanError::Read { path: path.to_owned(), source },
+            _ => ScheduleError::Read { path: path.to_owned(), source },
         })?;
         let text = String::from_utf8(bytes).map_err(|e| {
             let good = e.utf8_error().valid_up_to();
             let before = e.as_bytes().get(..good).unwrap_or(&[]);
-            PlanError::Syntax {
+            ScheduleError::Syntax {
                 path: path.to_owned(),
                 line: String::from_utf8_lossy(before).matches('\n').count() + 1,
                 what: "is not UTF-8 text".to_owned(),
@@ -42,14 +42,14 @@ impl Draft {
         Self::parse(&text, path)
     }
 
-    /// Reads the text of a plan file; `path` is for messages.
+    /// Reads the text of a schedule file; `path` is for messages.
     ///
     /// # Errors
-    /// [`PlanError::Syntax`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self, PlanError> {
+    /// [`ScheduleError::Syntax`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ScheduleError> {
         toml::from_str(text).map_err(|e| {
             let before = e.span().and_then(|span| text.get(..span.start)).unwrap_or("");
-            PlanError::Syntax {
+            ScheduleError::Syntax {
                 path: path.to_owned(),
                 line: before.matches('\n').count() + 1,
                 what: brief(e.message()),
@@ -67,8 +67,8 @@ fn brief(message: &str) -> String {
     }
 }
 
-impl Plan {
-    /// The plan with nothing left unsaid.
+impl Schedule {
+    /// The schedule with nothing left unsaid.
     pub fn draft(&self) -> Draft {
         let word = |text: &str| Some(text.to_owned());
         Draft {
@@ -103,7 +103,7 @@ impl Plan {
         }
     }
 
-    /// The plan as a plan file: the same text for the same plan, and the same plan from that text.
+    /// The schedule as a schedule file: the same text for the same schedule, and the same schedule from that text.
     pub fn text(&self) -> String {
         // such a structure has no value that TOML does not know
         toml::to_string(&self.draft()).unwrap_or_default()

@@ -1,23 +1,23 @@
 //! The BSDF of a boundary that can only be sampled, as a table that can be evaluated.
 //!
-//! Rays are traced from both sides and gathered in bins that follow the lobes ([`tabulate()`]), and so are the orders
-//! of a map that scatters waves ([`tabulate_orders()`]); between the tabulated
-//! incidences lobes move in direction cosines rather than fade into each other ([`BsdfTable`]).
+//! Rays are traced from both sides and gathered in bins that follow the lobes ([`gather()`]), and so are the orders
+//! of a map that scatters waves ([`gather_orders()`]); between the tabulated
+//! incidences lobes move in direction cosines rather than fade into each other ([`BinnedBsdf`]).
 
 mod disc;
 mod bins;
-mod plan;
-mod tabulate;
+mod binning;
+mod gather;
 mod waves;
 mod lookup;
 mod asked;
 
 pub use asked::Asked;
+pub use binning::{Azimuth, Binning, BinningError, default_incidences_deg};
 pub use bins::{Bin, Estimate};
 pub use disc::{to_disc, to_square};
-pub use plan::{Azimuth, PlanError, TablePlan, default_incidences_deg};
-pub use tabulate::tabulate;
-pub use waves::tabulate_orders;
+pub use gather::gather;
+pub use waves::gather_orders;
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -36,7 +36,7 @@ use bins::BinnedLobe;
 /// What is traced is one piece of surface: errors are those of a finite number of rays, not of the
 /// piece being small.
 #[derive(Clone, Debug)]
-pub struct BsdfTable {
+pub struct BinnedBsdf {
     eta: RelativeIor<f64>,
     azimuth: Azimuth,
     sides: [SideTable; 2],
@@ -61,10 +61,10 @@ pub struct Totals {
     pub transmitted: Estimate,
 }
 
-impl BsdfTable {
-    fn new(plan: &TablePlan, sides: [SideTable; 2]) -> Self {
+impl BinnedBsdf {
+    fn new(binning: &Binning, sides: [SideTable; 2]) -> Self {
         let mut table =
-            Self { eta: plan.eta, azimuth: plan.azimuth.clone(), sides, slope: f64::NAN };
+            Self { eta: binning.eta, azimuth: binning.azimuth.clone(), sides, slope: f64::NAN };
         table.slope = table.find_slope();
         table
     }
@@ -109,7 +109,7 @@ impl BsdfTable {
     }
 
     fn side(&self, side: Side) -> &SideTable {
-        &self.sides[plan::side_index(side)]
+        &self.sides[binning::side_index(side)]
     }
 }
 

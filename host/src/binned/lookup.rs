@@ -5,7 +5,7 @@ use asperity_core::direction::{Direction, Side};
 
 use super::bins::{BinnedLobe, Estimate};
 use super::disc::Shift;
-use super::{Azimuth, BsdfTable, SideTable, Totals, of_lobe};
+use super::{Azimuth, BinnedBsdf, SideTable, Totals, of_lobe};
 
 /// A tabulated lobe near an incidence: its share and how far it is to move.
 struct Corner<'a> {
@@ -21,7 +21,7 @@ struct Blend<'a> {
     turned: [f64; 2],
 }
 
-impl BsdfTable {
+impl BinnedBsdf {
     /// Hemispherical totals of light from `wi`; 0 in the surface, and on a side that was not tabulated.
     pub fn totals(&self, wi: Direction<f64>) -> Totals {
         let of = |lobe| {
@@ -180,7 +180,7 @@ fn around(list: &[f64], x: f64) -> Option<[(usize, f64); 2]> {
     Some([(above, share), (below, 1.0 - share)])
 }
 
-impl Scatter<f64> for BsdfTable {
+impl Scatter<f64> for BinnedBsdf {
     /// Chooses a lobe by its flux, a tabulated lobe by its share, a bin by its flux and a place in it; the weight
     /// is 1, and what neither is reflected nor transmitted is lost.
     ///
@@ -215,7 +215,7 @@ fn opposite(side: Side) -> Side {
     }
 }
 
-impl Bsdf<f64> for BsdfTable {
+impl Bsdf<f64> for BinnedBsdf {
     fn eval(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         self.between(wi, wo).map_or(0.0, |(blend, point)| blend.value(point))
     }

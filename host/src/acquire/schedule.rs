@@ -1,5 +1,5 @@
-//! What is to be measured. A [`Plan`] exists only if it can be carried out, save for the limits of the
-//! instrument, which [`Plan::check`] compares.
+//! What is to be measured. A [`Schedule`] exists only if it can be carried out, save for the limits of the
+//! instrument, which [`Schedule::check`] compares.
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -18,7 +18,7 @@ pub enum CalibrationRule {
 
 /// A scan: the same even grid of observation angles at every incidence.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct Schedule {
     /// Angles of incidence, in the order in which they are measured; no two are equal.
     pub(super) sigmas: Vec<Microdegrees>,
     /// First angle of observation.
@@ -50,7 +50,7 @@ pub struct Plan {
     pub(super) wavelength_nm: Option<f64>,
 }
 
-/// A plan that this instrument cannot carry out.
+/// A schedule that this instrument cannot carry out.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LimitError {
     /// An angle beyond the end of an axis.
@@ -76,7 +76,7 @@ pub enum LimitError {
         "{count} angles of observation are more than the {most} that {instrument} holds; take a larger --step"
     )]
     Points {
-        /// Angles of the plan.
+        /// Angles of the schedule.
         count: u16,
         /// Angles it holds.
         most: u16,
@@ -85,7 +85,7 @@ pub enum LimitError {
     },
 }
 
-impl Plan {
+impl Schedule {
     /// Angles of incidence in the order in which they are measured.
     pub fn sigmas(&self) -> &[Microdegrees] {
         &self.sigmas

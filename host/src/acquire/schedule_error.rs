@@ -1,4 +1,4 @@
-//! A plan that cannot be read, or cannot be meant.
+//! A schedule that cannot be read, or cannot be meant.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,27 +6,27 @@ use std::path::PathBuf;
 use asperity_core::protocol::MAX_POINTS;
 use thiserror::Error;
 
-/// A plan that cannot be read, or cannot be meant.
+/// A schedule that cannot be read, or cannot be meant.
 #[derive(Debug, Error)]
-pub enum PlanError {
+pub enum ScheduleError {
     /// The file cannot be read.
     #[error("{}: cannot be read: {source}; check the path", path.display())]
     Read {
-        /// The plan file.
+        /// The schedule file.
         path: PathBuf,
         /// The operating system's answer.
         source: io::Error,
     },
     /// The file is too large.
-    #[error("{}: is larger than 1 MiB, no plan is; check the path", path.display())]
+    #[error("{}: is larger than 1 MiB, no schedule is; check the path", path.display())]
     TooLarge {
-        /// The plan file.
+        /// The schedule file.
         path: PathBuf,
     },
-    /// The file is not a plan.
+    /// The file is not a schedule.
     #[error("{}:{line}: {what}; see the example in `asperity acquire --help`", path.display())]
     Syntax {
-        /// The plan file.
+        /// The schedule file.
         path: PathBuf,
         /// Line, from 1.
         line: usize,
@@ -36,7 +36,7 @@ pub enum PlanError {
     /// A value that cannot be meant.
     #[error("{key} {value} is not usable; {allowed}")]
     Value {
-        /// The key of the plan file; a flag is called alike.
+        /// The key of the schedule file; a flag is called alike.
         key: &'static str,
         /// What it says.
         value: String,
