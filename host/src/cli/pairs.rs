@@ -285,7 +285,8 @@ fn angles(which: &str, theta_deg: f64, phi_deg: f64) -> Result<Direction<f64>, S
 
 #[cfg(test)]
 mod tests {
-    use super::{COLUMNS, Pairs, Source};
+    use super::{ANGLES, COLUMNS, Columns, Pairs, Source};
+    use crate::cli::error::Failure;
     use std::io::Read;
     use tempfile::SpooledTempFile;
 
@@ -303,7 +304,8 @@ mod tests {
 
     fn piped(text: String) -> Pairs {
         let pipe = Box::new(Slow(text.into_bytes(), 0));
-        Pairs { name: "pipe".into(), source: Source::Pipe(pipe, SpooledTempFile::new(100)) }
+        let source = Source::Pipe(pipe, SpooledTempFile::new(100));
+        Pairs { name: "pipe".into(), source, columns: None }
     }
 
     #[test]
@@ -338,5 +340,38 @@ mod tests {
         assert!(error.contains("pipe:120002: wo has length 2"), "{error}");
         let error = format!("{:?}", piped("0".repeat(3 << 20)).each(|_| Ok(())).unwrap_err());
         assert!(error.contains("pipe:1: the line is too long"), "{error}");
+    }
+
+    #[test]
+    fn angles_are_directions() {
+        let piped = |text: String| {
+            let pipe = Box::new(Slow(text.into_bytes(), 0));
+            let source = Source::Pipe(pipe, SpooledTempFile::new(100));
+            Pairs { name: "pipe".into(), source, columns: None }
+        };
+        let mut found = Vec::new();
+        let mut pairs = piped(format!("{ANGLES}\n30,0,150,90\n90,45,0,7\n"));
+        pairs
+            .each(|some| {
+                found.extend(some.iter().flat_map(|pair| [pair.1.xyz(), pair.2.xyz()]));
+                Ok(())
+            })
+            .unwrap();
+        assert_eq!(pairs.columns(), Columns::Angles);
+        let (half, cos, diagonal) = (0.5, 0.75_f64.sqrt(), 0.5_f64.sqrt());
+        let right =
+            [[half, 0.0, cos], [0.0, half, -cos], [diagonal, diagonal, 0.0], [0.0, 0.0, 1.0]];
+        for (found, right) in found.iter().zip(right) {
+            for (a, b) in found.iter().zip(right) {
+                assert!((a - b).abs() < 1e-15, "{found:?}");
+            }
+        }
+        for (row, what) in
+            [("181,0,0,0", "0 to 180"), ("1,2,3", "write four"), ("a,0,0,0", "finite")]
+        {
+            let done = piped(format!("{ANGLES}\n{row}\n")).each(|_| Ok(()));
+            let Err(Failure::Bad(said)) = done else { panic!("{row}") };
+            assert!(said.contains(what) && said.starts_with("pipe:2:"), "{said}");
+        }
     }
 }

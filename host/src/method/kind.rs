@@ -11,6 +11,7 @@ use crate::surface::{Edges, HeightMap};
 
 /// A method that is not made yet.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "each says whether it needs or has a thing")]
 pub struct Kind {
     /// Name in files and on the command line.
     pub name: &'static str,
