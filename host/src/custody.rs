@@ -1,6 +1,6 @@
 //! Which files a run reads and writes: none is both, and none is written twice.
 //!
-//! Files are read through `input` and written through `output`, and both say so here: a verb cannot forget it. A file is
+//! Files are read through `input` and written through `output`, and both ask here: a verb cannot forget it. A file is
 //! known by its canonical path and, on Unix, by device and inode, so links of either kind are seen through. Only a program
 //! that does one thing and ends wants this; it is off until [`watch`].
 
@@ -16,14 +16,19 @@ pub(crate) fn watch() {
     let mut custody = Custody::default();
     custody.add_standard();
     *run() = Some(custody);
+    crate::input::ask_first(reads);
 }
 
 /// A file is about to be read.
 ///
 /// # Errors
-/// The output, as it was named, that this file is.
-pub(crate) fn reads(path: &Path) -> Result<(), PathBuf> {
-    run().as_mut().map_or(Ok(()), |custody| custody.read(path))
+/// Of a file that this run is to write; names it as it was named there.
+#[cfg(feature = "cli")]
+fn reads(path: &Path) -> std::io::Result<()> {
+    run().as_mut().map_or(Ok(()), |custody| custody.read(path)).map_err(|output| {
+        let what = format!("it is to be written too, as {}", output.display());
+        std::io::Error::new(std::io::ErrorKind::ResourceBusy, what)
+    })
 }
 
 /// A file is about to be written.
@@ -118,6 +123,7 @@ struct Custody {
 }
 
 impl Custody {
+    #[cfg(any(feature = "cli", test))]
     fn read(&mut self, path: &Path) -> Result<(), PathBuf> {
         let file = Identity::of(path);
         let claimed = |o: &&Output| o.state == State::Claimed && o.file.is(&file);

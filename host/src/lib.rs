@@ -32,17 +32,17 @@
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 
+pub use asperity_surface as surface;
+use asperity_surface::{input, linear};
+
 pub mod watch;
 pub mod message;
-mod linear;
 mod custody;
 mod scratch;
-mod input;
 pub mod output;
 pub mod provenance;
 pub mod measurement;
 pub mod acquire;
-pub mod surface;
 pub mod raytrace;
 pub mod kirchhoff;
 pub mod hybrid;

@@ -4,6 +4,9 @@
 
 use std::borrow::Cow;
 
+pub use asperity_surface::message::excerpt;
+use asperity_surface::message::{EXCERPT, printable};
+
 /// Digits beyond which a number is written with an exponent.
 const DIGITS: usize = 20;
 /// Characters of a word beyond which only its beginning is shown; a path may be longer.
@@ -12,17 +15,6 @@ const WORD: usize = 200;
 const PATH: usize = 1000;
 /// Characters of a message beyond which it is cut.
 const MESSAGE: usize = 8000;
-/// Characters of a file that an error repeats, and of a long word that are shown.
-const EXCERPT: usize = 40;
-
-/// The beginning of a text, safe to print on one line.
-pub fn excerpt(text: &str) -> String {
-    let mut shown: String = text.chars().take(EXCERPT).map(printable).collect();
-    if text.chars().nth(EXCERPT).is_some() {
-        shown.push_str("...");
-    }
-    shown
-}
 
 /// A message with numbers of more than 20 digits in exponents, long words and what follows 8000 characters cut, and no
 /// control characters but line ends.
@@ -48,10 +40,6 @@ pub fn brief(message: &str) -> Cow<'_, str> {
         shown.extend(piece[word.len()..].chars().map(|c| if c == '\n' { c } else { ' ' }));
     }
     Cow::Owned(shown)
-}
-
-fn printable(c: char) -> char {
-    if c.is_control() { '\u{fffd}' } else { c }
 }
 
 /// A word without control characters, cut if it is long.
@@ -127,7 +115,7 @@ fn begins_as_name(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{brief, excerpt};
+    use super::brief;
 
     #[test]
     fn numbers_are_short_and_keep_their_value() {
@@ -165,6 +153,5 @@ mod tests {
         assert!(brief(&format!("a/{long}: no")).len() < 200);
         assert!(brief(&"word and word\n".repeat(10_000)).len() < 9_000);
         assert_eq!(brief("a\u{1b}[2J b\nc\td"), "a\u{fffd}[2J b\nc d");
-        assert_eq!(excerpt("a\nb"), "a\u{fffd}b");
     }
 }

@@ -50,10 +50,32 @@ fn files_of(code: &[Token]) -> impl Iterator<Item = &str> {
     code.windows(3).filter(|w| w[0].text == "mod" && w[2].text == ";").map(|w| &*w[1].text)
 }
 
+/// What modules may name by `crate::`, from the lowest layer up: `mod name;` and what the root takes from another crate, as in
+/// `pub use other as name;` or `use other::{name, second};`.
+fn order_of(root: &[Token]) -> Vec<&str> {
+    let text = |k: usize| root.get(k).map_or("", |t| &*t.text);
+    let own: Vec<&str> = ["crate", "self", "super"].into_iter().chain(files_of(root)).collect();
+    let mut found = Vec::new();
+    for k in 0..root.len() {
+        match text(k) {
+            "mod" if text(k + 2) == ";" => found.push(text(k + 1)),
+            "use" if !own.contains(&text(k + 1)) => {
+                let end = (k..root.len()).find(|&end| text(end) == ";").unwrap_or(root.len());
+                // a name ends a path: what follows it is a comma, a bracket or the end
+                let last = |&at: &usize| at == end || matches!(text(at), "," | "}");
+                let names = (k + 2..=end).filter(last).map(|at| text(at - 1));
+                found.extend(names.filter(|name| !matches!(*name, "," | "}")));
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
 /// Every import that goes down or sideways, one line each; the order is that of the root's `mod` lines.
 pub(crate) fn violations(root: &Path) -> Vec<String> {
     let modules = modules(root);
-    let order: Vec<&str> = files_of(&modules[0].code).collect();
+    let order = order_of(&modules[0].code);
     let rank = |name: &str| order.iter().position(|m| *m == name);
     let mut found = Vec::new();
     for module in modules.iter().filter(|m| !m.path.is_empty()) {
@@ -137,13 +159,15 @@ fn first_names(code: &[Token], start: usize) -> Vec<&Token> {
 #[test]
 fn an_import_against_the_order_is_reported() {
     // (what `low` says, what of it must be reported)
-    let cases: [(&str, &[&str]); 12] = [
+    let cases: [(&str, &[&str]); 14] = [
         ("use crate::high::X;", &["high"]),
         ("use crate::{low::Y, high::X, nested::{A, B}};", &["high", "nested"]),
         ("fn f() -> crate::high::X { crate::high::X }", &["high", "high"]),
         ("use super::high::X;", &["high"]),
         ("mod inner { use super::super::high::X; use super::high; }", &["high"]),
         ("use crate::Reexported;", &["Reexported"]),
+        ("use crate::other::X;", &["other"]),
+        ("use crate::{given::X, first::Y, second::Z};", &[]),
         ("macro_rules! m { () => { $crate::high::X } }", &["high"]),
         ("use crate::low::Y; use crate::base::Z; crate::a_macro!();", &[]),
         ("#[cfg(test)] mod tests { use crate::high::X; }", &[]),
@@ -157,7 +181,7 @@ fn an_import_against_the_order_is_reported() {
         std::fs::create_dir(dir.path().join("nested")).unwrap();
         write(
             "lib.rs",
-            "pub mod base;\npub mod low;\npub(crate) mod high;\nmod nested;\n#[cfg(test)]\nmod t;",
+            "pub use other as given;\nuse other::{first, a::second};\npub use base::Reexported;\npub mod base;\npub mod low;\npub(crate) mod high;\nmod nested;\n#[cfg(test)]\nmod t;",
         );
         write("base.rs", "");
         write("low.rs", source);

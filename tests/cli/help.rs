@@ -14,7 +14,7 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ),
         (
             "scan",
-            "[MODEL] --map --method --ior --pixel-um --fill --edges --sigma --theta-range --step --aperture --geometry --rough-side --quantity \
+            "[MODEL] --map --engine --ior --pixel-um --fill --edges --sigma --theta-range --step --aperture --geometry --rough-side --quantity \
              --rays --seed --output --json",
             "internal passes",
         ),
@@ -41,7 +41,7 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
         (
             "check",
-            "[MODEL] --map --method --ior --incidence --side --rays --seed --json",
+            "[MODEL] --map --engine --ior --incidence --side --rays --seed --json",
             "R + T > 1",
         ),
         (

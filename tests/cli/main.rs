@@ -5,6 +5,7 @@
 //! | `program` | where the program is, and how it is run |
 //! | `refusal` | how a refusal is judged |
 //! | `help` | help, version, completions |
+//! | `effect` | flags without effect, short help, old names, how much is said |
 //! | `snapshots` | help, JSON, tables and errors held still |
 //! | `book` | the commands of the user guide |
 //! | `happy` | every verb does what it says |
@@ -37,6 +38,7 @@
 mod program;
 mod refusal;
 mod help;
+mod effect;
 mod snapshots;
 mod book;
 mod happy;

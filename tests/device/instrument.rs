@@ -37,9 +37,9 @@ impl Peer for Twin {
     }
 }
 
-fn plan(text: &str) -> Schedule {
+fn schedule(text: &str) -> Schedule {
     let sample = "sample = \"emulated\"\nior = 1.49\nrough_side = \"source\"\n";
-    Draft::parse(&format!("{text}{sample}"), Path::new("plan.toml")).unwrap().plan().unwrap()
+    Draft::parse(&format!("{text}{sample}"), Path::new("plan.toml")).unwrap().schedule().unwrap()
 }
 
 /// Measures every plan, and asks how the firmware is; the files.
@@ -48,7 +48,7 @@ fn measure(line: &mut dyn Transport, folder: &Path) -> (Vec<Vec<u8>>, Diagnostic
     for (k, text) in PLANS.iter().enumerate() {
         let output = folder.join(format!("{k}.csv"));
         let job = Job {
-            plan: Some(plan(text)),
+            schedule: Some(schedule(text)),
             output: &output,
             // all of it in flight
             credit: 1801,

@@ -1,0 +1,152 @@
+//! What can be wrong with a height-map file.
+
+use std::path::PathBuf;
+
+use super::text::shown;
+use crate::heightmap::HeightMapError;
+
+/// A height-map file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {fault}", path.display())]
+pub struct MapError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong and what to do.
+    pub fault: MapFault,
+}
+
+/// What is wrong; the text ends with the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MapFault {
+    /// It cannot be opened.
+    #[error("cannot be read ({0}); check the path and the permissions")]
+    Io(#[from] std::io::Error),
+    /// There is nothing in it.
+    #[error("the file is empty; export the map again")]
+    Empty,
+    /// No reader knows it.
+    #[error("no known height-map format; export it as one of {known}")]
+    Unknown {
+        /// Names of the formats.
+        known: String,
+    },
+    /// It breaks the rules of its format.
+    #[error(
+        "{format}: {}; the file is damaged or not of this format, export it again",
+        shown(what)
+    )]
+    Damaged {
+        /// The format.
+        format: &'static str,
+        /// What is wrong and where.
+        what: String,
+    },
+    /// It uses a part of its format that is not supported.
+    #[error("{format}: {} is not supported; {remedy}", shown(what))]
+    Unsupported {
+        /// The format.
+        format: &'static str,
+        /// What.
+        what: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// More points than are sensible.
+    #[error("{format}: {nx} x {ny} points are more than {} million; crop the map", MOST_POINTS / 1_000_000)]
+    TooLarge {
+        /// The format.
+        format: &'static str,
+        /// Columns.
+        nx: u64,
+        /// Rows.
+        ny: u64,
+    },
+    /// A few bytes that would become very many.
+    #[error(
+        "{format}: {what} inflates to more than {most} bytes; if this is a map, save it unpacked"
+    )]
+    Inflates {
+        /// The format.
+        format: &'static str,
+        /// What of the file.
+        what: String,
+        /// Most bytes allowed for a file of this size.
+        most: u64,
+    },
+    /// A checksum of what describes the map, not of its points, is not right.
+    #[error(
+        "{format}: {}; export the map again, or give --ignore-checksum if only the description was corrected",
+        shown(what)
+    )]
+    Checksum {
+        /// The format.
+        format: &'static str,
+        /// Which and how.
+        what: String,
+    },
+    /// Heights over one line only.
+    #[error("{format}: this is a profile, not a map: {}; give heights over x and y", shown(what))]
+    Profile {
+        /// The format.
+        format: &'static str,
+        /// How it shows.
+        what: String,
+    },
+    /// Nobody says in which units the numbers are.
+    #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(*xy, *z, *pixel))]
+    NoUnits {
+        /// The format.
+        format: &'static str,
+        /// Whether that of x and y is missing.
+        xy: bool,
+        /// Whether that of heights is missing.
+        z: bool,
+        /// Whether the pixel size is missing too.
+        pixel: bool,
+    },
+    /// A flag says another unit than the file.
+    #[error("{format}: {says} {flag} contradicts it; leave the flag out")]
+    Contradicts {
+        /// The format.
+        format: &'static str,
+        /// What is said already.
+        says: String,
+        /// The flag.
+        flag: String,
+    },
+    /// The file gives no pixel size.
+    #[error("the file gives no pixel size; give --pixel-um")]
+    NoPixelSize,
+    /// The numbers make no map.
+    #[error("{0}; check the file")]
+    Map(#[from] HeightMapError),
+}
+
+fn unsaid(xy: bool, z: bool, pixel: bool) -> &'static str {
+    match (xy, z, pixel) {
+        (true, true, _) => "the units of x and y and of its heights",
+        (true, false, _) => "the unit of x and y",
+        (false, _, true) => "the unit of its heights, nor its pixel size",
+        (false, _, false) => "the unit of its heights",
+    }
+}
+
+fn unit_flags(xy: bool, z: bool, pixel: bool) -> &'static str {
+    match (xy, z, pixel) {
+        (true, true, _) => {
+            "give --xy-unit and --z-unit, such as --xy-unit mm --z-unit um, or write a line \
+             `# x [mm] y [mm] z [um]` into it"
+        }
+        (true, false, _) => "give --xy-unit, such as --xy-unit mm",
+        (false, _, true) => {
+            "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one, and --pixel-um"
+        }
+        (false, _, false) => {
+            "give --z-unit, such as --z-unit um, or --z-um, the height of a step of one"
+        }
+    }
+}
+
+/// Most points of a map that is read: 16384 x 16384.
+pub(super) const MOST_POINTS: u64 = 1 << 28;

@@ -1,0 +1,95 @@
+//! Files of profilometers, one reader a format, told apart by content and never by name.
+
+mod unit;
+mod words;
+mod options;
+mod vocabulary;
+mod sentence;
+mod said;
+mod bytes;
+mod text;
+mod error;
+mod al3d;
+mod di;
+mod opd;
+mod sdf;
+mod x3p;
+mod sur;
+mod gwy;
+mod gwyddion_text;
+mod profile;
+mod xyz;
+mod matrix;
+mod npy;
+mod png16;
+mod tiff_float;
+mod open;
+mod write;
+#[cfg(test)]
+mod tests_instruments;
+#[cfg(test)]
+mod tests_gwy;
+#[cfg(test)]
+mod tests_b;
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+mod tests_mutation;
+
+pub use error::{MapError, MapFault};
+pub use open::{FORMATS, Format, open, parse};
+pub use options::{OpenOptions, Source, Sources};
+pub use unit::{LengthUnit, NoLengthUnit};
+pub use write::sdf_text;
+
+use crate::heightmap::HeightMap;
+
+/// What a file says, before anything is assumed: what it does not say is `None`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawMap {
+    /// Name of the format, for messages.
+    pub format: &'static str,
+    /// Columns, along x.
+    pub nx: usize,
+    /// Rows, along y.
+    pub ny: usize,
+    /// Distance of columns, um.
+    pub dx_um: Option<f64>,
+    /// Distance of rows, um.
+    pub dy_um: Option<f64>,
+    /// Heights in um, row by row, x fastest; NaN where the file marks a missing point.
+    pub heights_um: Vec<f64>,
+    /// The instrument, as the file names it.
+    pub instrument: Option<String>,
+    /// Who says the units.
+    pub sources: Sources,
+    /// What a reader of the map should know, such as a checksum that was not heeded.
+    pub note: Option<String>,
+}
+
+impl RawMap {
+    /// A map whose units the file says, without a pixel size.
+    fn new(format: &'static str, (nx, ny): (usize, usize), heights_um: Vec<f64>) -> Self {
+        Self {
+            format,
+            nx,
+            ny,
+            dx_um: None,
+            dy_um: None,
+            heights_um,
+            instrument: None,
+            sources: Sources::default(),
+            note: None,
+        }
+    }
+
+    /// The map, with a pixel size from elsewhere where the file has none.
+    ///
+    /// # Errors
+    /// [`MapFault::NoPixelSize`] if neither says, or what [`HeightMap::new`] refuses.
+    pub fn into_map(self, pixel_um: Option<f64>) -> Result<HeightMap, MapFault> {
+        let dx = self.dx_um.or(pixel_um).ok_or(MapFault::NoPixelSize)?;
+        let dy = self.dy_um.or(self.dx_um).or(pixel_um).ok_or(MapFault::NoPixelSize)?;
+        Ok(HeightMap::new((self.nx, self.ny), (dx, dy), self.heights_um)?)
+    }
+}
