@@ -35,3 +35,8 @@ pub mod gonio;
 pub mod metric;
 #[cfg(feature = "protocol")]
 pub mod protocol;
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
