@@ -14,7 +14,48 @@ use crate::model::Model;
 use crate::scan::Scan;
 use crate::work::interruptible;
 
-/// Fits a method that needs no height map, with every law it has unless one is given; the best is kept.
+/// Fits a method that needs no height map.
+///
+/// An argument goes before the header of the scan; what neither says is an error. Other threads run meanwhile; Ctrl-C ends the fit.
+///
+/// Parameters
+/// ----------
+/// scan : Scan
+///     The readings.
+/// method : {"ggx", "normals", "heights"}
+///     The method.
+/// ior : float, optional
+///     Index of the plate over that of the air.
+/// opaque : bool, default False
+///     The body is opaque: `gain` and `lambert` take the place of the index.
+/// law : {"gauss", "cauchy"}, optional
+///     Profile of the density; without it both are tried and the better one is kept.
+/// free : sequence of str, optional
+///     Optional parameters to fit too: ior, gain, theta0 (normals), n, h_max, z0 (heights).
+/// geometry : {"transmission", "reflection"}, optional
+///     Where the detector was.
+/// rough_side : {"source", "detector"}, optional
+///     Where the rough face looked.
+/// aperture_deg : float, optional
+///     Full angle of the detector's cone, degrees.
+/// objective : {"rmsd", "relative", "log"}
+///     What is made small.
+/// max_evaluations : int, default 4000
+///     Simulations at most.
+/// rays, fit_rays : int, optional
+///     Rays of the final figures, and of each simulation; methods that trace rays only.
+/// seed : int, default 1
+///     Seed of the rays.
+///
+/// Returns
+/// -------
+/// Model
+///     With standard errors, `rmsd_percent`, `termination` and `warnings`.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If something is not said or outside its domain, a method or a parameter is unknown, or no start of the fit is possible.
 #[pyfunction]
 #[pyo3(signature = (
     scan, method="ggx", *, ior=None, opaque=false, law=None, free=None, geometry=None, rough_side=None,
