@@ -8,7 +8,8 @@ use asperity::fit::{FitOptions, fit};
 use asperity::{measurement::csv, method::Choice, reconstruct::Said};
 
 /// Readings behind a plate whose rough face looks to the source, at normal incidence.
-const SCAN: &str = "# geometry: transmission\n# ior: 1.49\n# rough_side: source\n# aperture_deg: 0.6
+const SCAN: &str =
+    "# geometry: transmission\n# ior: 1.49\n# rough_side: source\n# aperture_deg: 0.6
 sigma_deg,theta_deg,reading\n0,-10,0.00013\n0,-5,0.00061\n0,0,0.00113\n0,5,0.00061\n0,10,0.00013\n";
 
 fn fit_scan(path: Option<String>) -> Result<(), Box<dyn Error>> {

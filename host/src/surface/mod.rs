@@ -1,4 +1,18 @@
-//! Measured surfaces: height maps, their files and figures, and what is done to them before light is.
+//! Measured surfaces: height maps, their files and figures, and their preparation for light.
+//!
+//! ```
+//! use asperity::surface::{Edges, GaussianSurface, LowPass, Roughness, Spectrum};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let (size, pitches_um, lengths_um) = ((128, 128), (0.5, 0.5), (4.0, 4.0));
+//! let surface = GaussianSurface { size, pitches_um, rq_um: 0.7, lengths_um, seed: 1 };
+//! let map = surface.map().ok_or("no surface")?; // from a file: Preparation::load
+//! assert!((Roughness::of(&map).rq_um - 0.7).abs() < 1e-9);
+//! let spectrum = Spectrum::of(&map, Edges::Periodic)?;
+//! assert!(spectrum.anisotropy().is_some_and(|a| !a.is_directional()));
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod heightmap;
 pub mod form;
