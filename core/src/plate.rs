@@ -1,8 +1,29 @@
 //! The sample: a parallel plate with one rough and one smooth face, all internal passes.
 //!
 //! Plate frame: +z points back to the light source; directions point away from the plate. The rough
-//! face has its own frame (+z into its air): the same one if it looks to the source, turned over about
-//! x if it looks to the detector. The thickness does not matter to angles, nor to fluxes.
+//! face has its own frame (+z into its air): the plate's frame if it looks to the source, that frame turned over about
+//! x if it looks to the detector. The thickness affects neither angles nor fluxes.
+//!
+//! A ray may leave in many parts; all its flux is accounted for:
+//! ```
+//! use asperity_core::{bsdf::Ggx, gonio::incidence, plate::{Plate, RoughSide}};
+//! use asperity_core::quantity::{Alpha, RelativeIor};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let eta = RelativeIor::new(1.49)?;
+//! let plate = Plate::new(Ggx::new(Alpha::new(0.2)?, eta), eta, RoughSide::Source);
+//! let mut numbers = [0.1, 0.6, 0.35, 0.8].into_iter().cycle();
+//! let mut left = 0.0;
+//! let outcome = plate.trace(
+//!     incidence(30_f64.to_radians()),
+//!     &mut || numbers.next().unwrap_or(0.5),
+//!     &mut |_wo, flux| left += flux,
+//! );
+//! assert!((outcome.reflected + outcome.transmitted + outcome.lost - 1.0).abs() < 1e-12);
+//! assert!((outcome.reflected + outcome.transmitted - left).abs() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
 
 use crate::bsdf::{Scatter, Smooth};
 use crate::direction::{Direction, Side};

@@ -1,6 +1,11 @@
 //! Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
 //!
-//! A scan becomes a model, and the model tells what no instrument sees:
+//! A goniophotometer measures a plate: two faces, and all reflections between them. This crate finds the scattering law of the rough face
+//! alone, also from inside the material, where no instrument can look. Frame, units and the meaning of each figure are those of
+//! [`asperity_core`].
+//!
+//! # Example
+//! A scan becomes a model, and the model gives values that no instrument can measure:
 //! ```
 //! use std::path::Path;
 //!
@@ -27,10 +32,24 @@
 //! # }
 //! ```
 //!
-//! Features, all on by default: `cli`, the program `asperity`; `plots`, plots and reports; `serial`, instruments at a serial
-//! port.
+//! # Architecture
+//! Each stage reads the immutable result of the stage before and makes its own; nothing flows back.
+//!
+//! 1. **Data.** [`measurement`] reads scans, [`acquire`] measures them on an instrument. [`surface`] reads height maps and prepares them.
+//! 2. **Light on a map.** [`raytrace`] follows rays, [`kirchhoff`] computes waves, [`hybrid`] combines both.
+//! 3. **Boundary.** [`boundary::Boundary`] is the rough face that any method makes: a closed form of [`asperity_core::bsdf`], a map with rays or
+//!    waves, or a table from a file ([`embedded`]). A boundary that can only be sampled gets values from the bins of [`table`].
+//! 4. **Forward model.** [`forward`] puts the boundary into a plate and an instrument and predicts readings: by quadrature if the boundary has
+//!    values, else by Monte Carlo with common random numbers.
+//! 5. **Reconstruction.** A [`method`] turns a few parameters into a boundary; [`mod@reconstruct`] finds body and instrument in the header of a scan;
+//!    [`mod@fit`] searches the parameters, with standard errors and a verdict.
+//! 6. **Results.** [`model`] is the file of parameters, [`law_file`] reads models and tables alike, [`energy`] sums fluxes, [`mod@tabulate`]
+//!    makes tables for a device, [`trade`] compares evaluators. `report` and `plot` are for people; the command line is the last layer.
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
+//!
+//! # Features
+//! All are on by default: `cli`, the program `asperity`; `plots`, plots and reports; `serial`, instruments at a serial port.
 
 pub use asperity_surface as surface;
 use asperity_surface::{input, linear};

@@ -1,5 +1,9 @@
 //! The BSDF of any method as a table for a microcontroller.
 //!
+//! The program's verb `tabulate` makes the arrays and writes them as Rust or C source; `asperity::tabulate` does so in the library
+//! and has a runnable example. Firmware builds a [`Header`] and [`Arrays`] from that source; [`Header::table`] checks them once and
+//! borrows them as a [`BsdfTableRef`], which evaluates and samples like any law ([`Bsdf`](crate::bsdf::Bsdf)) and allocates nothing.
+//!
 //! A lobe is not tabulated over its directions but over the *facet* that turns `wi` into `wo`, with all that is
 //! exactly known divided out ([`Form`], [`Fall`]): what is left hardly changes with the incidence and the
 //! azimuth, so a few nodes of each do, and between two incidences the peak moves instead of fading. Three axes ([`Shape`]):

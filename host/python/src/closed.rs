@@ -14,6 +14,18 @@ use crate::pickled::{self, Reduced};
 use crate::rays::{Samples, samples};
 
 /// GGX facets on a clear dielectric.
+///
+/// Parameters
+/// ----------
+/// alpha : float
+///     Width of the slopes, dimensionless, 1e-6 to 100.
+/// ior : float
+///     Index of the dielectric over that of the air, 0.1 to 10.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a value is outside its domain.
 #[pyclass(frozen, module = "asperity")]
 #[derive(Clone, Debug)]
 pub(crate) struct Ggx {
@@ -65,16 +77,20 @@ impl Ggx {
         slf
     }
 
+    /// float: Width of the slopes, dimensionless.
     #[getter]
     fn alpha(&self) -> f64 {
         self.double.alpha.get()
     }
 
+    /// float: Index of the dielectric over that of the air.
     #[getter]
     fn ior(&self) -> f64 {
         self.double.eta.get()
     }
 
+    /// The BSDF f(wi, wo), without cosine.
+    #[doc = include_str!("docs/values.txt")]
     fn eval<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -83,6 +99,8 @@ impl Ggx {
         self.values(What::Eval, wi, wo)
     }
 
+    /// The angle-resolved scatter f(wi, wo) |cos theta_o|: scattered flux per solid angle, for unit flux in.
+    #[doc = include_str!("docs/values.txt")]
     fn ars<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -91,6 +109,8 @@ impl Ggx {
         self.values(What::Ars, wi, wo)
     }
 
+    /// The density of `sample` at `wo`, per solid angle of `wo`.
+    #[doc = include_str!("docs/values.txt")]
     fn pdf<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -99,6 +119,8 @@ impl Ggx {
         self.values(What::Pdf, wi, wo)
     }
 
+    /// Draws one scattered ray per row by visible normals.
+    #[doc = include_str!("docs/sample.txt")]
     pub(crate) fn sample<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -112,7 +134,25 @@ impl Ggx {
     }
 }
 
-/// A density of facet normals on a clear dielectric, one facet at each hit.
+/// A density of facet normals on a clear dielectric; light meets one facet per hit.
+///
+/// Parameters
+/// ----------
+/// delta_deg : float
+///     Width of the density, degrees.
+/// n : float, default 2
+///     Exponent, dimensionless.
+/// theta0_deg : float, default 0
+///     Centre, degrees from the mean normal.
+/// profile : {"gauss", "cauchy"}
+///     With t the angle from the mean normal: exp(-|t - theta0|^n / (2 delta^n)), or delta^n / (|t - theta0|^n + delta^n).
+/// ior : float
+///     Index of the dielectric over that of the air, 0.1 to 10.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a value is outside its domain.
 #[pyclass(frozen, module = "asperity")]
 #[derive(Clone, Debug)]
 pub(crate) struct Normals {
@@ -154,11 +194,14 @@ impl Normals {
         }
     }
 
+    /// float: Index of the dielectric over that of the air.
     #[getter]
     fn ior(&self) -> f64 {
         self.double.eta.get()
     }
 
+    /// The BSDF f(wi, wo), without cosine.
+    #[doc = include_str!("docs/values.txt")]
     fn eval<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -167,6 +210,8 @@ impl Normals {
         self.values(What::Eval, wi, wo)
     }
 
+    /// The angle-resolved scatter f(wi, wo) |cos theta_o|: scattered flux per solid angle, for unit flux in.
+    #[doc = include_str!("docs/values.txt")]
     fn ars<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -175,6 +220,8 @@ impl Normals {
         self.values(What::Ars, wi, wo)
     }
 
+    /// The density of `sample` at `wo`, per solid angle of `wo`.
+    #[doc = include_str!("docs/values.txt")]
     fn pdf<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -183,6 +230,8 @@ impl Normals {
         self.values(What::Pdf, wi, wo)
     }
 
+    /// Draws one scattered ray per row; a normal that faces away is drawn again.
+    #[doc = include_str!("docs/sample.txt")]
     pub(crate) fn sample<'py>(
         &self,
         wi: &Bound<'py, PyAny>,

@@ -18,15 +18,50 @@ use crate::work::interruptible;
 ///
 /// Parameters
 /// ----------
-/// scans : the readings, one scan per sample.
-/// maps : height maps of the samples, in the order of the scans; or none.
-/// names : names of the samples; `sample1`, `sample2`, ... without them.
-/// methods : names of methods; the five of the paper without them.
-/// The other arguments are those of `fit`, and hold for all samples.
+/// scans : sequence of Scan
+///     The readings, one scan per sample.
+/// maps : sequence of HeightMap, optional
+///     Height maps of the samples, in the order of the scans.
+/// names : sequence of str, optional
+///     Names of the samples; `sample1`, `sample2`, ... without them.
+/// methods : sequence of str, optional
+///     Methods; the five of the paper without them.
+/// ior : float, optional
+///     Index of the plates over that of the air.
+/// opaque : bool, default False
+///     The bodies are opaque.
+/// geometry : {"transmission", "reflection"}, optional
+///     Where the detector was.
+/// rough_side : {"source", "detector"}, optional
+///     Where the rough face looked.
+/// aperture_deg : float, optional
+///     Full angle of the detector's cone, degrees.
+/// wavelength_nm : float, sequence of float, or sequence of (float, float), optional
+///     Vacuum wavelengths of the light, alone or with weights, for waves.
+/// speckle : {"averaged", "kept", "patch"}, optional
+///     What becomes of the speckle of waves.
+/// shadowing : {"auto", "on", "off"}, optional
+///     Smith's shadowing and masking for waves.
+/// objective : {"rmsd", "relative", "log"}
+///     What is made small.
+/// max_evaluations : int, default 4000
+///     Simulations at most.
+/// max_misfit_percent : float, default 15
+///     Largest error of a single incidence that counts as described, % of its largest reading.
+/// rays, fit_rays : int, optional
+///     Rays per incidence of the final figures, and of each simulation; methods that trace rays only.
+/// seed : int, default 1
+///     Seed of the rays.
 ///
 /// Returns
 /// -------
-/// dict, the object that `asperity compare --json --no-timing` prints. A method that cannot be used is in it with the reason.
+/// dict
+///     The object that `asperity compare --json --no-timing` prints. A method that cannot be used is in it with the reason.
+///
+/// Raises
+/// ------
+/// ValueError
+///     With the argument that mends it.
 #[pyfunction]
 #[pyo3(signature = (
     scans, *, maps=None, names=None, methods=None, ior=None, opaque=false, geometry=None, rough_side=None,

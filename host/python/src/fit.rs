@@ -13,32 +13,63 @@ use crate::scan::Scan;
 use crate::setup::{Given, unusable, warn_of_failed};
 use crate::work::interruptible;
 
-/// Fits a model to a scan, with every law and every way to treat speckle that the method has; the best is kept.
+/// Fits a model to a scan, with every profile and every way to treat speckle that the method has; the best is kept.
 ///
-/// An argument goes before the header of the scan. Other threads run meanwhile; Ctrl-C ends the fit.
+/// An argument goes before the header of the scan; what neither says is an error. Other threads run meanwhile; Ctrl-C ends the fit.
 ///
 /// Parameters
 /// ----------
-/// scan : the readings.
-/// method : "ggx", "normals", "heights", and with `map` "measured-ray", "measured-wave" or "measured-hybrid".
-/// ior, opaque : refractive index over that of air, or an opaque body.
-/// law : "gauss" or "cauchy" alone; both are tried without it.
-/// free : optional parameters to fit as well: ior, gain, theta0 (normals), n, h_max, z0 (heights).
-/// cutoff : whether the filter of a map (cutoff_um) is fitted too.
-/// geometry, rough_side, aperture_deg : the instrument, as in the header of a scan file.
-/// map : the height map of the surface.
-/// wavelength_nm : vacuum wavelength of the light, several, or pairs with weights, for waves.
-/// speckle, shadowing : "averaged", "kept" or "patch"; "auto", "on" or "off".
-/// objective : "rmsd" (eq. 18), "relative" or "log".
-/// max_misfit_percent : largest error of a single incidence that counts as described.
-/// rays, fit_rays, seed : rays per incidence for the final figures and while a traced method is fitted.
+/// scan : Scan
+///     The readings.
+/// method : {"ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid"}
+///     The method; the measured ones need `map`.
+/// ior : float, optional
+///     Index of the plate over that of the air.
+/// opaque : bool, default False
+///     The body is opaque: `gain` and `lambert` take the place of the index.
+/// profile : {"gauss", "cauchy"}, optional
+///     Profile of the density; without it both are tried and the better one is kept.
+/// free : sequence of str, optional
+///     Optional parameters to fit too: ior, gain, theta0 (normals), n, h_max, z0 (heights).
+/// cutoff : bool, default True
+///     Whether the filter of a map (`cutoff_um`) is fitted too.
+/// geometry : {"transmission", "reflection"}, optional
+///     Where the detector was.
+/// rough_side : {"source", "detector"}, optional
+///     Where the rough face looked.
+/// aperture_deg : float, optional
+///     Full angle of the detector's cone, degrees.
+/// map : HeightMap, optional
+///     The height map of the surface.
+/// wavelength_nm : float, sequence of float, or sequence of (float, float), optional
+///     Vacuum wavelengths of the light, alone or with weights, for waves.
+/// speckle : {"averaged", "kept", "patch"}, optional
+///     What becomes of the speckle of waves.
+/// shadowing : {"auto", "on", "off"}, optional
+///     Smith's shadowing and masking for waves.
+/// objective : {"rmsd", "relative", "log"}
+///     What is made small.
+/// max_evaluations : int, default 4000
+///     Simulations at most.
+/// max_misfit_percent : float, default 15
+///     Largest error of a single incidence that counts as described, % of its largest reading.
+/// rays, fit_rays : int, optional
+///     Rays per incidence of the final figures, and of each simulation; methods that trace rays only.
+/// seed : int, default 1
+///     Seed of the rays.
+///
+/// Returns
+/// -------
+/// Model
+///     With standard errors, `rmsd_percent`, `termination` and `warnings`.
 ///
 /// Raises
 /// ------
-/// ValueError with the argument that mends it. A law that fails beside a better one is a warning.
+/// ValueError
+///     With the argument that mends it. A profile that fails beside a better one is a warning.
 #[pyfunction]
 #[pyo3(signature = (
-    scan, method="ggx", *, ior=None, opaque=false, law=None, free=None, cutoff=true, geometry=None, rough_side=None,
+    scan, method="ggx", *, ior=None, opaque=false, profile=None, free=None, cutoff=true, geometry=None, rough_side=None,
     aperture_deg=None, map=None, wavelength_nm=None, speckle=None, shadowing=None, objective="rmsd",
     max_evaluations=4000, max_misfit_percent=MISFIT_PERCENT, rays=None, fit_rays=None, seed=1
 ))]
@@ -49,7 +80,7 @@ pub(crate) fn fit(
     method: &str,
     ior: Option<f64>,
     opaque: bool,
-    law: Option<&str>,
+    profile: Option<&str>,
     free: Option<Vec<String>>,
     cutoff: bool,
     geometry: Option<&str>,
@@ -82,8 +113,8 @@ pub(crate) fn fit(
         seed,
     };
     let kind = Kind::named(method).map_err(bad)?;
-    if law.is_some() && !kind.has_profile {
-        return Err(bad(format!("method {method} has no law; leave it out")));
+    if profile.is_some() && !kind.has_profile {
+        return Err(bad(format!("method {method} has no profile; leave it out")));
     }
     if map.is_some() && !kind.needs_map {
         return Err(bad(format!("method {method} has no map; leave it out")));
@@ -103,7 +134,7 @@ pub(crate) fn fit(
         "cutoff_um" => cutoff,
         other => usually_asked(other) || free.iter().any(|f| f == other),
     };
-    let trials = task.trials(method, law, &asked).map_err(|why| unusable(&why))?;
+    let trials = task.trials(method, profile, &asked).map_err(|why| unusable(&why))?;
     check_free(method, &free, &trials)?;
     let found = interruptible(py, |watch| task.fit(&trials, watch))?;
     let Found { entry, model, failed } = found.map_err(bad)?;

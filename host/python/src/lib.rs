@@ -2,6 +2,11 @@
 //!
 //! Arrays come in and go out here; every number is computed by the crates `asperity-core` and `asperity`.
 //! The order of the `mod` lines is the layer order, as in those.
+#![allow(
+    clippy::doc_markdown,
+    clippy::doc_lazy_continuation,
+    reason = "what Python sees is documented as numpydoc has it"
+)]
 
 mod error;
 mod pickled;

@@ -54,6 +54,11 @@ impl HeightMap {
     }
 
     /// Roughness figures after form removal, as `asperity stats --json` names them.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Lengths in um; None where a figure needs what the map does not have.
     fn roughness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         json::object(py, &Roughness::of(&self.prepared.map))
     }
@@ -68,18 +73,34 @@ impl HeightMap {
 ///
 /// Parameters
 /// ----------
-/// path : path of the file, of any format that `asperity stats` reads.
-/// pixel_um, z_um : pixel size, and height of a step of one, um, for files that give none.
-/// xy_unit, z_unit : units of lateral numbers and heights, for files that do not say them: "um", "nm", ...
-/// crop : "X0:X1,Y0:Y1", the rectangle of points that is used, ends not included.
-/// fill : "plane", "nearest" or "harmonic", with what missing points are filled.
-/// form : "none", "mean", "plane" or "quadratic", what is subtracted; without it the mean plane, of a periodic map the mean.
-/// edges : "periodic" or "mirrored"; without it found out from the map.
-/// ignore_checksum, allow_steep : take an x3p file with a wrong checksum; a map with an rms slope above 30.
+/// path : str or path
+///     The file, of any format that `asperity stats` reads.
+/// pixel_um, z_um : float, optional
+///     Pixel size, and height of a step of one, um, for files that give none.
+/// xy_unit, z_unit : str, optional
+///     Units of lateral numbers and of heights, for files that do not say them: "um", "nm", ...
+/// crop : str, optional
+///     "X0:X1,Y0:Y1", the rectangle of points that is used, ends not included.
+/// fill : {"plane", "nearest", "harmonic"}, optional
+///     With what missing points are filled.
+/// form : {"none", "mean", "plane", "quadratic"}, optional
+///     What is subtracted; without it the mean plane, of a periodic map the mean.
+/// edges : {"periodic", "mirrored"}, optional
+///     How the map goes on; without it found out from the map.
+/// ignore_checksum, allow_steep : bool, default False
+///     Take an x3p file with a wrong checksum; a map with an rms slope above 30.
+///
+/// Returns
+/// -------
+/// HeightMap
+///     Complete, its form removed.
 ///
 /// Raises
 /// ------
-/// OSError if the file cannot be opened, ValueError if it is no map or not complete.
+/// OSError
+///     If the file cannot be opened.
+/// ValueError
+///     If it is no map, or not complete.
 #[pyfunction]
 #[pyo3(signature = (
     path, *, pixel_um=None, z_um=None, xy_unit=None, z_unit=None, crop=None, fill=None, form=None, edges=None,

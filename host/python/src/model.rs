@@ -30,7 +30,9 @@ enum Law {
     Other,
 }
 
-/// A model, given or fitted, and the boundary that it makes.
+/// A model of any method, read from a file or fitted.
+///
+/// `load`, `from_json` and `fit` make one; it never changes.
 #[pyclass(frozen, module = "asperity")]
 #[derive(Debug)]
 pub(crate) struct Model {
@@ -97,6 +99,24 @@ impl Model {
 
 #[pymethods]
 impl Model {
+    /// Reads a model file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A file of `asperity model`, `asperity fit` or `save`. The map of a measured method is sought where the file names it, then in
+    ///     the folder of the file.
+    ///
+    /// Returns
+    /// -------
+    /// Model
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be opened.
+    /// ValueError
+    ///     If the content is no model, or its map is not the one it was made with.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let read = py.detach(|| model::Model::read(&path));
@@ -105,6 +125,21 @@ impl Model {
         Self::of(model, boundary, path.parent().map(PathBuf::from))
     }
 
+    /// Reads a model from the text of a model file.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     The JSON.
+    ///
+    /// Returns
+    /// -------
+    /// Model
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the text is no model.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
         restore_model(py, text, None)
@@ -126,10 +161,27 @@ impl Model {
         slf
     }
 
+    /// The text of the model file.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     JSON, as `save` writes it.
     fn to_json(&self) -> String {
         self.record.to_json()
     }
 
+    /// Writes the model file; the program reads it (`asperity eval fit.json`).
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     The file, which is written whole or not at all.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written.
     #[expect(
         clippy::needless_pass_by_value,
         reason = "arguments from Python are extracted by value"
@@ -140,56 +192,68 @@ impl Model {
             .map_err(|e| PyOSError::new_err(e.to_string()))
     }
 
+    /// str: Name of the method, such as "ggx".
     #[getter]
     fn method(&self) -> &str {
         &self.record.method
     }
 
+    /// str or None: Profile of the density, "gauss" or "cauchy"; None for a method without one.
     #[getter]
     fn law(&self) -> Option<&str> {
         self.record.law.as_deref()
     }
 
+    /// float or None: Index of the dielectric over that of the air; None for an opaque body.
     #[getter]
     fn ior(&self) -> Option<f64> {
         self.record.ior
     }
 
+    /// dict of str to float: Values by name, in the units of `units`.
     #[getter]
     fn parameters(&self) -> BTreeMap<&str, f64> {
         self.numbers(|v| v.value)
     }
 
+    /// dict of str to float or None: Standard errors by name; None where a value was given, or the data do not determine it.
     #[getter]
     fn std_errors(&self) -> BTreeMap<&str, Option<f64>> {
         self.numbers(|v| v.std_error)
     }
 
+    /// dict of str to str: Units of the parameters by name; empty where dimensionless.
     #[getter]
     fn units(&self) -> BTreeMap<&str, String> {
         self.numbers(|v| v.unit.clone())
     }
 
+    /// float or None: Error of eq. (18), % of the largest reading; None without a fit.
     #[getter]
     fn rmsd_percent(&self) -> Option<f64> {
         self.record.rmsd_percent
     }
 
+    /// float or None: Noise of the readings in the same terms; None where it is not known.
     #[getter]
     fn noise_floor_percent(&self) -> Option<f64> {
         self.record.noise_floor_percent
     }
 
+    /// str or None: Why the fit ended; None without a fit.
     #[getter]
     fn termination(&self) -> Option<&str> {
         self.record.termination.as_deref()
     }
 
+    /// list of str: Reasons not to trust the model, in plain words; empty if there are none.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.record.validity.clone()
     }
 
+    /// The BSDF f(wi, wo), without cosine.
+    #[doc = include_str!("docs/values_of_model.txt")]
     #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]
     fn eval<'py>(
         &self,
@@ -201,6 +265,8 @@ impl Model {
         self.values(What::Eval, wi, wo, Rays { count: rays, seed })
     }
 
+    /// The angle-resolved scatter f(wi, wo) |cos theta_o|: scattered flux per solid angle, for unit flux in.
+    #[doc = include_str!("docs/values_of_model.txt")]
     #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]
     fn ars<'py>(
         &self,
@@ -212,6 +278,8 @@ impl Model {
         self.values(What::Ars, wi, wo, Rays { count: rays, seed })
     }
 
+    /// The density of `sample` at `wo`, per solid angle of `wo`.
+    #[doc = include_str!("docs/values_of_model.txt")]
     #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]
     fn pdf<'py>(
         &self,
@@ -223,6 +291,8 @@ impl Model {
         self.values(What::Pdf, wi, wo, Rays { count: rays, seed })
     }
 
+    /// Draws one scattered ray per row; needs no table.
+    #[doc = include_str!("docs/sample.txt")]
     fn sample<'py>(&self, wi: &Bound<'py, PyAny>, u: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
         match &self.law {
             Law::Ggx(law) => law.sample(wi, u),

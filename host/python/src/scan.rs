@@ -14,6 +14,20 @@ use crate::error::{bad, of_io};
 use crate::pickled::{self, Reduced};
 
 /// A scan of one sample, sorted by incidence and then by observation angle.
+///
+/// Parameters
+/// ----------
+/// sigma_deg, theta_deg : array_like of float, (N,)
+///     Angles of incidence, 0 to below 90, and of observation, -90 to 90; degrees.
+/// reading : array_like of float, (N,)
+///     Flux over that of the beam without a sample; with `quantity` "bsdf" the BSDF in 1/sr.
+/// meta : dict, optional
+///     Header of a scan file: geometry, ior, rough_side, aperture_deg, quantity, ...
+///
+/// Raises
+/// ------
+/// ValueError
+///     If the lengths differ, a number is outside its domain, or a value of `meta` cannot be read.
 #[pyclass(frozen, module = "asperity")]
 #[derive(Debug)]
 pub(crate) struct Scan {
@@ -80,26 +94,31 @@ impl Scan {
         slf
     }
 
+    /// numpy.ndarray of float64, (N,): Angles of incidence, degrees.
     #[getter]
     fn sigma_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, |r| r.sigma_deg)
     }
 
+    /// numpy.ndarray of float64, (N,): Angles of observation in the plane of incidence, degrees.
     #[getter]
     fn theta_deg<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, |r| r.theta_deg)
     }
 
+    /// numpy.ndarray of float64, (N,): Flux over that of the beam without a sample; or the BSDF, 1/sr, see `quantity`.
     #[getter]
     fn reading<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.array(py, |r| r.value)
     }
 
+    /// str: What the readings are: "flux" or "bsdf".
     #[getter]
     fn quantity(&self) -> String {
         self.measurement.quantity().to_string()
     }
 
+    /// dict: Header of the scan file: geometry, ior, rough_side, aperture_deg, wavelength_nm, ...
     #[getter]
     fn meta<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         const NUMBERS: [&str; 4] = ["ior", "aperture_deg", "wavelength_nm", "noise_floor_percent"];
@@ -147,7 +166,23 @@ pub(crate) fn restore_scan(
     Ok(Scan { measurement, input })
 }
 
-/// Reads a standard scan file.
+/// Reads a scan file.
+///
+/// Parameters
+/// ----------
+/// path : str or os.PathLike
+///     CSV with `# key: value` lines, then `sigma_deg,theta_deg,reading`.
+///
+/// Returns
+/// -------
+/// Scan
+///
+/// Raises
+/// ------
+/// OSError
+///     If the file cannot be opened.
+/// ValueError
+///     If the content is no scan; the message names the line.
 #[pyfunction]
 pub(crate) fn read_scan(py: Python<'_>, path: PathBuf) -> PyResult<Scan> {
     py.detach(|| {

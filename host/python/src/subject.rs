@@ -89,18 +89,46 @@ impl OnMap {
 ///
 /// Parameters
 /// ----------
-/// of : Model, Table or HeightMap; a map needs `ior`, and for waves `wavelength_nm`.
-/// sigma_deg : angles of incidence, degrees.
-/// theta_deg : first and last angle of observation, degrees.
-/// step_deg, aperture_deg : step of theta, and FULL angle of the detector's cone, degrees.
-/// geometry : "transmission" or "reflection"; without it transmission, of an opaque body reflection.
-/// rough_side : "source" or "detector". quantity : "flux" or "bsdf".
-/// rays : Monte Carlo with so many rays per incidence; without it quadrature, of a traced map 1.5e7 rays.
-/// engine : "ray", "wave" or "hybrid", on a map.
+/// of : Model, Table or HeightMap
+///     What is measured.
+/// sigma_deg : sequence of float
+///     Angles of incidence, degrees, 0 to below 90.
+/// theta_deg : (float, float)
+///     First and last angle of observation, degrees.
+/// step_deg : float, default 0.1
+///     Step of the angle of observation, degrees.
+/// aperture_deg : float, default 0.6
+///     Full angle of the detector's cone, degrees.
+/// geometry : {"transmission", "reflection"}, optional
+///     Side of the detector; without it transmission, of an opaque body reflection.
+/// rough_side : {"source", "detector"}
+///     Which way the rough face looks.
+/// quantity : {"flux", "bsdf"}
+///     What the readings are.
+/// rays : int, optional
+///     Monte Carlo with so many rays per incidence; without it quadrature, of a traced map 1.5e7 rays.
+/// seed : int, default 1
+///     Seed of the rays.
+/// ior : float, optional
+///     Index of the material under a map over that of the air; a map needs it.
+/// engine : {"ray", "wave", "hybrid"}, optional
+///     How light is sent on a map.
+/// wavelength_nm : float, sequence of float, or sequence of (float, float), optional
+///     Vacuum wavelengths of the light, alone or with weights, for waves.
+/// speckle : {"averaged", "kept", "patch"}, optional
+///     What becomes of the speckle of waves.
+/// shadowing : {"auto", "on", "off"}, optional
+///     Smith's shadowing and masking for waves.
 ///
 /// Returns
 /// -------
-/// Scan; its `meta` says the noise floor of rays, and what the instrument is.
+/// Scan
+///     Its `meta` says the noise floor of rays, and what the instrument is.
+///
+/// Raises
+/// ------
+/// ValueError
+///     With the argument that mends it.
 #[pyfunction]
 #[pyo3(signature = (
     of, *, sigma_deg=vec![0.0, 15.0, 30.0, 45.0, 60.0], theta_deg=(-90.0, 90.0), step_deg=0.1, aperture_deg=0.6,
@@ -167,14 +195,36 @@ pub(crate) fn scan(
 ///
 /// Parameters
 /// ----------
-/// of : Model, Table or HeightMap; a map needs `ior`, and for waves `wavelength_nm`.
-/// incidences_deg : angles of incidence in the medium the light comes from, degrees.
-/// side : "air" or "dielectric" alone; both without it.
-/// rays, seed : rays per incidence, for what is traced.
+/// of : Model, Table or HeightMap
+///     What is balanced.
+/// incidences_deg : sequence of float
+///     Angles of incidence in the medium the light comes from, degrees, 0 to below 90.
+/// side : {"air", "dielectric"}, optional
+///     Only this side; both without it.
+/// rays : int, default 1000000
+///     Rays per incidence, for what is traced.
+/// seed : int, default 1
+///     Seed of the rays.
+/// ior : float, optional
+///     Index of the material under a map over that of the air; a map needs it.
+/// engine : {"ray", "wave", "hybrid"}, optional
+///     How light is sent on a map.
+/// wavelength_nm : float, sequence of float, or sequence of (float, float), optional
+///     Vacuum wavelengths of the light, alone or with weights, for waves.
+/// speckle : {"averaged", "kept", "patch"}, optional
+///     What becomes of the speckle of waves.
+/// shadowing : {"auto", "on", "off"}, optional
+///     Smith's shadowing and masking for waves.
 ///
 /// Returns
 /// -------
-/// dict, the object that `asperity check --json` prints.
+/// dict
+///     The object that `asperity check --json` prints.
+///
+/// Raises
+/// ------
+/// ValueError
+///     With the argument that mends it.
 #[pyfunction]
 #[pyo3(signature = (
     of, *, incidences_deg=vec![0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0], side=None, rays=1_000_000, seed=1, ior=None,

@@ -16,7 +16,9 @@ use crate::precision::Rounded;
 use crate::rays::{Samples, samples};
 use crate::subject::subject;
 
-/// The BSDF of any method in arrays.
+/// The BSDF of any method in arrays, as a device evaluates it.
+///
+/// `load` reads one; it never changes. Values are NaN in a lobe that the table was made without.
 #[pyclass(frozen, module = "asperity")]
 #[derive(Debug)]
 pub(crate) struct Table {
@@ -46,6 +48,23 @@ impl Table {
 
 #[pymethods]
 impl Table {
+    /// Reads a table.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     A `.bsdft` file of `asperity tabulate`.
+    ///
+    /// Returns
+    /// -------
+    /// Table
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be opened.
+    /// ValueError
+    ///     If the content is no table, or is damaged.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let (table, record) = py.detach(|| read(&path)).map_err(|e| of_file(&path, e))?;
@@ -66,31 +85,38 @@ impl Table {
         slf
     }
 
+    /// str: Name of the method of its model.
     #[getter]
     fn method(&self) -> &str {
         &self.record.method
     }
 
+    /// float: Index of the dielectric over that of the air.
     #[getter]
     fn ior(&self) -> f32 {
         self.record.eta
     }
 
+    /// str: Type of the stored values: "u8", "u16" or "f32".
     #[getter]
     fn storage(&self) -> &str {
         self.table.storage()
     }
 
+    /// int: Size of the arrays on a device, bytes.
     #[getter]
     fn nbytes(&self) -> usize {
         self.table.bytes()
     }
 
+    /// float or None: Distance from its model, eq. (18), %; None where it was not measured.
     #[getter]
     fn distance_percent(&self) -> Option<f64> {
         self.record.distance_percent
     }
 
+    /// The BSDF f(wi, wo), without cosine.
+    #[doc = include_str!("docs/values.txt")]
     fn eval<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -99,6 +125,8 @@ impl Table {
         self.values(What::Eval, wi, wo)
     }
 
+    /// The angle-resolved scatter f(wi, wo) |cos theta_o|: scattered flux per solid angle, for unit flux in.
+    #[doc = include_str!("docs/values.txt")]
     fn ars<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -107,6 +135,8 @@ impl Table {
         self.values(What::Ars, wi, wo)
     }
 
+    /// The density of `sample` at `wo`, per solid angle of `wo`.
+    #[doc = include_str!("docs/values.txt")]
     fn pdf<'py>(
         &self,
         wi: &Bound<'py, PyAny>,
@@ -115,6 +145,8 @@ impl Table {
         self.values(What::Pdf, wi, wo)
     }
 
+    /// Draws one scattered ray per row, coherent ones included.
+    #[doc = include_str!("docs/sample.txt")]
     fn sample<'py>(&self, wi: &Bound<'py, PyAny>, u: &Bound<'py, PyAny>) -> PyResult<Samples<'py>> {
         samples(wi, u, &Rounded(&self.table), &self.table)
     }

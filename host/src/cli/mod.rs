@@ -21,6 +21,7 @@ mod validity;
 mod subject;
 mod check;
 mod completions;
+mod manual;
 mod pairs;
 mod eval;
 mod fitted;
@@ -100,6 +101,8 @@ enum Verb {
     Tabulate(tabulate::Args),
     Trade(trade::Args),
     Completions(completions::Args),
+    #[command(hide = true)]
+    Manual(manual::Args),
 }
 
 /// Headings whose flags `-h` leaves to `--help`.
@@ -141,6 +144,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Tabulate(a) => tabulate::run(&a),
         Verb::Trade(a) => trade::run(&a),
         Verb::Completions(a) => completions::run(&a),
+        Verb::Manual(a) => manual::run(&a),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,8 +1,8 @@
-//! The forward model: a rough boundary, in a plate, seen by the goniophotometer, gives readings.
+//! The forward model: a rough boundary, in a plate, in a goniophotometer, gives readings.
 //!
-//! [`quadrature`] is deterministic and smooth in the parameters, for fits; [`monte_carlo`] is the
-//! independent check of it, and the only way for boundaries that cannot be evaluated. [`wave`] adds what
-//! waves do: coherent beams and speckle.
+//! [`quadrature`] is deterministic and smooth in the parameters, as fits need it. [`monte_carlo`] checks it
+//! independently and serves boundaries that cannot be evaluated. [`wave`] adds
+//! coherent beams and speckle. [`simulate`] chooses among them; the example of [`mod@crate::fit`] uses it.
 
 mod optics;
 mod aperture;

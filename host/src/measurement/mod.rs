@@ -1,4 +1,17 @@
-//! Measurements: what a goniophotometer read, and what is known about how.
+//! Measurements: the readings of a goniophotometer, with what is known about sample and instrument.
+//!
+//! ```
+//! use asperity::measurement::{Quantity, csv};
+//!
+//! let text = "# geometry: transmission\n# ior: 1.49\nsigma_deg,theta_deg,reading\n0,0,0.002\n0,1,0.001\n";
+//! let scan = csv::parse(text, "scan.csv")?; // from a file: csv::read
+//! assert_eq!((scan.readings().len(), scan.quantity()), (2, Quantity::Flux));
+//! assert_eq!(scan.meta.ior, Some(1.49));
+//! // an error names file, line and remedy
+//! let error = csv::parse("sigma_deg,theta_deg,reading\n0,0,x\n", "bad.csv").unwrap_err();
+//! assert!(error.to_string().starts_with("bad.csv:2:"), "{error}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! | module | concept |
 //! |---|---|

@@ -1,5 +1,23 @@
 //! The model file: a boundary's parameters, and how they were found. JSON, `"asperity": 1`.
 //!
+//! ```
+//! use asperity::method::{Choice, Body};
+//! use asperity::model::{Model, Value};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let surface = Body::Dielectric { ior: 1.49 };
+//! let method = Choice::new("ggx", surface).method()?;
+//! let alpha = ("alpha".to_owned(), Value::given(0.2, String::new()));
+//! let text = Model::new(&*method, surface, [alpha].into_iter()).to_json();
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("model.json");
+//! asperity::output::write_text(&path, &text)?;
+//! let (model, boundary, _bytes) = Model::read(&path)?; // the boundary is ready to use
+//! assert_eq!((&*model.method, boundary.eta()), ("ggx", Some(1.49)));
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! | module | concept |
 //! |---|---|
 //! | `record` | the measured map that a model was made with |

@@ -1,9 +1,31 @@
 //! Makes the table of a boundary for a microcontroller.
 //!
-//! A law that can be evaluated is looked up at the nodes, and what is divided out, the scale of slopes and the numbers of nodes
-//! are those that err least (`search`). A boundary that can only be sampled sends rays: some choose these (`pilot`), many fill
-//! the nodes (`rays`). A table has no azimuth of the light: a surface with a direction is refused (`azimuths`). Then the lobes are given the flux of the model at each node of incidence, and where the table would give
-//! more than it receives, as waves do at grazing incidence, both are lowered (`balance`).
+//! A law with values is evaluated at the nodes. `search` chooses the factors to divide out, the scale of slopes and the numbers of nodes
+//! that give the smallest error. A boundary that can only be sampled sends rays: `pilot` sends some to make these choices, `rays` sends many to fill
+//! the nodes. A table has no azimuth of the light, so `azimuths` refuses a surface with a direction. Finally `balance` gives the lobes the
+//! flux of the model at each node of incidence; where the table would give more than it receives, as waves do at grazing incidence, it lowers both.
+//!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//!
+//! use asperity::{boundary::Boundary, forward::Rays, tabulate::{Budget, tabulate}};
+//! use asperity_core::bsdf::{Bsdf, Ggx};
+//! use asperity_core::direction::Direction;
+//! use asperity_core::quantity::{Alpha, RelativeIor};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let law = Ggx::new(Alpha::new(0.2)?, RelativeIor::new(1.49)?);
+//! let transmission = [false, true, false, false]; // from the air
+//! let rays = Rays { count: 0, seed: 1 }; // a closed form needs none
+//! let plan = Budget { lobes: transmission, bytes: 4096, kept: None, rays };
+//! let table = tabulate(&Boundary::Ggx(law), &plan, &AtomicBool::new(false), &|_, _| ())?;
+//! assert!(table.bytes() <= 4096);
+//! let (wi, wo) = (Direction::from_angles(0.5, 0.0), Direction::from_angles(2.8, 3.1));
+//! let (exact, looked_up): (f64, f64) = (law.eval(wi, wo), table.eval(wi, wo));
+//! assert!((looked_up / exact - 1.0).abs() < 0.02, "{looked_up} {exact}");
+//! # Ok(())
+//! # }
+//! ```
 
 mod facet;
 mod grid;

@@ -231,7 +231,7 @@ def fit(
     *,
     ior: float | None = None,
     opaque: bool = False,
-    law: Literal["gauss", "cauchy"] | None = None,
+    profile: Literal["gauss", "cauchy"] | None = None,
     free: Sequence[str] | None = None,
     cutoff: bool = True,
     geometry: Literal["transmission", "reflection"] | None = None,
@@ -250,7 +250,7 @@ def fit(
 ) -> Model:
     """Fits a model; an argument goes before the header of the scan.
 
-    ``free``: optional parameters to fit as well: ior, gain, theta0 (normals), n, h_max, z0 (heights). Without ``law`` both are
+    ``free``: optional parameters to fit as well: ior, gain, theta0 (normals), n, h_max, z0 (heights). Without ``profile`` both are
     tried and the better one is kept. Other threads run meanwhile; Ctrl-C ends the fit.
     """
 

@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""Makes the pictures of the methods from what the program computes: docs/book/pictures.py PROGRAM DEMO [METHOD...]
+
+PROGRAM is a release build of asperity, DEMO the folder that `asperity demo` wrote (its map is used). Takes a minute; standard library
+only. The pictures are written to docs/book/src/pictures, each with its commands as a description.
+"""
+
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+PICTURES = pathlib.Path(__file__).parent / "src" / "pictures"
+COLOURS = ("#1b6ca8", "#c0392b", "#3a8f4d", "#8e5ea2")
+WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 380, 300, 58, 34, 12, 46
+
+
+class Panel:
+    """Curves over an angle with a logarithmic ordinate."""
+
+    def __init__(self, title, abscissa, ordinate, x, decades):
+        self.title, self.abscissa, self.ordinate = title, abscissa, ordinate
+        self.x, self.decades = x, decades
+        self.curves = []
+
+    def add(self, points, colour, label=None, dashed=False):
+        self.curves.append((points, colour, label, dashed))
+
+    def place(self, x, y):
+        (x0, x1), (d0, d1) = self.x, self.decades
+        across, down = (x - x0) / (x1 - x0), (d1 - math.log10(y)) / (d1 - d0)
+        return LEFT + across * (WIDTH - LEFT - RIGHT), TOP + down * (HEIGHT - TOP - BOTTOM)
+
+    def runs(self, points):
+        """The parts of a curve inside the panel, without points that nobody would miss."""
+        run = []
+        for x, y in [*points, (math.nan, math.nan)]:
+            if self.x[0] <= x <= self.x[1] and 10 ** self.decades[0] <= y <= 10 ** self.decades[1]:
+                run.append(self.place(x, y))
+            else:
+                if len(run) > 1:
+                    yield simplified(run)
+                run = []
+
+    def svg(self, shift):
+        parts = [f'<g transform="translate({shift},0)">']
+        left, right, bottom = LEFT, WIDTH - RIGHT, HEIGHT - BOTTOM
+        parts.append(f'<text x="{(left + right) / 2:g}" y="20" text-anchor="middle" font-weight="bold">{self.title}</text>')
+        grid, labels = [], []
+        for decade in range(self.decades[0], self.decades[1] + 1):
+            y = self.place(self.x[0], 10**decade)[1]
+            grid.append(f"M{left} {y:.1f}H{right}")
+            labels.append(f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{10.0**decade:g}</text>')
+        for x in range(self.x[0], self.x[1] + 1, 30 if self.x[1] - self.x[0] > 90 else 10):
+            at = self.place(x, 10 ** self.decades[0])[0]
+            grid.append(f"M{at:.1f} {TOP}V{bottom}")
+            labels.append(f'<text x="{at:.1f}" y="{bottom + 16}" text-anchor="middle">{x}</text>')
+        parts.append(f'<path d="{"".join(grid)}" stroke="#ddd" fill="none"/>')
+        parts += labels
+        parts.append(f'<text x="{(left + right) / 2:g}" y="{HEIGHT - 8}" text-anchor="middle">{self.abscissa}</text>')
+        middle = (TOP + bottom) / 2
+        parts.append(f'<text transform="translate(14,{middle:g}) rotate(-90)" text-anchor="middle">{self.ordinate}</text>')
+        line = TOP + 14
+        for points, colour, label, dashed in self.curves:
+            dash = ' stroke-dasharray="4 3"' if dashed else ""
+            path = "".join("M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in run) for run in self.runs(points))
+            parts.append(f'<path d="{path}" stroke="{colour}" fill="none" stroke-width="1.6"{dash}/>')
+            if label:
+                parts.append(f'<text x="{left + 6}" y="{line}" fill="{colour}">{label}</text>')
+                line += 15
+        parts.append("</g>")
+        return "\n".join(parts)
+
+
+def simplified(run, tolerance=0.3):
+    """A line with fewer corners that nowhere differs by more than the tolerance [Ramer, Douglas and Peucker]."""
+    (x0, y0), (x1, y1) = run[0], run[-1]
+    length = math.hypot(x1 - x0, y1 - y0) or 1.0
+    off = [abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / length for x, y in run]
+    far = max(range(len(run)), key=off.__getitem__)
+    if off[far] <= tolerance:
+        return [run[0], run[-1]]
+    return simplified(run[: far + 1], tolerance)[:-1] + simplified(run[far:], tolerance)
+
+
+def write(name, title, panels, commands):
+    said = "\n".join(commands)
+    body = "\n".join(panel.svg(k * WIDTH) for k, panel in enumerate(panels))
+    text = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {len(panels) * WIDTH} {HEIGHT}" '
+        f'font-family="sans-serif" font-size="12">\n<title>{title}</title>\n<desc>made by docs/book/pictures.py from\n{said}</desc>\n'
+        f'<rect width="100%" height="100%" fill="#fff"/>\n{body}\n</svg>\n'
+    )
+    (PICTURES / f"{name}.svg").write_text(text)
+    print(f"{name}.svg: {len(text)} bytes")
+
+
+class Program:
+    """The program in a folder of its own, with a record of what it was asked."""
+
+    def __init__(self, path, folder):
+        self.path, self.folder, self.commands = path, folder, []
+
+    def run(self, *arguments, given=None):
+        self.commands.append("asperity " + " ".join(arguments))
+        done = subprocess.run([self.path, *arguments], input=given, capture_output=True, text=True, cwd=self.folder)
+        if done.returncode > 1:
+            sys.exit(f"{self.commands[-1]}:\n{done.stderr}")
+        return done.stdout
+
+    def model(self, name, *arguments):
+        self.run("model", *arguments, "-o", name)
+        return name
+
+    def lobes(self, model, side, incidence_deg):
+        """(angle, ars) of the reflected and the transmitted light in the plane of incidence; angles from the normal of each side."""
+        sign = 1.0 if side == "air" else -1.0
+        s, c = math.sin(math.radians(incidence_deg)), math.cos(math.radians(incidence_deg))
+        angles = [a / 2 for a in range(-179, 180)]
+        rows = ["wix,wiy,wiz,wox,woy,woz"]
+        for lobe in (1.0, -1.0):
+            for angle in angles:
+                x, z = math.sin(math.radians(angle)), math.cos(math.radians(angle))
+                rows.append(f"{-s},0,{sign * c},{x},0,{lobe * sign * z}")
+        lines = self.run("eval", model, given="\n".join(rows) + "\n").splitlines()
+        column = lines[0].split(",").index("ars")
+        values = [float(line.split(",")[column]) for line in lines[1:]]
+        return list(zip(angles, values)), list(zip(angles, values[len(angles) :]))
+
+    def readings(self, model, *arguments):
+        """(angle, reading) of a scan."""
+        self.run("scan", model, *arguments, "-o", "scan.csv")
+        lines = (pathlib.Path(self.folder) / "scan.csv").read_text().splitlines()
+        rows = [line.split(",") for line in lines if line and line[0] in "-0123456789"]
+        return [(float(theta), float(reading)) for _, theta, reading in rows]
+
+
+def lobes(program, name, title, models):
+    """Light from the air and from inside, of several models."""
+    files = [(program.model(f"{k}.json", *arguments), label) for k, (label, arguments) in enumerate(models)]
+    panels = []
+    for side, words in (("air", "from the air at 30°"), ("dielectric", "from inside at 30°")):
+        panel = Panel(words, "angle from the normal, °", "f |cos θ|, 1/sr", (-90, 90), (-3, 2))
+        for (file, label), colour in zip(files, COLOURS):
+            reflected, transmitted = program.lobes(file, side, 30)
+            panel.add(transmitted, colour, label)
+            panel.add(reflected, colour, dashed=True)
+        panels.append(panel)
+    write(name, f"{title}; solid: transmitted, dashed: reflected", panels, program.commands)
+
+
+def scans(program, name, title, models, decades, *arguments):
+    """What the instrument reads behind the plate, at two incidences."""
+    files = [(program.model(f"{k}.json", *made), label) for k, (label, made) in enumerate(models)]
+    panels = []
+    for sigma in (0, 40):
+        panel = Panel(f"incidence {sigma}°", "angle of observation, °", "reading", (sigma - 30, sigma + 30), decades)
+        for (file, label), colour in zip(files, COLOURS):
+            panel.add(program.readings(file, "--sigma", str(sigma), "--step", "0.5", *arguments), colour, label)
+        panels.append(panel)
+    write(name, title, panels, program.commands)
+
+
+PLATE = ("--ior", "1.49")
+MAP = ("--map", "demo/map.sdf", *PLATE)
+LIGHT = ("--wavelength-nm", "550")
+RAYS = ("--rays", "4e5", "--seed", "1")
+
+
+def ggx(program):
+    widths = [(f"alpha {a}", ("ggx", "--set", f"alpha={a}", *PLATE)) for a in (0.1, 0.2, 0.4)]
+    lobes(program, "ggx", "GGX of three widths", widths)
+
+
+def normals(program):
+    def one(profile, n):
+        return f"{profile}, n = {n}", ("normals", "--law", profile, "--set", "delta=8", f"n={n}", *PLATE)
+
+    lobes(program, "normals", "three densities of normals", [one("gauss", 2), one("gauss", 4), one("cauchy", 3)])
+
+
+def heights(program):
+    widths = [(f"delta {d}", ("heights", "--set", f"delta={d}", *PLATE)) for d in (0.1, 0.2, 0.3)]
+    scans(program, "heights", "random heights of three widths", widths, (-5, -1), *RAYS)
+
+
+def measured_ray(program):
+    scales = [(f"scale {s}", ("measured-ray", *MAP, "--set", f"scale={s}", "cutoff_um=0")) for s in (0.5, 1, 2)]
+    scans(program, "measured-ray", "rays on the map of the demonstration, its heights scaled", scales, (-5, -1), *RAYS)
+
+
+def measured_wave(program):
+    def one(scale):
+        return f"Rq {0.7 * scale:.2f} um", ("measured-wave", *MAP, *LIGHT, "--set", f"scale={scale}", "cutoff_um=0")
+
+    title = "waves on the same map: coherent light appears where it is smooth"
+    scans(program, "measured-wave", title, [one(0.1), one(0.3), one(1)], (-6, 0))
+
+
+def measured_hybrid(program):
+    scaled = ("--set", "scale=0.3", "cutoff_um=0")
+    engines = [
+        ("rays", ("measured-ray", *MAP, *scaled)),
+        ("waves", ("measured-wave", *MAP, *LIGHT, *scaled)),
+        ("hybrid", ("measured-hybrid", *MAP, *LIGHT, *scaled)),
+    ]
+    title = "rays, waves and both on the same map, its heights scaled by 0.3"
+    scans(program, "measured-hybrid", title, engines, (-6, 0), "--seed", "1")
+
+
+METHODS = {
+    "ggx": ggx,
+    "normals": normals,
+    "heights": heights,
+    "measured-ray": measured_ray,
+    "measured-wave": measured_wave,
+    "measured-hybrid": measured_hybrid,
+}
+
+
+def main():
+    program, demo = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "demo").symlink_to(demo)
+        for name in sys.argv[3:] or METHODS:
+            METHODS[name](Program(program, folder))
+
+
+main()
