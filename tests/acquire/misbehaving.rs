@@ -142,7 +142,8 @@ fn two_clients(line: &str, word: &str) {
     let folder = folder.path();
     let schedule = "--sigma 0 --theta-range -10:10 --step 0.2 --integration-ms 300 --sample two \
                 --ior 1.49 --rough-side source";
-    let first = start(folder, &format!("acquire --port {} -o first.csv {plan}", instrument.port));
+    let first =
+        start(folder, &format!("acquire --port {} -o first.csv {schedule}", instrument.port));
     let begun = Instant::now();
     while !folder.join("first.csv.journal").exists() {
         assert!(begun.elapsed() < Duration::from_secs(20), "the first client does not begin");

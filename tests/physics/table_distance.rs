@@ -5,9 +5,7 @@ use std::sync::Arc;
 use asperity::boundary::Boundary;
 use asperity::embedded::EmbeddedTable;
 use asperity::energy::balance;
-use asperity::forward::{
-    Budget as Angles, Effort, Incidence, Rays, Sample, Setup, monte_carlo, quadrature,
-};
+use asperity::forward::{Angles, Effort, Incidence, Rays, Sample, Setup, monte_carlo, quadrature};
 use asperity::hybrid::HybridBoundary;
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;

@@ -13,7 +13,7 @@ use crate::common::{fitted, options};
 const FILE: &str = "scatter/jsss-mwir-brdf/inplane_radiance_brdf.csv";
 
 /// The readings of a surface within the angles that the independent fits used.
-fn read(body: &str) -> Option<Measurement> {
+fn read(surface: &str) -> Option<Measurement> {
     let path = data::find(FILE)?;
     let map = "sigma=theta_i_deg,theta=theta_o_deg,reading=brdf_per_sr";
     let columns = map.parse::<asperity::measurement::ColumnMap>().unwrap();
@@ -28,7 +28,7 @@ fn read(body: &str) -> Option<Measurement> {
     Some(scan)
 }
 
-fn fit_of(body: &str, scan: &Measurement, objective: Objective) -> Fit {
+fn fit_of(surface: &str, scan: &Measurement, objective: Objective) -> Fit {
     let setup = Setup {
         sample: Sample::Opaque,
         geometry: Geometry::Reflection,
@@ -49,7 +49,7 @@ fn fit_of(body: &str, scan: &Measurement, objective: Objective) -> Fit {
     fit
 }
 
-/// Body, objective, alpha and error of an independent least-squares fit of the same model.
+/// Surface, objective, alpha and error of an independent least-squares fit of the same model.
 const DESCRIBED: [(&str, Objective, f64, f64); 4] = [
     ("Alu sandgestrahlt", Objective::Rmsd, 0.455, 1.31),
     ("Alu sandgestrahlt", Objective::Relative, 0.470, 2.85),
@@ -59,9 +59,9 @@ const DESCRIBED: [(&str, Objective, f64, f64); 4] = [
 
 #[test]
 fn sandblasted_metals_are_described_as_by_an_independent_fit() {
-    for (body, objective, alpha, error) in DESCRIBED {
-        let Some(scan) = read(body) else { return };
-        let fit = fit_of(body, &scan, objective);
+    for (surface, objective, alpha, error) in DESCRIBED {
+        let Some(scan) = read(surface) else { return };
+        let fit = fit_of(surface, &scan, objective);
         let found = fit.parameters[0].value;
         assert!(near(found, alpha, METAL_ALPHA), "{surface} {objective}: alpha {found}, {alpha}");
         let most = error * (1.0 + METAL_ERROR.allowed);
@@ -72,10 +72,10 @@ fn sandblasted_metals_are_described_as_by_an_independent_fit() {
 
 #[test]
 fn surfaces_with_more_than_one_lobe_are_refused() {
-    for body in ["Referenzlack (Rau)", "Verzinkter Stahl", "Edelstahl gebürstet"] {
-        let Some(scan) = read(body) else { return };
+    for surface in ["Referenzlack (Rau)", "Verzinkter Stahl", "Edelstahl gebürstet"] {
+        let Some(scan) = read(surface) else { return };
         for objective in [Objective::Rmsd, Objective::Relative] {
-            let fit = fit_of(body, &scan, objective);
+            let fit = fit_of(surface, &scan, objective);
             assert!(fit.refusal(MISFIT_PERCENT).is_some(), "{surface} {objective}");
         }
     }
