@@ -1,7 +1,7 @@
 //! The laws in closed form, `Ggx` and `Normals`, in both precisions.
 
 use asperity::boundary::Boundary;
-use asperity::method::{GgxMethod, Method, NormalsMethod, Body};
+use asperity::method::{Body, GgxMethod, Method, NormalsMethod};
 use asperity_core::bsdf;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;

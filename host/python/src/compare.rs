@@ -105,14 +105,18 @@ pub(crate) fn compare<'py>(
         fit_rays,
         seed,
     };
-    let methods = methods.unwrap_or_else(|| Kind::of_paper().into_iter().map(String::from).collect());
+    let methods =
+        methods.unwrap_or_else(|| Kind::of_paper().into_iter().map(String::from).collect());
     for name in &methods {
         Kind::named(name).map_err(bad)?;
     }
     let maps = maps.unwrap_or_default();
     for (what, count) in [("maps", maps.len()), ("names", names.as_ref().map_or(0, Vec::len))] {
         if count != 0 && count != scans.len() {
-            return Err(bad(format!("{} scans, {count} {what}; give one per scan, or none", scans.len())));
+            return Err(bad(format!(
+                "{} scans, {count} {what}; give one per scan, or none",
+                scans.len()
+            )));
         }
     }
     let names = names.unwrap_or_else(|| (1..=scans.len()).map(|k| format!("sample{k}")).collect());

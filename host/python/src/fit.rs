@@ -73,7 +73,7 @@ use crate::work::interruptible;
     aperture_deg=None, map=None, wavelength_nm=None, speckle=None, shadowing=None, objective="rmsd",
     max_evaluations=4000, max_misfit_percent=MISFIT_PERCENT, rays=None, fit_rays=None, seed=1
 ))]
-#[expect(clippy::too_many_arguments, clippy::fn_params_excessive_bools, reason = "named arguments of Python")]
+#[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
 pub(crate) fn fit(
     py: Python<'_>,
     scan: &Scan,

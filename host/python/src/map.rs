@@ -21,7 +21,7 @@ pub(crate) struct HeightMap {
 
 #[pymethods]
 impl HeightMap {
-    /// Heights, um, as an array (ny, nx) of float64.
+    /// ndarray: Heights, um, (ny, nx) of float64; rows are y, columns x.
     #[getter]
     fn heights_um<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let map = &self.prepared.map;
@@ -29,25 +29,25 @@ impl HeightMap {
         complete.to_vec().into_pyarray(py).reshape([map.ny(), map.nx()])
     }
 
-    /// Distances of neighbouring points along x and y, um.
+    /// tuple of float: Distances of neighbouring points along x and y, um.
     #[getter]
     fn pitch_um(&self) -> (f64, f64) {
         (self.prepared.map.dx_um(), self.prepared.map.dy_um())
     }
 
-    /// How the map goes on beyond its borders: `"periodic"` or `"mirrored"`.
+    /// str: How the map goes on beyond its borders, "periodic" or "mirrored".
     #[getter]
     fn edges(&self) -> &'static str {
         self.prepared.edges.name()
     }
 
-    /// The format of its file.
+    /// str: The format of its file.
     #[getter]
     fn format(&self) -> &'static str {
         self.prepared.format
     }
 
-    /// What has to be said about the file, in plain words.
+    /// list of str: What has to be said about the file, in plain words.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.prepared.warnings.clone()

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use asperity::binned::Asked;
 use asperity::boundary::Boundary;
 use asperity::forward::Rays;
 use asperity::model;
 use asperity::output::AtomicFile;
 use asperity::reconstruct::Subject;
-use asperity::binned::Asked;
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
@@ -200,7 +200,7 @@ impl Model {
 
     /// str or None: Profile of the density, "gauss" or "cauchy"; None for a method without one.
     #[getter]
-    fn law(&self) -> Option<&str> {
+    fn profile(&self) -> Option<&str> {
         self.record.law.as_deref()
     }
 

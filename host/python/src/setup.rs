@@ -1,7 +1,7 @@
 //! A scan with its body, instrument, map and light, from arguments of Python: what `fit` and `compare` start from.
 
 use asperity::fit::{FitError, FitOptions, FitRays, Objective};
-use asperity::reconstruct::{Said, Situation, Task, Unclear, Unusable};
+use asperity::reconstruct::{Said, Task, Unclear, Unusable};
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
@@ -54,7 +54,7 @@ impl Given<'_> {
                 seed: self.seed,
                 ..FitRays::default()
             },
-            ..FitOptions::new(situation.surface)
+            ..FitOptions::new(situation.body)
         };
         let header = Some(&measurement.meta);
         Ok(Task {
@@ -63,7 +63,7 @@ impl Given<'_> {
             map: map.map(|map| &map.prepared),
             light: light(wavelength_nm, self.speckle, self.shadowing, header)?,
             input: scan.input.as_ref(),
-            ..Task::new(measurement, Situation { ..situation })
+            ..Task::new(measurement, situation)
         })
     }
 

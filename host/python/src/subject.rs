@@ -41,11 +41,7 @@ struct OnMap {
 }
 
 impl OnMap {
-    fn new(
-        ior: Option<f64>,
-        engine: Option<&str>,
-        light: Light,
-    ) -> PyResult<Self> {
+    fn new(ior: Option<f64>, engine: Option<&str>, light: Light) -> PyResult<Self> {
         let engine = match engine {
             None => None,
             Some("ray") => Some(Engine::Ray),
@@ -156,7 +152,8 @@ pub(crate) fn scan(
 ) -> PyResult<Scan> {
     // words are checked where those of a header are
     let mut said = asperity::measurement::Metadata::default();
-    let words = [("geometry", geometry), ("rough_side", Some(rough_side)), ("quantity", Some(quantity))];
+    let words =
+        [("geometry", geometry), ("rough_side", Some(rough_side)), ("quantity", Some(quantity))];
     for (key, value) in words {
         said.set(key, value.unwrap_or_default()).map_err(bad)?;
     }
@@ -266,11 +263,7 @@ pub(crate) fn check<'py>(
 }
 
 /// A boundary of Python's own objects as a subject.
-pub(crate) fn subject(
-    boundary: Boundary,
-    method: &str,
-    ior: Option<f64>,
-) -> Subject {
+pub(crate) fn subject(boundary: Boundary, method: &str, ior: Option<f64>) -> Subject {
     Subject {
         boundary,
         method: method.to_owned(),

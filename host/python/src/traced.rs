@@ -1,8 +1,8 @@
 //! Values of a boundary whose rays must be traced: a table for the incidences that are asked for.
 
+use asperity::binned::Asked;
 use asperity::boundary::Boundary;
 use asperity::forward::Rays;
-use asperity::binned::Asked;
 use asperity_core::direction::Direction;
 use pyo3::prelude::*;
 

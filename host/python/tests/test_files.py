@@ -18,7 +18,7 @@ def test_a_model_is_its_law(tmp_path):
     path = tmp_path / "model.json"
     path.write_text(GGX)
     model = asperity.Model.load(path)
-    assert (model.method, model.law, model.ior) == ("ggx", None, 1.49)
+    assert (model.method, model.profile, model.ior) == ("ggx", None, 1.49)
     assert model.parameters == {"alpha": 0.2} and model.std_errors == {"alpha": None}
     assert model.rmsd_percent is None and model.warnings == []
     law = asperity.Ggx(0.2, 1.49)
