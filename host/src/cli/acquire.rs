@@ -7,10 +7,13 @@ use std::time::Duration;
 use asperity_core::protocol::{Ident, MAX_POINTS};
 
 use super::error::Failure;
+use super::flags::port::PortFlags;
+use super::flags::schedule::ScheduleFlags;
+use super::interrupt;
 use super::last_words::LastWords;
-use super::planning::ScheduleFlags;
-use super::port::PortFlags;
-use super::{interrupt, print, progress, say};
+use super::print;
+use super::progress;
+use super::say;
 use crate::acquire::transport::list;
 use crate::acquire::{
     AboveBeam, Job, Patience, Progress, Schedule, Summary, estimate, run as acquire,

@@ -6,9 +6,11 @@ use asperity_core::direction::Side;
 use clap::ValueEnum;
 
 use super::error::Failure;
-use super::rays::RayFlags;
-use super::subject::{SubjectFlags, lacking};
-use super::{print, progress, validity};
+use super::flags::rays::RayFlags;
+use super::flags::subject::{SubjectFlags, lacking};
+use super::flags::waves as validity;
+use super::print;
+use super::progress;
 use crate::boundary::Boundary;
 use crate::energy::side_name;
 use crate::kirchhoff::Speckle;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::comparing::{Sample, Work};
 use super::error::Failure;
-use super::method::MethodName;
+use super::flags::method::MethodName;
+use super::flags::sample::{Loaded, SampleFlags, methods};
 use super::print;
-use super::sample::{Loaded, SampleFlags, methods};
 use crate::reconstruct::usually_asked;
 use crate::surface::Roughness;
 

@@ -2,8 +2,9 @@
 
 use clap_complete::Shell;
 
+use super::command;
 use super::error::Failure;
-use super::{command, print};
+use super::print;
 
 /// Write tab completions for a shell to stdout
 ///

@@ -9,9 +9,11 @@ use asperity_core::plate::RoughSide;
 
 use super::comparing::{Sample, Work};
 use super::error::Failure;
-use super::sample::methods;
-use super::source::parse_rays;
-use super::{print, progress, say};
+use super::flags::sample::methods;
+use super::flags::scan::parse_rays;
+use super::print;
+use super::progress;
+use super::say;
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, FitRays};
 use crate::forward::{self, Setup};

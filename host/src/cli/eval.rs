@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::error::Failure;
+use super::flags::rays::RayFlags;
 use super::pairs::{Pair, Pairs};
 use super::progress;
-use super::rays::RayFlags;
 use super::say;
 use crate::binned::{Asked, BinnedBsdf};
 use crate::boundary::{Boundary, with_boundary};

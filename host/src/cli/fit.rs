@@ -3,15 +3,17 @@
 use std::fmt::Display;
 use std::path::PathBuf;
 
-use super::effort::EffortFlags;
 use super::error::{Failure, all};
 use super::fitted::{human, trials, warn_of_failed};
-use super::light::LightFlags;
-use super::map::MapFlags;
-use super::method::MethodName;
+use super::flags::effort::EffortFlags;
+use super::flags::light::LightFlags;
+use super::flags::map::MapFlags;
+use super::flags::method::MethodName;
+use super::flags::scan::{ReadFlags, SetupFlags};
 use super::model::ProfileFlag;
-use super::source::{ReadFlags, SetupFlags};
-use super::{print, progress, say};
+use super::print;
+use super::progress;
+use super::say;
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
 use crate::method::{Body, Kind, Lack, in_words};

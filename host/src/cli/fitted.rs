@@ -1,7 +1,8 @@
 //! Fits as the command line makes and says them: what a method lacks with the flag that gives it, and the fit as text.
 
 use super::error::remedy;
-use super::{light, say};
+use super::flags::light;
+use super::say;
 use crate::boundary::Boundary;
 use crate::fit::{FitError, Fitted, Objective, Termination};
 use crate::reconstruct::{Entry, Task, Trials, Unusable};

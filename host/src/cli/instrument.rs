@@ -4,9 +4,10 @@ use asperity_core::protocol::{Diagnostics, Ident, MachineState, Range, Request, 
 use clap::Subcommand;
 
 use super::error::Failure;
+use super::flags::port::PortFlags;
+use super::interrupt;
 use super::last_words::LastWords;
-use super::port::PortFlags;
-use super::{interrupt, print};
+use super::print;
 use crate::acquire::transport::Transport;
 use crate::acquire::{Client, Patience, Trouble};
 

@@ -12,30 +12,20 @@ mod error;
 mod last_words;
 mod interrupt;
 mod progress;
-mod source;
-mod rays;
-mod method;
-mod map;
-mod light;
-mod validity;
-mod subject;
+mod flags;
 mod check;
 mod completions;
 mod manual;
 mod pairs;
 mod eval;
 mod fitted;
-mod effort;
 mod model;
 mod fit;
-mod sample;
 mod comparing;
 mod compare;
 mod scan;
 mod demo;
 mod stats;
-mod port;
-mod planning;
 mod acquire;
 mod instrument;
 mod tabulate;
@@ -106,8 +96,13 @@ enum Verb {
 }
 
 /// Headings whose flags `-h` leaves to `--help`.
-const SELDOM: [&str; 5] =
-    [map::HEADING, light::HEADING, source::READING, subject::HEADING, validity::HEADING];
+const SELDOM: [&str; 5] = [
+    flags::map::HEADING,
+    flags::light::HEADING,
+    flags::scan::READING,
+    flags::subject::HEADING,
+    flags::waves::HEADING,
+];
 
 /// The command line; `-h` shows what a first use needs, `--help` all.
 fn command() -> clap::Command {
@@ -124,7 +119,7 @@ fn command() -> clap::Command {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::listen();
     custody::watch();
-    let matches = command().try_get_matches_from(light::with_shadowing(arguments));
+    let matches = command().try_get_matches_from(flags::light::with_shadowing(arguments));
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(e) => return usage(&e),

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use super::error::{Failure, without_effect};
-use super::light::LightFlags;
-use super::map::MapFlags;
-use super::method::MethodName;
+use super::flags::light::LightFlags;
+use super::flags::map::MapFlags;
+use super::flags::method::MethodName;
+use super::flags::scan::number;
 use super::print;
-use super::source::number;
 use crate::kirchhoff::Speckle;
 use crate::method::{Body, Choice, Kind};
 use crate::model::{MapRecord, Model, Value};

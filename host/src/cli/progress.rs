@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{interrupt, say};
+use super::interrupt;
+use super::say;
 use crate::watch::{Progress, Watch};
 
 /// A bar that knows its end, or learns it from the work; it goes when it is dropped.

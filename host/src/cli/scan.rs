@@ -6,9 +6,10 @@ use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use super::error::{Failure, without_effect};
-use super::source::{GeometryFlag, QuantityFlag, RoughSideFlag, number, parse_rays};
-use super::subject::{SubjectFlags, lacking};
-use super::{print, progress};
+use super::flags::scan::{GeometryFlag, QuantityFlag, RoughSideFlag, number, parse_rays};
+use super::flags::subject::{SubjectFlags, lacking};
+use super::print;
+use super::progress;
 use crate::kirchhoff::Speckle;
 use crate::measurement::{Quantity, write};
 use crate::output::AtomicFile;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::error::Failure;
-use super::map::MapFlags;
+use super::flags::map::MapFlags;
+use super::flags::waves::{self, KirchhoffFlags};
 use super::print;
 use super::say;
-use super::validity::{self, KirchhoffFlags};
 use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures};
 use crate::surface::sanity::Insane;

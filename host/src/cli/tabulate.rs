@@ -8,9 +8,11 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::error::Failure;
-use super::rays::RayFlags;
-use super::source::number;
-use super::{interrupt, print, progress};
+use super::flags::rays::RayFlags;
+use super::flags::scan::number;
+use super::interrupt;
+use super::print;
+use super::progress;
 use crate::boundary::Boundary;
 use crate::embedded::{EmbeddedTable, bytes, c_header, rust_source};
 use crate::forward::Rays;

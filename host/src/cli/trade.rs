@@ -5,10 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Failure, all};
 use super::fitted::{trials, warn_of_failed};
-use super::method::MethodName;
-use super::sample::{Loaded, SampleFlags, methods};
-use super::source::{number, parse_rays};
-use super::{interrupt, print, progress, say};
+use super::flags::method::MethodName;
+use super::flags::sample::{Loaded, SampleFlags, methods};
+use super::flags::scan::{number, parse_rays};
+use super::interrupt;
+use super::print;
+use super::progress;
+use super::say;
 use crate::boundary::Boundary;
 use crate::forward::Rays;
 use crate::model::Model;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use super::effort::EffortFlags;
-use super::error::{Failure, without_effect};
 use super::light::LightFlags;
 use super::map::MapFlags;
-use super::source::{ReadFlags, SetupFlags};
+use super::scan::{ReadFlags, SetupFlags};
+use crate::cli::error::{Failure, without_effect};
 use crate::fit::FitOptions;
 use crate::forward::Setup;
 use crate::measurement::Measurement;
@@ -17,9 +17,9 @@ use crate::surface::Prepared;
 
 /// All flags of a sample.
 #[derive(Debug, clap::Args)]
-pub(super) struct SampleFlags {
+pub(in crate::cli) struct SampleFlags {
     #[command(flatten)]
-    pub(super) effort: EffortFlags,
+    pub(in crate::cli) effort: EffortFlags,
     #[command(flatten)]
     setup: SetupFlags,
     #[command(flatten)]
@@ -31,11 +31,11 @@ pub(super) struct SampleFlags {
 }
 
 /// A scan and its map, read.
-pub(super) struct Loaded {
-    pub(super) measurement: Measurement,
-    pub(super) input: InputFile,
-    pub(super) setup: Setup,
-    pub(super) map: Option<Prepared>,
+pub(in crate::cli) struct Loaded {
+    pub(in crate::cli) measurement: Measurement,
+    pub(in crate::cli) input: InputFile,
+    pub(in crate::cli) setup: Setup,
+    pub(in crate::cli) map: Option<Prepared>,
     options: FitOptions,
     light: Light,
     max_misfit: f64,
@@ -43,7 +43,7 @@ pub(super) struct Loaded {
 
 impl SampleFlags {
     /// Refuses what has no effect on any of the methods, or without maps.
-    pub(super) fn check(&self, methods: &[String], has_maps: bool) -> Result<(), Failure> {
+    pub(in crate::cli) fn check(&self, methods: &[String], has_maps: bool) -> Result<(), Failure> {
         self.effort.check()?;
         self.setup.check()?;
         let any = |is: fn(&Kind) -> bool| methods.iter().any(|m| Kind::named(m).is_ok_and(is));
@@ -53,7 +53,7 @@ impl SampleFlags {
     }
 
     /// Refuses all of them where there is no scan.
-    pub(super) fn need_scan(&self) -> Result<(), Failure> {
+    pub(in crate::cli) fn need_scan(&self) -> Result<(), Failure> {
         let why = "models know their own sample";
         let given: Vec<_> = self.setup.given().into_iter().chain(self.read.given()).collect();
         without_effect(&given, why)?;
@@ -63,7 +63,11 @@ impl SampleFlags {
     }
 
     /// Reads a scan and its map.
-    pub(super) fn load(&self, scan: &Path, map: Option<&PathBuf>) -> Result<Loaded, Failure> {
+    pub(in crate::cli) fn load(
+        &self,
+        scan: &Path,
+        map: Option<&PathBuf>,
+    ) -> Result<Loaded, Failure> {
         let (measurement, input) = self.read.read(scan)?;
         let (body, setup) = self.setup.resolve(&measurement, scan)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
@@ -76,7 +80,7 @@ impl SampleFlags {
 
 impl Loaded {
     /// What a reconstruction needs.
-    pub(super) fn task(&self) -> Task<'_> {
+    pub(in crate::cli) fn task(&self) -> Task<'_> {
         Task {
             measurement: &self.measurement,
             setup: self.setup,
@@ -90,7 +94,7 @@ impl Loaded {
 }
 
 /// The methods asked for, each once, or all.
-pub(super) fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
+pub(in crate::cli) fn methods(asked: &[String]) -> Result<Vec<String>, Failure> {
     let mut methods: Vec<String> = Vec::new();
     for name in asked.iter().map(|n| n.trim()) {
         Kind::named(name)?;

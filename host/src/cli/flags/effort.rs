@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 
-use super::error::{Failure, without_effect};
-use super::source::{number, parse_rays};
+use super::scan::{number, parse_rays};
+use crate::cli::error::{Failure, without_effect};
 use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
 use crate::method::{Body, Kind, in_words};
 
@@ -31,7 +31,7 @@ impl From<ObjectiveFlag> for Objective {
 
 /// What is minimised, with how much effort, and what counts as described.
 #[derive(Debug, clap::Args)]
-pub(super) struct EffortFlags {
+pub(in crate::cli) struct EffortFlags {
     /// What is minimised; eq. (18) is always printed
     #[arg(long, value_enum, default_value = "rmsd")]
     objective: ObjectiveFlag,
@@ -49,12 +49,12 @@ pub(super) struct EffortFlags {
     max_evaluations: u64,
     /// Largest error of a single incidence that counts as described, in % of its largest reading
     #[arg(long, value_name = "PERCENT", default_value_t = MISFIT_PERCENT, value_parser = number)]
-    pub(super) max_misfit: f64,
+    pub(in crate::cli) max_misfit: f64,
 }
 
 impl EffortFlags {
     /// Refuses what would leave nothing to do.
-    pub(super) fn check(&self) -> Result<(), Failure> {
+    pub(in crate::cli) fn check(&self) -> Result<(), Failure> {
         if self.max_misfit.is_nan() || self.max_misfit <= 0.0 || self.max_evaluations == 0 {
             return Err(Failure::bad("--max-misfit and --max-evaluations must be positive"));
         }
@@ -65,7 +65,7 @@ impl EffortFlags {
     ///
     /// # Errors
     /// The flags that are given.
-    pub(super) fn need_rays(&self, are_traced: bool) -> Result<(), Failure> {
+    pub(in crate::cli) fn need_rays(&self, are_traced: bool) -> Result<(), Failure> {
         let given = |is: bool| is && !are_traced;
         let flags = [
             ("--rays", given(self.rays.is_some())),
@@ -77,7 +77,7 @@ impl EffortFlags {
     }
 
     /// The options of a fit to a body, with nothing free but the method's own parameters.
-    pub(super) fn options(&self, body: Body) -> FitOptions {
+    pub(in crate::cli) fn options(&self, body: Body) -> FitOptions {
         FitOptions {
             body,
             fit_ior: false,

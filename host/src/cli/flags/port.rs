@@ -1,18 +1,18 @@
 //! The port of an instrument, as flags, and how trouble with it ends a verb.
 
-use super::error::Failure;
 use crate::acquire::transport::{self, Transport};
 use crate::acquire::{
     AcquireError, Client, JournalError, LinkError, Patience, ScheduleError, Trouble,
 };
+use crate::cli::error::Failure;
 
 /// Where the instrument is.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "The instrument")]
-pub(super) struct PortFlags {
+pub(in crate::cli) struct PortFlags {
     /// Serial port, such as /dev/ttyUSB0 or COM3, or tcp:HOST:PORT
     #[arg(long, value_name = "PORT")]
-    pub(super) port: Option<String>,
+    pub(in crate::cli) port: Option<String>,
     /// Bits a second of a serial port
     #[arg(long, value_name = "N", default_value_t = 115_200)]
     baud: u32,
@@ -20,17 +20,17 @@ pub(super) struct PortFlags {
 
 impl PortFlags {
     /// Opens it; `None` without `--port`.
-    pub(super) fn open(&self) -> Result<Box<dyn Transport>, LinkError> {
+    pub(in crate::cli) fn open(&self) -> Result<Box<dyn Transport>, LinkError> {
         transport::open(self.port.as_deref().unwrap_or_default(), self.baud)
     }
 
     /// Opens it and finds out who is there.
-    pub(super) fn connect(&self) -> Result<Client<'static, Box<dyn Transport>>, LinkError> {
+    pub(in crate::cli) fn connect(&self) -> Result<Client<'static, Box<dyn Transport>>, LinkError> {
         Client::connect(self.open()?, Patience::default())
     }
 
     /// `--port` must be there.
-    pub(super) fn need(&self) -> Result<(), Failure> {
+    pub(in crate::cli) fn need(&self) -> Result<(), Failure> {
         match &self.port {
             Some(_) => Ok(()),
             None => Err(Failure::bad(

@@ -6,8 +6,8 @@ use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use clap::ValueEnum;
 
-use super::error::{Failure, without_effect};
-use super::say;
+use crate::cli::error::{Failure, without_effect};
+use crate::cli::say;
 use crate::forward::Setup;
 use crate::measurement::import::Import;
 use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
@@ -17,7 +17,7 @@ use crate::reconstruct::{Said, Situation, Unclear};
 
 /// Side of the detector, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum GeometryFlag {
+pub(in crate::cli) enum GeometryFlag {
     /// Behind the plate.
     Transmission,
     /// In front of it.
@@ -35,7 +35,7 @@ impl From<GeometryFlag> for Geometry {
 
 /// Side of the rough face, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum RoughSideFlag {
+pub(in crate::cli) enum RoughSideFlag {
     /// Towards the light source.
     Source,
     /// Towards the detector of transmitted light.
@@ -53,7 +53,7 @@ impl From<RoughSideFlag> for RoughSide {
 
 /// What a reading is, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum QuantityFlag {
+pub(in crate::cli) enum QuantityFlag {
     /// Relative flux in the detector's aperture.
     Flux,
     /// BSDF in 1/sr, without cosine.
@@ -72,31 +72,31 @@ impl From<QuantityFlag> for Quantity {
 /// What is known about the sample and the instrument; a flag goes before the file's header.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Sample and instrument (a flag goes before the file's header)")]
-pub(super) struct SetupFlags {
+pub(in crate::cli) struct SetupFlags {
     /// Refractive index of the plate over that of air
     #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true, value_parser = number)]
-    pub(super) ior: Option<f64>,
+    pub(in crate::cli) ior: Option<f64>,
     /// The body is opaque (a metal, a paint): one reflection, no inside
     #[arg(long)]
-    pub(super) opaque: bool,
+    pub(in crate::cli) opaque: bool,
     /// Side of the detector
     #[arg(long, value_enum)]
-    pub(super) geometry: Option<GeometryFlag>,
+    pub(in crate::cli) geometry: Option<GeometryFlag>,
     /// Which way the rough face of the plate looks
     #[arg(long, value_enum, value_name = "SIDE")]
-    pub(super) rough_side: Option<RoughSideFlag>,
+    pub(in crate::cli) rough_side: Option<RoughSideFlag>,
     /// FULL angle of the detector's cone in degrees; 0 takes readings of a BSDF as point values
     #[arg(long, value_name = "DEG", value_parser = number)]
-    pub(super) aperture: Option<f64>,
+    pub(in crate::cli) aperture: Option<f64>,
 }
 
 /// Heading of the flags that read a scan.
-pub(super) const READING: &str = "Reading the scan";
+pub(in crate::cli) const READING: &str = "Reading the scan";
 
 /// How a foreign file is read, and which part of it.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = READING)]
-pub(super) struct ReadFlags {
+pub(in crate::cli) struct ReadFlags {
     /// Columns of a foreign CSV, by name or number: sigma=A,theta=B,reading=C
     #[arg(long, value_name = "MAP")]
     columns: Option<ColumnMap>,
@@ -125,7 +125,7 @@ pub(super) struct ReadFlags {
 
 impl ReadFlags {
     /// The flags, each with whether it is given.
-    pub(super) fn given(&self) -> [(&'static str, bool); 4] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 4] {
         [
             ("--columns", self.columns.is_some()), // all others of a foreign file need it
             ("--quantity", self.quantity.is_some()),
@@ -135,7 +135,7 @@ impl ReadFlags {
     }
 
     /// Reads a scan; the second part names the file's content for the provenance.
-    pub(super) fn read(&self, path: &Path) -> Result<(Measurement, InputFile), Failure> {
+    pub(in crate::cli) fn read(&self, path: &Path) -> Result<(Measurement, InputFile), Failure> {
         let range = |flag: &str, text: &Option<String>| match text {
             Some(text) => text.parse().map_err(|e| Failure::bad(format!("--{flag}: {e}"))),
             None => Ok(crate::measurement::AngleRange::ALL),
@@ -192,7 +192,7 @@ impl ReadFlags {
 
 impl SetupFlags {
     /// The flags, each with whether it is given.
-    pub(super) fn given(&self) -> [(&'static str, bool); 5] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 5] {
         [
             ("--ior", self.ior.is_some()),
             ("--opaque", self.opaque),
@@ -203,13 +203,13 @@ impl SetupFlags {
     }
 
     /// Refuses what has no effect on an opaque body.
-    pub(super) fn check(&self) -> Result<(), Failure> {
+    pub(in crate::cli) fn check(&self) -> Result<(), Failure> {
         let flag = [("--rough-side", self.opaque && self.rough_side.is_some())];
         without_effect(&flag, "an opaque body is lit and seen from one side")
     }
 
     /// The body and the instrument, from flags and header; what neither says is asked for.
-    pub(super) fn resolve(
+    pub(in crate::cli) fn resolve(
         &self,
         scan: &Measurement,
         path: &Path,
@@ -264,7 +264,7 @@ impl From<Unclear> for Failure {
 }
 
 /// A number of a flag.
-pub(super) fn number(text: &str) -> Result<f64, String> {
+pub(in crate::cli) fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| {
         let point = text.trim().replacen(',', ".", 1);
         match point.parse::<f64>() {
@@ -275,7 +275,7 @@ pub(super) fn number(text: &str) -> Result<f64, String> {
 }
 
 /// A number of rays, also as 1e6.
-pub(super) fn parse_rays(text: &str) -> Result<u64, String> {
+pub(in crate::cli) fn parse_rays(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {
         Ok(x) if (1.0..=1e15).contains(&x) && x.fract().abs() < f64::EPSILON => Ok(x as u64),
         _ => Err("write a whole number of rays from 1 to 1e15".into()),

@@ -4,14 +4,14 @@ use std::ffi::OsString;
 
 use clap::ValueEnum;
 
-use super::error::{Failure, without_effect};
+use crate::cli::error::{Failure, without_effect};
 use crate::kirchhoff::{Shadowing, Speckle, Wavelengths};
 use crate::measurement::Metadata;
 use crate::reconstruct::{Light, Unlit};
 
 /// What wave readings are of, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum SpeckleFlag {
+pub(in crate::cli) enum SpeckleFlag {
     /// A large piece of the same surface: the mean over azimuths
     Averaged,
     /// This very map, with its speckle, going on as its edges say
@@ -55,7 +55,9 @@ impl From<ShadowingFlag> for Shadowing {
 const BARE_SHADOWING: &str = "on";
 
 /// The arguments with a value for each `--shadowing` that has none, so that it does not take the file behind it for one.
-pub(super) fn with_shadowing(arguments: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
+pub(in crate::cli) fn with_shadowing(
+    arguments: impl IntoIterator<Item = OsString>,
+) -> Vec<OsString> {
     let mut arguments: Vec<OsString> = arguments.into_iter().collect();
     let names = ShadowingFlag::value_variants().iter().filter_map(ValueEnum::to_possible_value);
     let names: Vec<String> = names.map(|name| name.get_name().to_owned()).collect();
@@ -71,12 +73,12 @@ pub(super) fn with_shadowing(arguments: impl IntoIterator<Item = OsString>) -> V
 }
 
 /// Heading of these flags.
-pub(super) const HEADING: &str = "Light (of methods that send waves)";
+pub(in crate::cli) const HEADING: &str = "Light (of methods that send waves)";
 
 /// The light of methods that send waves.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = HEADING)]
-pub(super) struct LightFlags {
+pub(in crate::cli) struct LightFlags {
     /// Vacuum wavelengths in nm, alone or each with its weight: 550, or 450,550, or 450:0.3,550:1
     #[arg(long, value_name = "NM,...", allow_negative_numbers = true)]
     wavelength_nm: Option<Wavelengths>,
@@ -94,7 +96,7 @@ impl LightFlags {
     ///
     /// # Errors
     /// The flags that are given, with `why` they have no effect.
-    pub(super) fn need_waves(&self, has_waves: bool, why: &str) -> Result<(), Failure> {
+    pub(in crate::cli) fn need_waves(&self, has_waves: bool, why: &str) -> Result<(), Failure> {
         if has_waves {
             return Ok(());
         }
@@ -107,7 +109,7 @@ impl LightFlags {
     }
 
     /// The light of these flags; a scan's header may know the wavelength.
-    pub(super) fn light(&self, header: Option<&Metadata>) -> Result<Light, Failure> {
+    pub(in crate::cli) fn light(&self, header: Option<&Metadata>) -> Result<Light, Failure> {
         let of_header = header.and_then(|meta| meta.wavelength_nm);
         let of_header = of_header.map(Wavelengths::single).transpose().map_err(Failure::bad)?;
         Ok(Light {
@@ -119,7 +121,7 @@ impl LightFlags {
 }
 
 /// Why no waves can be sent, and the flag that mends it.
-pub(super) fn with_flag(unlit: &Unlit) -> String {
+pub(in crate::cli) fn with_flag(unlit: &Unlit) -> String {
     match unlit {
         Unlit::NoWavelength => format!("{unlit}; give --wavelength-nm, such as 550"),
         Unlit::TooLarge { .. } => format!("{unlit}; take a part with --crop"),

@@ -9,7 +9,7 @@ use crate::method::KINDS;
 
 /// Takes any text.
 #[derive(Clone, Debug)]
-pub(super) struct MethodName;
+pub(in crate::cli) struct MethodName;
 
 impl TypedValueParser for MethodName {
     type Value = String;

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
-use super::error::Failure;
-use super::source::number;
+use super::scan::number;
 use crate::acquire::Draft;
 use crate::acquire::draft::RangeWord;
+use crate::cli::error::Failure;
 use crate::measurement::AngleRange;
 
 /// What is measured; without a schedule file and flags, as on the GP-200.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "The schedule")]
-pub(super) struct ScheduleFlags {
+pub(in crate::cli) struct ScheduleFlags {
     /// Schedule file (TOML); flags go before it
     #[arg(long, alias = "plan", value_name = "FILE")]
     schedule: Option<PathBuf>,
@@ -64,7 +64,7 @@ pub(super) struct ScheduleFlags {
 
 impl ScheduleFlags {
     /// What flags and schedule file say together.
-    pub(super) fn draft(&self) -> Result<Draft, Failure> {
+    pub(in crate::cli) fn draft(&self) -> Result<Draft, Failure> {
         let file = self.schedule.as_ref().map(Draft::read).transpose()?.unwrap_or_default();
         let range = self.theta_range.as_deref().map(str::parse::<AngleRange>).transpose();
         let range = range.map_err(|e| Failure::bad(format!("--theta-range: {e}")))?;

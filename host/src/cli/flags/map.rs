@@ -4,9 +4,9 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-use super::error::{Failure, without_effect};
-use super::say;
-use super::source::number;
+use super::scan::number;
+use crate::cli::error::{Failure, without_effect};
+use crate::cli::say;
 use crate::surface::io::LengthUnit;
 use crate::surface::{Crop, Edges, Fill, Form, Preparation, Prepared, Purpose};
 
@@ -67,12 +67,12 @@ enum EdgesFlag {
 }
 
 /// Heading of these flags.
-pub(super) const HEADING: &str = "Height map";
+pub(in crate::cli) const HEADING: &str = "Height map";
 
 /// The flags of a height map; done in the order crop, fill, form.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = HEADING)]
-pub(super) struct MapFlags {
+pub(in crate::cli) struct MapFlags {
     /// Pixel size, for files that give none
     #[arg(long, value_name = "UM", allow_negative_numbers = true, value_parser = number)]
     pixel_um: Option<f64>,
@@ -110,7 +110,7 @@ impl MapFlags {
     ///
     /// # Errors
     /// The flags that are given.
-    pub(super) fn need_map(&self, has_map: bool) -> Result<(), Failure> {
+    pub(in crate::cli) fn need_map(&self, has_map: bool) -> Result<(), Failure> {
         if has_map {
             return Ok(());
         }
@@ -153,7 +153,7 @@ impl MapFlags {
     ///
     /// # Errors
     /// A file that is no map, flags that do not fit it, and for [`Purpose::Light`] missing points.
-    pub(super) fn load(&self, path: &Path, purpose: Purpose) -> Result<Prepared, Failure> {
+    pub(in crate::cli) fn load(&self, path: &Path, purpose: Purpose) -> Result<Prepared, Failure> {
         let prepared = self.preparation().load(path, purpose).map_err(Failure::Bad)?;
         if prepared.has_pixel_size && self.pixel_um.is_some() {
             say::note(format_args!(
@@ -167,7 +167,7 @@ impl MapFlags {
     }
 
     /// The same for light, with a word on what was chosen.
-    pub(super) fn load_for_light(&self, path: &Path) -> Result<Prepared, Failure> {
+    pub(in crate::cli) fn load_for_light(&self, path: &Path) -> Result<Prepared, Failure> {
         let prepared = self.load(path, Purpose::Light)?;
         let (edges, form) = (prepared.edges, prepared.preparation.form.unwrap_or_default());
         say::note(format_args!(

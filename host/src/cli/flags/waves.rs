@@ -6,9 +6,9 @@ use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 
-use super::error::Failure;
-use super::progress;
-use super::source::number;
+use super::scan::number;
+use crate::cli::error::Failure;
+use crate::cli::progress;
 use crate::energy;
 use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeValidity};
 use crate::kirchhoff::{Speckle, Validity, WaveBoundary, Wavelengths};
@@ -17,12 +17,12 @@ use crate::reconstruct::Light;
 use crate::surface::{Edges, HeightMap};
 
 /// Heading of these flags.
-pub(super) const HEADING: &str = "Waves on the map";
+pub(in crate::cli) const HEADING: &str = "Waves on the map";
 
 /// Light on a map; both the index and the wavelength, or neither.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = HEADING)]
-pub(super) struct KirchhoffFlags {
+pub(in crate::cli) struct KirchhoffFlags {
     /// Relative index of the material, for the validity of waves on the map
     #[arg(long, value_name = "N", allow_negative_numbers = true, requires = "wavelength_nm", value_parser = number)]
     ior: Option<f64>,
@@ -41,7 +41,7 @@ pub(super) struct KirchhoffFlags {
 }
 
 /// What is asked about waves on a map.
-pub(super) struct Question {
+pub(in crate::cli) struct Question {
     eta: RelativeIor<f64>,
     wavelengths: Wavelengths,
     incidences_deg: Vec<f64>,
@@ -52,7 +52,7 @@ impl KirchhoffFlags {
     ///
     /// # Errors
     /// Values that are none of an index or of an incidence.
-    pub(super) fn question(&self) -> Result<Option<Question>, Failure> {
+    pub(in crate::cli) fn question(&self) -> Result<Option<Question>, Failure> {
         let (Some(ior), Some(wavelengths)) = (self.ior, &self.wavelength_nm) else {
             return Ok(None);
         };
@@ -72,7 +72,7 @@ impl KirchhoffFlags {
 
 impl Question {
     /// The answer for a map; with the balance that `check` would find, unless the map is too large for waves.
-    pub(super) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Validity, Failure> {
+    pub(in crate::cli) fn of(&self, map: &HeightMap, edges: Edges) -> Result<Validity, Failure> {
         let light = Light::of(self.wavelengths.clone());
         let Ok(options) = light.variant(Waves::AnySpeckle, (map, edges), &[Speckle::Averaged])
         else {
@@ -87,7 +87,7 @@ impl Question {
 }
 
 /// A line for each lobe.
-pub(super) fn table(validity: &Validity) -> String {
+pub(in crate::cli) fn table(validity: &Validity) -> String {
     let mut text = "from        lobe          nm        deg     facets %  curved %  phase %   \
                         length      reading   diffuse\n"
         .to_owned();
@@ -113,7 +113,7 @@ pub(super) fn table(validity: &Validity) -> String {
 }
 
 /// The figures, a line for each lobe, and all warnings.
-pub(super) fn human(v: &Validity) -> String {
+pub(in crate::cli) fn human(v: &Validity) -> String {
     let or_none =
         |x: Option<f64>, digits: usize| x.map_or("-".to_owned(), |x| format!("{x:.digits$}"));
     let mut text = format!(

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 
-use super::error::Failure;
 use super::light::LightFlags;
 use super::map::MapFlags;
-use super::say;
-use super::source::number;
+use super::scan::number;
+use crate::cli::error::Failure;
+use crate::cli::say;
 use crate::kirchhoff::Speckle;
 use crate::method::Body;
 use crate::reconstruct::{Engine, Lacking, NoSubject, Subject};
@@ -35,11 +35,11 @@ impl From<EngineFlag> for Engine {
 }
 
 /// Heading of the flags of a map that takes the place of a model.
-pub(super) const HEADING: &str = "A height map in place of a model";
+pub(in crate::cli) const HEADING: &str = "A height map in place of a model";
 
 /// A model file, a table, or a height map with its refractive index.
 #[derive(Debug, clap::Args)]
-pub(super) struct SubjectFlags {
+pub(in crate::cli) struct SubjectFlags {
     /// Model made by `asperity model` or `asperity fit`, or a table made by `asperity tabulate`
     #[arg(required_unless_present = "map", conflicts_with = "map")]
     model: Option<PathBuf>,
@@ -62,7 +62,7 @@ impl SubjectFlags {
     /// Reads the model, the table, or the map.
     ///
     /// `usual` is what becomes of the speckle of a map unless a flag says otherwise.
-    pub(super) fn read(&self, usual: &[Speckle]) -> Result<Subject, Failure> {
+    pub(in crate::cli) fn read(&self, usual: &[Speckle]) -> Result<Subject, Failure> {
         if let Some(path) = &self.model {
             let subject = Subject::read(path)?;
             if let Some(notice) = subject.notice {
@@ -98,7 +98,7 @@ impl From<NoSubject> for Failure {
 }
 
 /// What a table lacks, and how to make one that does not; `or` is another way, and begins the remedy.
-pub(super) fn lacking(path: &Path, lack: &Lacking, or: &str) -> Failure {
+pub(in crate::cli) fn lacking(path: &Path, lack: &Lacking, or: &str) -> Failure {
     Failure::Bad(format!(
         "{}: {lack}; {or}give one made by `asperity tabulate` with --side both --lobe both",
         path.display()

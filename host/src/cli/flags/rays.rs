@@ -1,12 +1,12 @@
 //! The flags of rays, for verbs whose model may have to be traced.
 
-use super::error::{Failure, without_effect};
-use super::source::parse_rays;
+use super::scan::parse_rays;
+use crate::cli::error::{Failure, without_effect};
 use crate::forward::Rays;
 
 /// Rays, where a model cannot be evaluated without them.
 #[derive(Clone, Debug, clap::Args)]
-pub(super) struct RayFlags {
+pub(in crate::cli) struct RayFlags {
     /// Rays per incidence, for a model whose rays must be traced [default: 1e6]
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
@@ -20,7 +20,7 @@ impl RayFlags {
     const USUAL: u64 = 1_000_000;
 
     /// The rays.
-    pub(super) fn rays(&self) -> Rays {
+    pub(in crate::cli) fn rays(&self) -> Rays {
         Rays { count: self.rays.unwrap_or(Self::USUAL), seed: self.seed.unwrap_or(1) }
     }
 
@@ -28,7 +28,7 @@ impl RayFlags {
     ///
     /// # Errors
     /// The flags that are given.
-    pub(super) fn needed(&self, are_traced: bool) -> Result<Rays, Failure> {
+    pub(in crate::cli) fn needed(&self, are_traced: bool) -> Result<Rays, Failure> {
         let given = |is: bool| is && !are_traced;
         let flags =
             [("--rays", given(self.rays.is_some())), ("--seed", given(self.seed.is_some()))];
