@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Body, Model};
 use crate::boundary::Boundary;
-use crate::measurement::excerpt;
+use crate::message::excerpt;
 use crate::method::{BuildError, Choice, Kind, Lack, Surface};
 
 impl Model {
