@@ -24,6 +24,7 @@ mod rings;
 mod density;
 mod mean;
 mod shadowing;
+mod aim;
 mod boundary;
 mod sampling;
 mod flux;

@@ -6,8 +6,9 @@
 //! more than it receives, as waves do at grazing incidence, both are lowered (`balance`).
 
 mod facet;
-mod grid;
 mod law;
+mod grid;
+mod fill;
 mod samples;
 mod turned;
 mod rays;

@@ -14,7 +14,8 @@ use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
 use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
-use super::grid::{GOLDEN, LobeGrid};
+use super::grid::LobeGrid;
+use super::law::GOLDEN;
 use crate::forward::{Rays, Tiles, mix};
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
