@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::boundary::Boundary;
 use crate::embedded::{self, Record, TableFileError};
-use crate::measurement::excerpt;
+use crate::message::excerpt;
 use crate::model::{Model, ModelError, read_bytes};
 
 /// What a file with a law is.

@@ -4,8 +4,8 @@
 
 use std::borrow::Cow;
 
-pub use asperity_surface::message::excerpt;
 use asperity_surface::message::{EXCERPT, printable};
+pub use asperity_surface::message::{excerpt, one_line};
 
 /// Digits beyond which a number is written with an exponent.
 const DIGITS: usize = 20;

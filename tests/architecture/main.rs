@@ -3,6 +3,7 @@
 
 mod source;
 mod layers;
+mod circles;
 mod licences;
 mod links;
 mod manifest;
@@ -105,6 +106,12 @@ fn modules_import_only_modules_above_them() {
     let roots = crate_roots();
     assert!(roots.len() >= 5, "{roots:?}");
     assert_none(&roots.iter().flat_map(|r| layers::violations(r)).collect::<Vec<_>>());
+}
+
+/// A circle is opened by moving what both sides need below them; none is allowed.
+#[test]
+fn files_of_one_folder_import_each_other_in_no_circle() {
+    assert_none(&crate_roots().iter().flat_map(|r| circles::circles(r)).collect::<Vec<_>>());
 }
 
 #[test]

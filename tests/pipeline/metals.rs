@@ -49,7 +49,7 @@ fn fit_of(surface: &str, scan: &Measurement, objective: Objective) -> Fit {
     fit
 }
 
-/// Surface, objective, alpha and error of an independent least-squares fit of the same model.
+/// Body, objective, alpha and error of an independent least-squares fit of the same model.
 const DESCRIBED: [(&str, Objective, f64, f64); 4] = [
     ("Alu sandgestrahlt", Objective::Rmsd, 0.455, 1.31),
     ("Alu sandgestrahlt", Objective::Relative, 0.470, 2.85),

@@ -23,7 +23,8 @@ use serde::{Deserialize, Serialize};
 use super::error::plain;
 use super::schedule::{CalibrationRule, Schedule};
 use super::schedule_error::ScheduleError;
-use crate::measurement::{Metadata, excerpt};
+use crate::measurement::Metadata;
+use crate::message::excerpt;
 
 /// Longest number that a message repeats as it is.
 const MOST_DIGITS: usize = 12;

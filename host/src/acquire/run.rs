@@ -1,48 +1,19 @@
 //! A whole acquisition: from an idle instrument, or from a journal, to a scan file.
 
-use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use asperity_core::protocol::{Axis, Ident, Microdegrees};
 
 use super::client::{Client, describe};
 use super::error::{LinkError, Trouble};
+use super::job::{Job, Progress};
 use super::journal::{Journal, JournalError};
-use super::patience::Patience;
 use super::result::{AboveBeam, Finished, scan_file};
 use super::run_error::AcquireError;
 use super::schedule::Schedule;
 use super::session::Session;
 use super::transport::Transport;
 use crate::output::AtomicFile;
-
-/// What is to be done.
-#[derive(Clone, Debug)]
-pub struct Job<'a> {
-    /// What to measure; on resuming `None` takes the journal's schedule.
-    pub schedule: Option<Schedule>,
-    /// The scan file; the journal stands beside it.
-    pub output: &'a Path,
-    /// Points that may be under way, 1 to 1801: what is measured again at most after the end of power.
-    pub credit: u16,
-    /// Go on with the journal.
-    pub resume: bool,
-    /// On resuming, calibrate again where the instrument has lost its calibration.
-    pub recalibrate: bool,
-    /// How long is waited for what.
-    pub patience: Patience,
-}
-
-/// How far it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Progress {
-    /// Points stored.
-    pub done: u64,
-    /// Points of the schedule.
-    pub total: u64,
-    /// What is left at the pace so far, seconds.
-    pub seconds_left: f64,
-}
 
 /// What was done.
 #[derive(Clone, Debug, PartialEq)]

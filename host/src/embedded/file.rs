@@ -17,7 +17,7 @@ use thiserror::Error;
 use super::holds::OPAQUE;
 use super::{EmbeddedTable, Rest, Values};
 use crate::input::read_file;
-use crate::measurement::excerpt;
+use crate::message::{excerpt, one_line};
 use crate::output::{AtomicFile, OutputError};
 
 /// Version of the format, and the one without a checksum.
@@ -277,11 +277,8 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
     let head = &bytes[..bytes.len().min(MOST_HEADER)];
     let no_table = "is no table; give a file made by `asperity tabulate`";
     let end = head.iter().position(|b| *b == b'\n').ok_or(no_table)?;
-    let record: Record = serde_json::from_slice(&bytes[..end]).map_err(|e| {
-        let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
-        let why: String = e.to_string().chars().take(200).map(printable).collect();
-        format!("{no_table} ({why})")
-    })?;
+    let record: Record = serde_json::from_slice(&bytes[..end])
+        .map_err(|e| format!("{no_table} ({})", one_line(&e.to_string())))?;
     if ![UNCHECKED, FORMAT].contains(&record.asperity_table) {
         return Err(format!(
             "format {} is not known to this program, which reads formats {UNCHECKED} and {FORMAT}; update it",

@@ -5,7 +5,7 @@
 //! it begins again, until it ends where it began. There value and derivatives are those of the full simulation, and so
 //! is the minimum.
 
-use super::problem::Problem;
+use super::problem::{Later, Problem};
 use super::simplex::{End, Search, Stopped};
 use crate::forward::{Effort, Readings};
 use crate::method::BuildError;
@@ -17,30 +17,6 @@ const ROUNDS: usize = 5;
 const STAYS: f64 = 0.01;
 /// The step of a derivative, as a share of a parameter's step.
 const STEP: f64 = 0.02;
-
-/// Readings of light of later hits near a point.
-#[derive(Debug)]
-pub(super) struct Later {
-    /// The point, in free coordinates.
-    point: Vec<f64>,
-    /// The part of the readings there, and what else a full simulation says.
-    full: Readings,
-    part: Vec<f64>,
-    /// Derivatives of that part, by parameter.
-    slopes: Vec<Vec<f64>>,
-}
-
-impl Later {
-    /// Readings of first hits at a place near the point with the light of later ones added.
-    pub(super) fn added(&self, mut first: Readings, free: &[f64]) -> Readings {
-        let moves: Vec<f64> = free.iter().zip(&self.point).map(|(f, p)| f - p).collect();
-        for (k, (value, part)) in first.values.iter_mut().zip(&self.part).enumerate() {
-            let more: f64 = self.slopes.iter().zip(&moves).map(|(slope, by)| slope[k] * by).sum();
-            *value = (*value + part + more).max(0.0);
-        }
-        Readings { values: first.values, ..self.full.clone() }
-    }
-}
 
 /// Light of later hits near given values; `None` if there is none to be told apart, or the user stopped it. Calls `count`
 /// before each simulation in full.

@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::later::Later;
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, Objective};
 use crate::forward::{Angles, Effort, Rays, Readings, Sample, Setup, simulate};
@@ -29,6 +28,30 @@ pub(super) struct Problem<'a> {
     full_rays: u64,
     /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
     later: Option<Arc<Later>>,
+}
+
+/// Readings of light of later hits near a point.
+#[derive(Debug)]
+pub(super) struct Later {
+    /// The point, in free coordinates.
+    pub(super) point: Vec<f64>,
+    /// The part of the readings there, and what else a full simulation says.
+    pub(super) full: Readings,
+    pub(super) part: Vec<f64>,
+    /// Derivatives of that part, by parameter.
+    pub(super) slopes: Vec<Vec<f64>>,
+}
+
+impl Later {
+    /// Readings of first hits at a place near the point with the light of later ones added.
+    pub(super) fn added(&self, mut first: Readings, free: &[f64]) -> Readings {
+        let moves: Vec<f64> = free.iter().zip(&self.point).map(|(f, p)| f - p).collect();
+        for (k, (value, part)) in first.values.iter_mut().zip(&self.part).enumerate() {
+            let more: f64 = self.slopes.iter().zip(&moves).map(|(slope, by)| slope[k] * by).sum();
+            *value = (*value + part + more).max(0.0);
+        }
+        Readings { values: first.values, ..self.full.clone() }
+    }
 }
 
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);

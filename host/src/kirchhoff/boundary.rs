@@ -7,12 +7,12 @@ use asperity_core::direction::Direction;
 use asperity_core::fresnel;
 use asperity_core::quantity::RelativeIor;
 
+use super::aim::{Aim, WIDE};
 use super::density::Density;
 use super::mean::MeanSpectra;
 use super::optics::{Beam, Optics};
 use super::options::{Speckle, WaveOptions};
 use super::orders::Order;
-use super::sampling::{Aim, WIDE};
 use super::shadowing::Smith;
 use super::slopes::Slopes;
 use super::stack::Tiling;
@@ -31,10 +31,10 @@ pub struct WaveBoundary {
     map: Arc<HeightMap>,
     edges: Edges,
     /// Of the map as it was before it was scaled.
-    pub(super) spectra: Arc<MeanSpectra>,
+    spectra: Arc<MeanSpectra>,
     pub(super) density: Density,
     /// What the map's heights were multiplied by.
-    pub(super) scale: f64,
+    scale: f64,
     pub(super) wavelengths: Wavelengths,
     pub(super) eta: RelativeIor<f64>,
     speckle: Speckle,
@@ -188,6 +188,11 @@ impl WaveBoundary {
             * self.unshadowed(beam.wi, wo, beam.wavelength_um)
     }
 
+    /// How the beam of `optics` is sampled, a share `wide` of it in all directions alike.
+    pub(super) fn aim(&self, optics: &Optics, wide: f64) -> Aim<'_> {
+        Aim::new((&self.spectra, &self.density), self.scale, optics, wide)
+    }
+
     /// Diffuse `ars` of one wavelength.
     pub(super) fn diffuse(&self, optics: &Optics, wi: Direction<f64>, wo: Direction<f64>) -> f64 {
         let factor = optics.factor(wo);
@@ -250,8 +255,8 @@ impl Bsdf<f64> for WaveBoundary {
             let beam = Beam { wi, lobe, wavelength_um };
             let optics = Optics::new(self.eta, &beam).filter(|o| o.factor(wo) > 0.0);
             let Some(optics) = optics else { return 0.0 };
-            let aim = Aim::new(self, &optics, WIDE);
-            weight * (1.0 - aim.coherent) * aim.density(self, &optics, wo)
+            let aim = self.aim(&optics, WIDE);
+            weight * (1.0 - aim.coherent) * aim.density(&optics, wo)
         };
         chosen * self.wavelengths.iter().map(part).sum::<f64>()
     }

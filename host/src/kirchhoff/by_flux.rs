@@ -16,7 +16,6 @@ use rayon::prelude::*;
 
 use super::boundary::WaveBoundary;
 use super::optics::{Beam, Optics};
-use super::sampling::Aim;
 
 /// Angles of incidence a side.
 const INCIDENCES: usize = 48;
@@ -285,7 +284,7 @@ impl Cells {
         u: [f64; 2],
     ) -> Option<Scattered<f64>> {
         let frame = Frame::of(optics);
-        let aim = Aim::new(law, optics, WIDE);
+        let aim = law.aim(optics, WIDE);
         let tabulated = if self.cumulated.is_empty() { 0.0 } else { 1.0 - NEAR - WIDE };
         let others = NEAR + WIDE;
         let wo = if rest < tabulated {
@@ -300,7 +299,7 @@ impl Cells {
                 let sine = (1.0 - up * up).max(0.0).sqrt();
                 optics.direction([sine * azimuth.cos(), sine * azimuth.sin()], up)
             } else {
-                let q = aim.radius(law, u[0])?;
+                let q = aim.radius(u[0])?;
                 let tangent = optics.tangent([q * azimuth.cos(), q * azimuth.sin()]);
                 let cos2 = 1.0 - tangent[0] * tangent[0] - tangent[1] * tangent[1];
                 let cos = (cos2 > 0.0).then(|| cos2.sqrt())?;
@@ -308,7 +307,7 @@ impl Cells {
             }
         };
         let share = WIDE / others;
-        let other = share / TAU + (1.0 - share) * aim.near(law, optics, wo);
+        let other = share / TAU + (1.0 - share) * aim.near(optics, wo);
         let density = tabulated * self.density(&frame, wo) + (1.0 - tabulated) * other;
         Some(Scattered { wo, weight: law.diffuse(optics, beam.wi, wo) / density })
     }

@@ -9,12 +9,12 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use asperity_fourier::{Coefficients, Fourier};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
 use super::coherent::Coherent;
 use super::density::{Density, STEP};
-use super::fft::{Coefficients, Fourier};
 use super::rings::{Node, Rings};
 use super::screen::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};

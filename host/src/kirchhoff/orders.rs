@@ -8,16 +8,16 @@
 
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
+use asperity_fourier::{Ends, place};
 use rayon::prelude::*;
 use rustfft::num_complex::Complex;
 
-use super::fft::place;
 use super::horizon::{ALONG, mean_secant};
 use super::kernel::WIDTH;
 use super::optics::{Beam, Optics};
 use super::patch::{Aperture, incident_share, shares};
 use super::stack::{Plane, Stack, Tiling};
-use crate::surface::{Edges, HeightMap, Incomplete};
+use crate::surface::{HeightMap, Incomplete};
 use crate::watch::Watch;
 
 /// Amplitudes that are in memory at once; more beams are worked on in turns.
@@ -128,7 +128,7 @@ impl BeamOrders {
     /// Room for all orders of a beam.
     fn new(stack: &Stack, eta: RelativeIor<f64>, beam: Beam) -> Self {
         let optics = Optics::new(eta, &beam);
-        let halved = stack.edges == Edges::Mirrored && beam.wi.y().abs() <= 0.0;
+        let halved = stack.ends == Ends::Mirrored && beam.wi.y().abs() <= 0.0;
         let (columns, step, unit) = (Vec::new(), stack.step, stack.unit);
         let lit = stack.rim.as_ref().zip(optics).map(|(rim, optics)| Lit {
             aperture: Aperture::new(rim, &stack.kernel),
@@ -341,13 +341,13 @@ impl Near<'_> {
             let height = self.optics.height(cos2.sqrt());
             let weight =
                 self.stack.kernel.at((self.optics.k * height - self.plane.q_z) * per_plane);
-            let at = place(sign * order_y, self.stack.size[1], self.stack.edges);
+            let at = place(sign * order_y, self.stack.size[1], self.stack.ends);
             let mut value = values[at];
             if let Some(rim) = &self.plane.rim {
                 let number = [column.order_x, order_y];
                 let [x, y, _] = shares(self.optics.half(number, self.stack.step), height);
-                let [of_x, of_y] = rim
-                    .at([place(sign * column.order_x, self.stack.size[0], self.stack.edges), at]);
+                let [of_x, of_y] =
+                    rim.at([place(sign * column.order_x, self.stack.size[0], self.stack.ends), at]);
                 value -= of_x * x as f32 + of_y * y as f32;
             }
             column.amplitudes[(order_y - column.first_y) as usize] += value * weight;

@@ -25,10 +25,10 @@
 
 use std::sync::Arc;
 
+use asperity_fourier::{Coefficients, Precision as _};
+use rustfft::Fft;
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
 
-use super::fft::Coefficients;
 use super::kernel::{Kernel, WIDTH};
 use super::screen::phase;
 
@@ -69,8 +69,7 @@ impl Rim {
             (mean(1) - mean(0)) / (nx as f64 * pitch[0]),
             (mean(3) - mean(2)) / (ny as f64 * pitch[1]),
         ];
-        let mut planner = FftPlanner::new();
-        let plans = [nx, ny].map(|n| planner.plan_fft_forward(2 * n));
+        let plans = [nx, ny].map(|n| f32::forward(2 * n));
         let steps = [nx, ny].map(|n| {
             let step = |k: usize| {
                 let turn = Complex::from_polar(1.0, -std::f64::consts::PI * k as f64 / n as f64);

@@ -1,9 +1,8 @@
 //! Rings of constant `|q_xy|`: one order wide near the centre, then in proportion to the radius.
 
 use asperity_core::quadrature::gauss_legendre;
+use asperity_fourier::Coefficients;
 use rayon::prelude::*;
-
-use super::fft::Coefficients;
 
 /// Growth of the rings' width with their radius.
 pub(super) const GROWTH: f64 = 0.04;

@@ -4,59 +4,9 @@ use asperity_core::bsdf::{Lobe, Scatter, Scattered};
 use asperity_core::direction::Direction;
 use asperity_core::fresnel;
 
+use super::aim::WIDE;
 use super::boundary::WaveBoundary;
 use super::optics::{Beam, Optics};
-
-/// Share of the rays that are drawn in all directions alike. The tails of the law about the specular direction are
-/// lower than those of the lobe; without these rays one in a million would weigh a million.
-pub(super) const WIDE: f64 = 0.1;
-
-/// How a lobe is sampled: about its specular direction.
-pub(super) struct Aim {
-    /// `|q_z|` of the scaled map, 1/um.
-    q_z: f64,
-    /// Share of the samples that are coherent.
-    pub(super) coherent: f64,
-    /// Share of the others that go in all directions alike.
-    wide: f64,
-}
-
-impl Aim {
-    /// For a beam.
-    pub(super) fn new(boundary: &WaveBoundary, optics: &Optics, wide: f64) -> Self {
-        // without a specular direction: the middle of what there is
-        let specular = optics.specular();
-        let middle = || optics.heights().map_or(1.0, |(a, b)| optics.k * 0.5 * (a + b));
-        let q_z = specular.map_or_else(middle, |(_, q_z)| q_z);
-        let share =
-            if specular.is_some() { boundary.spectra.coherent(q_z * boundary.scale) } else { 0.0 };
-        let coherent = if share < 1e-6 { 0.0 } else { share.min(1.0 - 1e-6) };
-        Self { q_z: q_z * boundary.scale.abs(), coherent, wide }
-    }
-
-    /// Density of the diffuse samples, 1/sr.
-    pub(super) fn density(
-        &self,
-        boundary: &WaveBoundary,
-        optics: &Optics,
-        wo: Direction<f64>,
-    ) -> f64 {
-        (1.0 - self.wide) * self.near(boundary, optics, wo) + self.wide / std::f64::consts::TAU
-    }
-
-    /// Density of the directions that [`Self::radius`] and an azimuth give, 1/sr.
-    pub(super) fn near(&self, boundary: &WaveBoundary, optics: &Optics, wo: Direction<f64>) -> f64 {
-        let [x, y, z] = wo.xyz();
-        let [qx, qy] = optics.momentum([x, y]);
-        let n = optics.k * optics.n_o;
-        boundary.density.drawn(self.q_z, qx.hypot(qy)) * n * n * z.abs()
-    }
-
-    /// A `|q_xy|` drawn in proportion to the density about the specular direction, 1/um.
-    pub(super) fn radius(&self, boundary: &WaveBoundary, u: f64) -> Option<f64> {
-        boundary.density.draw(self.q_z, u)
-    }
-}
 
 impl WaveBoundary {
     /// Draws light of a lobe, a share `wide` of the diffuse in all directions alike.
@@ -79,7 +29,7 @@ impl WaveBoundary {
         }
         let beam = Beam { wi, lobe, wavelength_um };
         let optics = Optics::new(self.eta, &beam)?;
-        let aim = Aim::new(self, &optics, wide);
+        let aim = self.aim(&optics, wide);
         let place = (rest / weight).clamp(0.0, 1.0 - 1e-12);
         if place < aim.coherent {
             let (wo, _) = optics.specular()?;
@@ -92,7 +42,7 @@ impl WaveBoundary {
             let sine = (1.0 - up * up).max(0.0).sqrt();
             [sine * cos, sine * sin]
         } else {
-            let q = aim.radius(self, (along - wide) / (1.0 - wide))?;
+            let q = aim.radius((along - wide) / (1.0 - wide))?;
             optics.tangent([q * cos, q * sin])
         };
         let cos2 = 1.0 - tangent[0] * tangent[0] - tangent[1] * tangent[1];
@@ -100,7 +50,7 @@ impl WaveBoundary {
             return None;
         }
         let wo = optics.direction(tangent, cos2.sqrt());
-        let drawn = aim.density(self, &optics, wo) * (1.0 - aim.coherent);
+        let drawn = aim.density(&optics, wo) * (1.0 - aim.coherent);
         let weight = self.diffuse(&optics, wi, wo) / drawn;
         (weight.is_finite() && weight > 0.0).then_some(Scattered { wo, weight })
     }

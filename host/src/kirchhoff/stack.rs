@@ -1,8 +1,8 @@
 //! The stack of transforms over `q_z` that all orders of all beams share.
 
+use asperity_fourier::{Coefficients, Ends, Fourier};
 use rustfft::num_complex::Complex;
 
-use super::fft::{Coefficients, Fourier};
 use super::kernel::{Kernel, WIDTH};
 use super::patch::{Rim, RimPlane};
 use super::screen::phase;
@@ -33,7 +33,7 @@ impl From<Edges> for Tiling {
 /// A map ready to be transformed at any `q_z`.
 pub(super) struct Stack {
     fourier: Fourier<f32>,
-    pub(super) edges: Edges,
+    pub(super) ends: Ends,
     pub(super) size: [usize; 2],
     pub(super) step: [f64; 2],
     /// From `|A|^2` of the whole field to that of the lit part, by order.
@@ -67,10 +67,10 @@ impl Stack {
         let periods = if tiling == Tiling::Periodic { 1.0 } else { 2.0 };
         let step = [(nx, map.dx_um()), (ny, map.dy_um())]
             .map(|(n, pitch)| std::f64::consts::TAU / (periods * n as f64 * pitch));
-        let (mut edges, mut unit, mut rim) = (Edges::Periodic, 1.0, None);
+        let (mut ends, mut unit, mut rim) = (Ends::Periodic, 1.0, None);
         match tiling {
             Tiling::Periodic => {}
-            Tiling::Mirrored => edges = Edges::Mirrored,
+            Tiling::Mirrored => ends = Ends::Mirrored,
             Tiling::Patch => {
                 let pitch = [map.dx_um(), map.dy_um()];
                 rim = Some(Rim::new(&heights_um, &weights, nx, pitch));
@@ -80,16 +80,16 @@ impl Stack {
                 unit = 4.0;
             }
         }
-        let fourier = Fourier::new((nx, ny), edges);
-        Ok(Self { fourier, edges, size: [nx, ny], step, unit, heights_um, weights, kernel, rim })
+        let fourier = Fourier::new((nx, ny), ends);
+        Ok(Self { fourier, ends, size: [nx, ny], step, unit, heights_um, weights, kernel, rim })
     }
 
     /// Lowest and highest order of a direction that the pitch can show.
     pub(super) fn numbers(&self, axis: usize) -> (isize, isize) {
         let n = self.size[axis] as isize;
-        match self.edges {
-            Edges::Periodic => (-(n / 2), (n - 1) / 2),
-            Edges::Mirrored => (1 - n, n - 1),
+        match self.ends {
+            Ends::Periodic => (-(n / 2), (n - 1) / 2),
+            Ends::Mirrored => (1 - n, n - 1),
         }
     }
 

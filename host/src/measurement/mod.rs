@@ -46,7 +46,6 @@ pub use self::import::{Import, RowCounts};
 pub use self::meta::{Metadata, Quantity};
 pub use self::noise::NoiseEstimate;
 pub use self::select::{AngleRange, Selection};
-pub(crate) use crate::message::excerpt;
 
 /// Readings below zero are noise around zero as long as they are no lower than this fraction of the
 /// largest reading; below that the dark signal was subtracted wrongly.

@@ -6,7 +6,7 @@ use asperity_core::ndf::law::Profile;
 
 use super::{Body, BuildError, Method};
 use crate::kirchhoff::WaveOptions;
-use crate::measurement::excerpt;
+use crate::message::excerpt;
 use crate::surface::{Edges, HeightMap};
 
 /// A method that is not made yet.

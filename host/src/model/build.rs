@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{BodyKind, Model};
 use crate::boundary::Boundary;
-use crate::measurement::excerpt;
+use crate::message::excerpt;
 use crate::method::{Body, BuildError, Choice, Kind, Lack};
 
 impl Model {

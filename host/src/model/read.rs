@@ -11,7 +11,7 @@ use super::{FORMAT, Model, Timing, Value};
 use crate::boundary::Boundary;
 use crate::embedded::is_table;
 use crate::input::read_file;
-use crate::measurement::excerpt;
+use crate::message::excerpt;
 
 /// Largest model file that is read.
 const MOST_BYTES: u64 = 64 << 20;

@@ -12,7 +12,7 @@ use asperity_core::table::{BsdfTableRef, Storage};
 use rayon::prelude::*;
 
 use super::balance::incident;
-use super::grid::GOLDEN;
+use super::law::GOLDEN;
 use super::turned::{AZIMUTHS, At};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::{Rays, mix};

@@ -9,6 +9,7 @@ use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{BsdfTableRef, Storage};
 
 use super::balance;
+use super::law::Lattice;
 use super::turned::{AZIMUTHS, At, Turning};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
@@ -175,23 +176,16 @@ pub fn energy_error(
     worst
 }
 
-/// Flux of a lobe of the table itself: the mean weight of its samples over a lattice.
+/// Flux of a lobe of the table itself, by its samples.
 fn summed(table: &EmbeddedTable, (side, lobe): (Side, Lobe), cos: f64) -> f64 {
-    const POINTS: u32 = 46_368;
-    const STEP: u32 = 28_657;
     fn of<S: Storage>(view: &BsdfTableRef<'_, S>, (side, lobe): (Side, Lobe), cos: f64) -> f64 {
         let wi = balance::incident(side, cos);
         let coherent = view.coherent(wi).map_or(0.0, |c| match lobe {
             Lobe::Reflection => c.reflected.weight,
             Lobe::Transmission => c.transmitted.map_or(0.0, |t| t.weight),
         });
-        let n = f64::from(POINTS);
-        let weight = |k: u32| {
-            let around = (u64::from(k) * u64::from(STEP) % u64::from(POINTS)) as f64 / n;
-            let u = [around, (f64::from(k) + 0.5) / n];
-            view.sample_lobe(wi, lobe, u).map_or(0.0, |ray| ray.weight)
-        };
-        (0..POINTS).map(weight).sum::<f64>() / n - coherent
+        let rays = Lattice::FINE.rays(|u| view.sample_lobe(wi, lobe, u));
+        Lattice::FINE.flux(&rays) - coherent
     }
     with_view!(table, view => of(&view, (side, lobe), cos), else 0.0)
 }

@@ -10,12 +10,10 @@ use asperity_core::table::{
 };
 
 use super::facet::{Beam, Turned};
-use super::law::Law;
+use super::law::{GOLDEN, Law};
 
 /// Azimuths of a sum over facets, from the mirror direction to the other.
 const AROUND: u32 = 24;
-/// Successive offsets, none near another.
-pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Cosine that stands for grazing light, which itself scatters nothing.
 const GRAZING: f64 = 2e-3;
 

@@ -1,14 +1,7 @@
-//! Values of a law that can be evaluated: at every node, exactly.
+//! What a table is made of, and rays drawn from it at the points of a lattice.
 
 use asperity_core::bsdf::{Bsdf, Lobe, Scattered};
 use asperity_core::direction::Direction;
-use rayon::prelude::*;
-
-use super::facet::{Beam, tail};
-use super::grid::{LobeGrid, node};
-
-/// Steps of the bisection for the last facet before the horizon.
-const STEPS: u32 = 24;
 
 /// What a table is made of: a [`Bsdf`] behind one pointer, so that none of this is compiled anew for each.
 pub(super) trait Law: Sync {
@@ -29,87 +22,78 @@ impl<B: Bsdf<f64> + Sync> Law for B {
     }
 }
 
-impl LobeGrid {
-    /// Takes the values of a law.
-    pub(super) fn fill(&mut self, law: &dyn Law) {
-        let shape = self.header.shape;
-        let planes: Vec<Option<Vec<f64>>> = (0..usize::from(shape.incidences))
-            .into_par_iter()
-            .map(|j| {
-                let beam = self.beam(self.cosine(j));
-                let row = |k: usize| self.row(law, &beam, 2.0 * node(k, shape.azimuths) - 1.0);
-                let mut rows: Vec<Option<Vec<f64>>> =
-                    (0..usize::from(shape.azimuths)).map(row).collect();
-                // an azimuth whose facets send nothing goes on as its neighbour on the mirror's side, or, as beyond the critical
-                // angle, where only facets that lean the other way send any, as that on the other side
-                for k in (0..rows.len()).rev() {
-                    if rows[k].is_none() {
-                        rows[k] = rows.get(k + 1).cloned().flatten();
-                    }
-                }
-                for k in 1..rows.len() {
-                    if rows[k].is_none() {
-                        rows[k] = rows.get(k - 1).cloned().flatten();
-                    }
-                }
-                let rows: Option<Vec<Vec<f64>>> = rows.into_iter().collect();
-                rows.map(|rows| rows.concat())
-            })
-            .collect();
-        // an incidence that no facet sends light from has no say in what is between it and the next: it goes on as that
-        let lit: Vec<usize> = (0..planes.len()).filter(|j| planes[*j].is_some()).collect();
-        for j in 0..planes.len() {
-            let near = lit.iter().min_by_key(|k| k.abs_diff(j));
-            if let Some(plane) = near.and_then(|k| planes[*k].as_ref()) {
-                self.plane(j).copy_from_slice(plane);
-            }
-        }
+/// The golden ratio less 1: its multiples fill the unit interval evenly, however many there are.
+pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Points in the unit square that fill it evenly: `(around_k, (k + 1/2) / N)`, `k` from 0 to `N - 1`.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Lattice {
+    /// `around_k = k step / N mod 1`; `step` and `N = points` are numbers of Fibonacci that follow each other.
+    Fibonacci { points: u32, step: u32 },
+    /// `around_k` is that multiple of [`GOLDEN`], for any number of points.
+    Golden { points: u32 },
+}
+
+impl Lattice {
+    /// For a median.
+    pub(super) const COARSE: Self = Self::Fibonacci { points: 987, step: 610 };
+    /// For a flux that weighs errors.
+    pub(super) const MIDDLE: Self = Self::Fibonacci { points: 2584, step: 1597 };
+    /// For a flux that is reported.
+    pub(super) const FINE: Self = Self::Fibonacci { points: 46_368, step: 28_657 };
+
+    fn points(self) -> u32 {
+        let (Self::Fibonacci { points, .. } | Self::Golden { points }) = self;
+        points
     }
 
-    /// `v` over the radii at one azimuth. Facets that send light into the lobe lie between two slopes (those beyond send it into
-    /// the surface, those before may reflect it totally); outside it goes on as at these edges.
-    fn row(&self, law: &dyn Law, beam: &Beam, p: f64) -> Option<Vec<f64>> {
-        let count = self.header.shape.radii;
-        let at = |k: usize| node(k, count);
-        let mut row: Vec<Option<f64>> =
-            (0..usize::from(count)).map(|k| self.value(law, beam, at(k), p)).collect();
-        let first = row.iter().position(Option::is_some)?;
-        let last = row.iter().rposition(Option::is_some)?;
-        if first > 0 {
-            let edge = self.edge(law, beam, p, [at(first), at(first - 1)]);
-            row[..first].fill(edge);
-        }
-        if last + 1 < row.len() {
-            let edge = self.edge(law, beam, p, [at(last), at(last + 1)]);
-            row[last + 1..].fill(edge);
-        }
-        let mut before = 0.0;
-        let keep = |v: Option<f64>| {
-            before = v.unwrap_or(before);
-            before
+    fn at(self, k: u32) -> [f64; 2] {
+        let n = f64::from(self.points());
+        let around = match self {
+            Self::Fibonacci { points, step } => {
+                (u64::from(k) * u64::from(step) % u64::from(points)) as f64 / n
+            }
+            Self::Golden { .. } => (f64::from(k) * GOLDEN).fract(),
         };
-        Some(row.into_iter().map(keep).collect())
+        [around, (f64::from(k) + 0.5) / n]
     }
 
-    /// The value at the last facet between one that sends light into the lobe and one that does not.
-    fn edge(&self, law: &dyn Law, beam: &Beam, p: f64, ends: [f64; 2]) -> Option<f64> {
-        let [mut inside, mut outside] = ends;
-        let mut edge = self.value(law, beam, inside, p);
-        for _ in 0..STEPS {
-            let middle = 0.5 * (inside + outside);
-            match self.value(law, beam, middle, p) {
-                Some(v) => (inside, edge) = (middle, Some(v)),
-                None => outside = middle,
-            }
+    /// What a lobe gives where `draw` takes the points for its uniforms; a lost ray is left out.
+    pub(super) fn rays(
+        self,
+        draw: impl Fn([f64; 2]) -> Option<Scattered<f64>>,
+    ) -> Vec<Scattered<f64>> {
+        (0..self.points()).filter_map(|k| draw(self.at(k))).collect()
+    }
+
+    /// Flux of a lobe, as a fraction of the incident one, by these rays: their mean weight.
+    pub(super) fn flux(self, rays: &[Scattered<f64>]) -> f64 {
+        rays.iter().map(|ray| ray.weight).sum::<f64>() / f64::from(self.points())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_core::bsdf::Scattered;
+    use asperity_core::direction::Direction;
+
+    use super::Lattice;
+
+    #[test]
+    fn the_mean_over_a_lattice_is_the_integral() {
+        // of x y^2, 1/6, with a third of the square dark
+        for (lattice, error) in [
+            (Lattice::COARSE, 1e-3),
+            (Lattice::MIDDLE, 5e-4),
+            (Lattice::FINE, 5e-5),
+            (Lattice::Golden { points: 256 }, 5e-3),
+        ] {
+            let rays = lattice.rays(|[x, y]| {
+                let wo = Direction::from_unit(0.0, 0.0, 1.0);
+                (x > 1.0 / 3.0).then_some(Scattered { wo, weight: x * y * y })
+            });
+            let exact = (1.0 - 1.0 / 9.0) / 6.0;
+            assert!((lattice.flux(&rays) - exact).abs() < error, "{lattice:?}");
         }
-        edge
-    }
-
-    fn value(&self, law: &dyn Law, beam: &Beam, r: f64, p: f64) -> Option<f64> {
-        let s = self.slope(r);
-        let turned = beam.turn(s, p)?;
-        let q = law.ars(beam.wi, turned.wo) / beam.per(&turned, f64::from(self.header.masking));
-        let v = (q / tail(self.header.fall, s, f64::from(self.header.scale))).sqrt();
-        (v.is_finite() && turned.wo.z().abs() > 1e-9).then_some(v)
     }
 }

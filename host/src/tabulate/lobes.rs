@@ -5,8 +5,7 @@ use asperity_core::direction::{Direction, Side};
 
 use super::balance::{incident, model_fluxes};
 use super::bins;
-use super::grid::GOLDEN;
-use super::law::Law;
+use super::law::{Lattice, Law};
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, LOBES};
 use crate::forward::{Heeding, Rays};
@@ -115,17 +114,12 @@ fn of_law(
     deg: f64,
 ) -> Option<f64> {
     let wi = incident(side, deg.to_radians().cos());
-    let (mut drawn, mut flux) = (Vec::new(), 0.0);
-    for k in 0..DIRECTIONS {
-        let u = [(f64::from(k) * GOLDEN).fract(), (f64::from(k) + 0.5) / f64::from(DIRECTIONS)];
-        if let Some(ray) = law.sample_lobe(wi, lobe, u) {
-            drawn.push(ray.wo);
-            flux += ray.weight / f64::from(DIRECTIONS);
-        }
-    }
-    if flux < LEAST_FLUX {
+    let lattice = Lattice::Golden { points: DIRECTIONS };
+    let rays = lattice.rays(|u| law.sample_lobe(wi, lobe, u));
+    if lattice.flux(&rays) < LEAST_FLUX {
         return None;
     }
+    let drawn: Vec<Direction<f64>> = rays.iter().map(|ray| ray.wo).collect();
     let up = (wi.z() > 0.0) == (lobe == Lobe::Reflection);
     let fan: Vec<Direction<f64>> = (0..DIRECTIONS)
         .map(|k| {

@@ -28,8 +28,9 @@
 //! ```
 
 mod facet;
-mod grid;
 mod law;
+mod grid;
+mod fill;
 mod samples;
 mod turned;
 mod rays;

@@ -13,7 +13,8 @@ use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
 use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
-use super::grid::{GOLDEN, LobeGrid};
+use super::grid::LobeGrid;
+use super::law::GOLDEN;
 use crate::forward::{Rays, Tiles, mix};
 use crate::watch::Watch;
 

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::balance::incident;
 use super::facet::{self, Beam};
 use super::grid::LobeGrid;
-use super::law::Law;
+use super::law::{Lattice, Law};
 
 const FALLS: [Fall; 3] = [Fall::Fourth, Fall::Second, Fall::Flat];
 /// Scales of slopes in units of the median slope.
@@ -193,12 +193,9 @@ fn error<S: Storage>(grid: &LobeGrid, incidences: &[Incidence]) -> f64 {
 
 /// Half of the light of a lobe, at a middle incidence, meets facets below this slope.
 fn median_slope(law: &dyn Law, of: (f64, Form), (side, lobe): (Side, Lobe)) -> f64 {
-    const COUNT: u32 = 987;
     let wi = incident(side, 0.9);
     let mut slopes: Vec<(f64, f64)> = Vec::new();
-    for k in 0..COUNT {
-        let u = [f64::from(k * 610 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
-        let Some(ray) = law.sample_lobe(wi, lobe, u) else { continue };
+    for ray in Lattice::COARSE.rays(|u| law.sample_lobe(wi, lobe, u)) {
         let place = facet::between(of, [1.0, 0.0], wi, ray.wo);
         if let Some((s, _)) = place.filter(|f| f.0 > 1e-7) {
             slopes.push((s, ray.weight));
@@ -289,10 +286,5 @@ fn incidence(law: &dyn Law, lines: &LobeGrid, deg: f64, median: f64) -> Option<I
 
 /// Flux of a lobe, roughly.
 fn flux(law: &dyn Law, beam: &Beam, lobe: Lobe) -> f64 {
-    const COUNT: u32 = 2584;
-    let one = |k: u32| {
-        let u = [f64::from(k * 1597 % COUNT), f64::from(k) + 0.5].map(|u| u / f64::from(COUNT));
-        law.sample_lobe(beam.wi, lobe, u).map_or(0.0, |ray| ray.weight)
-    };
-    (0..COUNT).map(one).sum::<f64>() / f64::from(COUNT)
+    Lattice::MIDDLE.flux(&Lattice::MIDDLE.rays(|u| law.sample_lobe(beam.wi, lobe, u)))
 }

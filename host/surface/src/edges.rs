@@ -1,5 +1,7 @@
 //! What is beyond the border of a map: the map again, or its mirror image.
 
+use asperity_fourier::Ends;
+
 use crate::heightmap::HeightMap;
 
 /// How a map goes on beyond its borders.
@@ -10,6 +12,15 @@ pub enum Edges {
     Periodic,
     /// It is reflected at the border, half a pitch beyond the last column: `... b c | c b ...`.
     Mirrored,
+}
+
+impl From<Edges> for Ends {
+    fn from(edges: Edges) -> Self {
+        match edges {
+            Edges::Periodic => Self::Periodic,
+            Edges::Mirrored => Self::Mirrored,
+        }
+    }
 }
 
 impl Edges {

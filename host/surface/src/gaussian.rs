@@ -3,11 +3,11 @@
 //! White noise is filtered in the space of frequencies, so that the map is periodic and smooth across its borders.
 
 use asperity_core::math::Real;
+use asperity_fourier::RealFourier;
 use rand_pcg::Pcg64Mcg;
 
 use crate::edges::Edges;
 use crate::heightmap::HeightMap;
-use crate::transform::Transform;
 
 /// A periodic surface of Gaussian heights whose autocorrelation is `exp(-(x/lx)^2 - (y/ly)^2)`.
 ///
@@ -35,7 +35,7 @@ impl GaussianSurface {
         let seed = u128::from(self.seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) + 12345;
         let generator = &mut Pcg64Mcg::new(seed);
         let white: Vec<f64> = (0..count).map(|_| normal(generator)).collect();
-        let transform = Transform::new(self.size, Edges::Periodic);
+        let transform = RealFourier::new(self.size, Edges::Periodic);
         let weight = |periods: f64, n: usize, pitch_um: f64, length_um: f64| {
             let per_um = periods / (n as f64 * pitch_um);
             (-0.5 * (std::f64::consts::PI * length_um * per_um).powi(2)).exp()

@@ -50,7 +50,6 @@ mod nearest;
 mod membrane;
 pub mod fill;
 pub mod crop;
-mod transform;
 pub mod gaussian;
 #[cfg(test)]
 mod synthetic;

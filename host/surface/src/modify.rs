@@ -2,7 +2,7 @@
 
 use crate::edges::Edges;
 use crate::heightmap::{HeightMap, Incomplete};
-use crate::transform::Transform;
+use asperity_fourier::RealFourier;
 
 /// Why a map cannot be scaled or filtered so.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -39,7 +39,7 @@ pub fn scaled(map: &HeightMap, scale: f64) -> Result<HeightMap, ModifyError> {
 pub struct LowPass {
     map: HeightMap,
     mean_um: f64,
-    transform: Transform,
+    transform: RealFourier,
     /// Of the heights about the mean.
     coefficients: Vec<f64>,
 }
@@ -58,7 +58,7 @@ impl LowPass {
     pub fn new(map: &HeightMap, edges: Edges) -> Result<Self, Incomplete> {
         let heights = map.need_complete()?;
         let mean_um = heights.iter().sum::<f64>() / heights.len() as f64;
-        let transform = Transform::new((map.nx(), map.ny()), edges);
+        let transform = RealFourier::new((map.nx(), map.ny()), edges);
         let coefficients = transform.forward(heights.iter().map(|h| h - mean_um).collect());
         Ok(Self { map: map.clone(), mean_um, transform, coefficients })
     }

@@ -2,7 +2,7 @@
 
 use crate::edges::Edges;
 use crate::heightmap::{HeightMap, Incomplete};
-use crate::transform::Transform;
+use asperity_fourier::RealFourier;
 
 /// Areal power spectral density of the heights about their mean.
 ///
@@ -82,7 +82,7 @@ impl Spectrum {
         let weight: f64 = windows.iter().sum();
         let middle = heights.iter().zip(&windows).map(|(h, w)| h * w).sum::<f64>() / weight;
         let grid = heights.iter().zip(&windows).map(|(h, w)| w * (h - middle)).collect();
-        let transform = Transform::new((nx, ny), Edges::Periodic);
+        let transform = RealFourier::new((nx, ny), Edges::Periodic);
         let coefficients = transform.forward(grid);
         let (width, height) = (nx as f64 * map.dx_um(), ny as f64 * map.dy_um());
         let mut spectrum = Self {

@@ -8,7 +8,7 @@
 
 use crate::edges::Edges;
 use crate::heightmap::{HeightMap, Incomplete};
-use crate::transform::Transform;
+use asperity_fourier::RealFourier;
 
 /// The long and the short waves of a complete map; each loses its mean.
 ///
@@ -22,7 +22,7 @@ pub fn split(
     let heights = map.need_complete()?;
     let (nx, ny) = (map.nx(), map.ny());
     let mean = heights.iter().sum::<f64>() / heights.len() as f64;
-    let transform = Transform::new((nx, ny), edges);
+    let transform = RealFourier::new((nx, ny), edges);
     let whole = transform.forward(heights.iter().map(|h| h - mean).collect());
     let waves = |periods: f64, n: usize, pitch_um: f64| {
         (cutoff_um * periods / (n as f64 * pitch_um)).powi(2)

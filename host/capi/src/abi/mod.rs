@@ -17,7 +17,7 @@ pub mod table;
 pub mod about;
 
 pub use pointer::AsperityUniform;
-pub use source::AsperityTableSource;
+pub use source::{AsperityTable, AsperityTableSource};
 
 #[cfg(test)]
 mod tests;

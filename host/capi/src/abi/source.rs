@@ -1,12 +1,31 @@
-//! The numbers and arrays of a table, as C has them.
+//! A table and what it is made of: the numbers and arrays, as C has them.
+
+use core::mem::MaybeUninit;
 
 use asperity_core::table::{Arrays, Header};
 
-use super::pointer::{begin, finish, read, refer, slice};
-use super::table::AsperityTable;
+use super::pointer::{Storage, begin, finish, read, refer, slice};
 use crate::options::{self, AsperityTier};
 use crate::status::AsperityStatus as Status;
 use crate::table::{Numbers, TableLaw, Value};
+
+/// A table made by `asperity tabulate`, in arrays of the caller. Opaque: only functions of this library look inside; it may be copied.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AsperityTable {
+    /// Room for it.
+    opaque: [MaybeUninit<usize>; 104],
+}
+
+impl AsperityTable {
+    /// Storage without an object in it.
+    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 104] };
+}
+
+impl Storage for AsperityTable {
+    type Law = TableLaw<'static>;
+    const MARK: u32 = 0x5441_4231;
+}
 
 /// The numbers and arrays of a table: those of the C header that `asperity tabulate --c` writes, under the same names.
 /// `ASPERITY_TABLE_SOURCE` fills it. Lengths count numbers, not bytes. A missing array is null, of length 0.

@@ -1,33 +1,13 @@
 //! A table made by `asperity tabulate`, in arrays of the caller.
 
 use core::ffi::c_void;
-use core::mem::MaybeUninit;
 
-use super::pointer::{self, AsperityUniform, Storage};
-use super::source::AsperityTableSource;
+use super::pointer::{self, AsperityUniform};
+use super::source::{AsperityTable, AsperityTableSource};
 use crate::law::AsperityRay;
 use crate::options;
 use crate::options::AsperityQuantity as Quantity;
 use crate::status::AsperityStatus;
-use crate::table::TableLaw;
-
-/// A table made by `asperity tabulate`, in arrays of the caller. Opaque: only functions of this library look inside; it may be copied.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct AsperityTable {
-    /// Room for it.
-    opaque: [MaybeUninit<usize>; 104],
-}
-
-impl AsperityTable {
-    /// Storage without an object in it.
-    pub const EMPTY: Self = Self { opaque: [MaybeUninit::new(0); 104] };
-}
-
-impl Storage for AsperityTable {
-    type Law = TableLaw<'static>;
-    const MARK: u32 = 0x5441_4231;
-}
 
 #[inline(always)]
 unsafe fn init(

@@ -11,7 +11,7 @@ use asperity_core::table::{Arrays, Fall, Form, Header, LobeHeader, Shape};
 
 use super::ggx::*;
 use super::normals::*;
-use super::source::AsperityTableSource;
+use super::source::{AsperityTable, AsperityTableSource};
 use super::table::*;
 use crate::law::AsperityRay;
 use crate::status::AsperityStatus as Status;

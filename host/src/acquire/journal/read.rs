@@ -9,7 +9,7 @@ use super::{Journal, JournalError, MAX_BYTES, io_error};
 use crate::acquire::draft::Draft;
 use crate::acquire::schedule::Schedule;
 use crate::input::read_all;
-use crate::measurement::excerpt;
+use crate::message::excerpt;
 
 /// Reads it all.
 pub(super) fn read(path: &Path, file: File) -> Result<Journal, JournalError> {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::text::shown;
 use crate::heightmap::HeightMapError;
+use crate::message::one_line;
 
 /// A height-map file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -34,7 +34,7 @@ pub enum MapFault {
     /// It breaks the rules of its format.
     #[error(
         "{format}: {}; the file is damaged or not of this format, export it again",
-        shown(what)
+        one_line(what)
     )]
     Damaged {
         /// The format.
@@ -43,7 +43,7 @@ pub enum MapFault {
         what: String,
     },
     /// It uses a part of its format that is not supported.
-    #[error("{format}: {} is not supported; {remedy}", shown(what))]
+    #[error("{format}: {} is not supported; {remedy}", one_line(what))]
     Unsupported {
         /// The format.
         format: &'static str,
@@ -77,7 +77,7 @@ pub enum MapFault {
     /// A checksum of what describes the map, not of its points, is not right.
     #[error(
         "{format}: {}; export the map again, or give --ignore-checksum if only the description was corrected",
-        shown(what)
+        one_line(what)
     )]
     Checksum {
         /// The format.
@@ -86,7 +86,10 @@ pub enum MapFault {
         what: String,
     },
     /// Heights over one line only.
-    #[error("{format}: this is a profile, not a map: {}; give heights over x and y", shown(what))]
+    #[error(
+        "{format}: this is a profile, not a map: {}; give heights over x and y",
+        one_line(what)
+    )]
     Profile {
         /// The format.
         format: &'static str,

@@ -5,9 +5,10 @@
 //! applied: the file does not say whether one marks missing points or grains.
 
 use super::bytes::{Cursor, pitch, points};
-use super::text::{decode, excerpt};
+use super::text::decode;
 use super::unit::{LengthUnit, length_um};
 use super::{MapFault, OpenOptions, RawMap, Source, Sources};
+use crate::message::excerpt;
 
 const FORMAT: &str = "Gwyddion";
 

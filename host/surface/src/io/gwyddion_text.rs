@@ -11,9 +11,10 @@
 //! height are those of all pixels. Without the comments the file is a plain matrix.
 
 use super::bytes::pitch;
-use super::text::{comment, decode, excerpt, head, lines, matrix};
+use super::text::{comment, decode, head, lines, matrix};
 use super::unit::{LengthUnit, quantity_um};
 use super::{MapFault, OpenOptions, RawMap};
+use crate::message::excerpt;
 
 const FORMAT: &str = "Gwyddion text";
 

@@ -13,9 +13,10 @@
 use super::bytes::pitch;
 use super::options::Scale;
 use super::said::Said;
-use super::text::{Layout, comment, decode, excerpt, head, lines, matrix};
+use super::text::{Layout, comment, decode, head, lines, matrix};
 use super::unit::{LengthUnit, length_um, quantity_um};
 use super::{MapFault, OpenOptions, RawMap, Source, gwyddion_text, profile, xyz};
+use crate::message::excerpt;
 
 const FORMAT: &str = "matrix text";
 /// Most lines of words in front of the numbers.

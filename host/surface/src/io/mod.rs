@@ -1,14 +1,14 @@
 //! Files of profilometers, one reader a format, told apart by content and never by name.
 
+mod error;
 mod unit;
 mod words;
 mod options;
 mod vocabulary;
-mod sentence;
 mod said;
+mod sentence;
 mod bytes;
 mod text;
-mod error;
 mod al3d;
 mod di;
 mod opd;

@@ -12,10 +12,8 @@
 
 use super::MapFault;
 use super::options::Stated;
-use super::sentence::Line;
 use super::unit::LengthUnit;
 use super::vocabulary::Name;
-use super::words::{Token, tokens};
 
 /// What was found so far.
 #[derive(Clone, Debug, Default)]
@@ -55,24 +53,6 @@ pub(super) struct Pitch {
 }
 
 impl Said {
-    /// Takes a line in, and says whether anything was understood.
-    pub(super) fn take(&mut self, line: &str) -> bool {
-        let tokens = tokens(line);
-        if let Some(units) = only_units(&tokens) {
-            match *units.as_slice() {
-                [unit] => self.set(Name::All, unit),
-                [x, y, z] => {
-                    for (name, unit) in [(Name::X, x), (Name::Y, y), (Name::Z, z)] {
-                        self.set(name, unit);
-                    }
-                }
-                _ => return false,
-            }
-            return true;
-        }
-        Line::new(self).read(&tokens)
-    }
-
     /// The units; none where the file speaks against itself.
     pub(super) fn units(&self) -> Stated {
         let [x, y, z] = self.places();
@@ -131,14 +111,6 @@ impl Said {
         self.two_sizes |= place.is_some_and(|before| before != new);
         *place = Some(new);
     }
-}
-
-/// The units of a line of nothing else.
-fn only_units(tokens: &[Token]) -> Option<Vec<LengthUnit>> {
-    let tokens = tokens.iter().filter(|t| **t != Token::Comma);
-    let units: Option<Vec<_>> =
-        tokens.map(|t| if let Token::Unit { unit, .. } = t { Some(*unit) } else { None }).collect();
-    units.filter(|units| !units.is_empty())
 }
 
 #[cfg(test)]

@@ -5,7 +5,35 @@ use super::unit::LengthUnit;
 use super::vocabulary::{
     FILL, LINKS, Name, ONE_NUMBER, OTHER_UNITS, PER_PIXEL, SIZED, SIZES, name,
 };
-use super::words::Token;
+use super::words::{Token, tokens};
+
+impl Said {
+    /// Takes a line in, and says whether anything was understood.
+    pub(super) fn take(&mut self, line: &str) -> bool {
+        let tokens = tokens(line);
+        if let Some(units) = only_units(&tokens) {
+            match *units.as_slice() {
+                [unit] => self.set(Name::All, unit),
+                [x, y, z] => {
+                    for (name, unit) in [(Name::X, x), (Name::Y, y), (Name::Z, z)] {
+                        self.set(name, unit);
+                    }
+                }
+                _ => return false,
+            }
+            return true;
+        }
+        Line::new(self).read(&tokens)
+    }
+}
+
+/// The units of a line of nothing else.
+fn only_units(tokens: &[Token]) -> Option<Vec<LengthUnit>> {
+    let tokens = tokens.iter().filter(|t| **t != Token::Comma);
+    let units: Option<Vec<_>> =
+        tokens.map(|t| if let Token::Unit { unit, .. } = t { Some(*unit) } else { None }).collect();
+    units.filter(|units| !units.is_empty())
+}
 
 /// A line on its way.
 #[expect(clippy::struct_excessive_bools, reason = "each says what stood before in the line")]

@@ -12,9 +12,10 @@ use flate2::read::ZlibDecoder;
 
 use super::bytes::{Cursor, most_inflated, pitch, points};
 use super::options::{Scales, Stated};
-use super::text::{decode, excerpt};
+use super::text::decode;
 use super::unit::LengthUnit;
 use super::{MapFault, OpenOptions, RawMap, Sources};
+use crate::message::excerpt;
 
 const FORMAT: &str = "Digital Surf";
 

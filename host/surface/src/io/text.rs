@@ -6,6 +6,7 @@ use super::bytes::points;
 use super::error::MOST_POINTS;
 use super::options::Scale;
 use super::{MapFault, RawMap, Sources};
+use crate::message::excerpt;
 
 /// A file with its byte order mark taken off: UTF-16 of either order becomes UTF-8, all else stays.
 pub(super) fn as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
@@ -65,23 +66,6 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 pub(super) fn comment(line: &str) -> Option<&str> {
     let line = line.trim_start();
     ["#", "%", "//"].iter().find_map(|mark| line.strip_prefix(mark)).map(str::trim)
-}
-
-/// The start of a text, short enough for a message.
-pub(super) fn excerpt(text: &str) -> String {
-    text.trim().chars().take(24).collect()
-}
-
-/// A message that may hold parts of a file, fit for a terminal: one line, no control characters.
-pub(super) fn shown(message: &str) -> String {
-    /// Most characters, remedy and path apart.
-    const MOST: usize = 300;
-    let printable = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
-    let mut shown: String = message.chars().take(MOST).map(printable).collect();
-    if message.chars().nth(MOST).is_some() {
-        shown.push_str("...");
-    }
-    shown
 }
 
 /// How the columns of a text are written; learnt from its first lines.
@@ -196,7 +180,7 @@ pub(super) fn matrix<'a>(
 #[cfg(test)]
 mod tests {
     use super::super::unit::quantity_um;
-    use super::{Layout, as_utf8, decode, head, shown};
+    use super::{Layout, as_utf8, decode, head};
 
     fn numbers(line: &str) -> Option<Vec<f64>> {
         let mut values = Vec::new();
@@ -241,12 +225,5 @@ mod tests {
         // half a character at the end, and half a pair
         assert_eq!(&*as_utf8(b"\xff\xfea\0b"), b"a");
         assert_eq!(&*as_utf8(b"\xfe\xff\xd8\0\0a"), "\u{fffd}a".as_bytes());
-    }
-
-    #[test]
-    fn a_message_is_short_and_holds_no_control_characters() {
-        assert_eq!(shown("line 3: `\u{1b}[2J\n`"), "line 3: `\u{fffd}[2J\u{fffd}`");
-        assert_eq!(shown(&"x".repeat(300)), "x".repeat(300));
-        assert_eq!(shown(&"x".repeat(9000)), "x".repeat(300) + "...");
     }
 }

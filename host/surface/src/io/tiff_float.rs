@@ -15,8 +15,8 @@ use tiff::tags::Tag;
 
 use super::bytes::{most_inflated, pitch, points};
 use super::options::Scale;
-use super::text::excerpt;
 use super::{LengthUnit, MapFault, OpenOptions, RawMap, Source, Sources};
+use crate::message::excerpt;
 
 const FORMAT: &str = "TIFF";
 

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::message::excerpt;
+
 /// A unit of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
@@ -139,7 +141,7 @@ impl FromStr for LengthUnit {
     type Err = NoLengthUnit;
 
     fn from_str(text: &str) -> Result<Self, NoLengthUnit> {
-        Self::parse_alone(text).ok_or_else(|| NoLengthUnit(text.chars().take(24).collect()))
+        Self::parse_alone(text).ok_or_else(|| NoLengthUnit(excerpt(text)))
     }
 }
 

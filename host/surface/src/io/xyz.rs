@@ -8,9 +8,10 @@ use std::collections::HashSet;
 use super::bytes::points;
 use super::error::MOST_POINTS;
 use super::said::Said;
-use super::text::{Layout, comment, decode, excerpt, head, lines};
+use super::text::{Layout, comment, decode, head, lines};
 use super::words::{Token, tokens};
 use super::{MapFault, OpenOptions, RawMap, Sources};
+use crate::message::excerpt;
 
 const FORMAT: &str = "xyz text";
 

@@ -9,7 +9,8 @@ use std::io::Read;
 
 use super::{damaged, unsupported};
 use crate::io::MapFault;
-use crate::io::text::{decode, excerpt};
+use crate::io::text::decode;
+use crate::message::excerpt;
 
 /// The first bytes of an array.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";

@@ -3,50 +3,56 @@
 //! Along each direction a line of n numbers becomes n real coefficients, in place: for a periodic line the
 //! cosines and sines of its Fourier series (Re 0, Re 1, Im 1, Re 2, ...), for a mirrored one its cosines alone
 //! (DCT-II), from a Fourier transform of the same length \[Makhoul 1980\]. A filter that is even along
-//! each direction multiplies every coefficient by one number, whichever the edges.
+//! each direction multiplies every coefficient by one number, whichever the ends.
 
 use std::sync::Arc;
 
-use asperity_fourier::{real_forward, real_inverse};
 use rayon::prelude::*;
 use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealToComplex};
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-use crate::edges::Edges;
+use crate::lines::{Ends, across, turn};
 
 /// Transforms of all grids of one size.
 #[derive(Clone)]
-pub(super) struct Transform {
+pub struct RealFourier {
     x: Line,
     y: Line,
 }
 
-impl Transform {
-    pub(super) fn new((nx, ny): (usize, usize), edges: Edges) -> Self {
-        Self { x: Line::new(nx, edges), y: Line::new(ny, edges) }
+impl std::fmt::Debug for RealFourier {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RealFourier").field("size", &[self.x.n, self.y.n]).finish_non_exhaustive()
+    }
+}
+
+impl RealFourier {
+    /// For grids of `nx` times `ny` numbers.
+    pub fn new((nx, ny): (usize, usize), ends: impl Into<Ends>) -> Self {
+        let ends = ends.into();
+        Self { x: Line::new(nx, ends), y: Line::new(ny, ends) }
     }
 
     /// Periods of the coefficients within `n` points, by their place along x.
-    pub(super) fn periods_x(&self, i: usize) -> f64 {
+    pub fn periods_x(&self, i: usize) -> f64 {
         self.x.periods(i)
     }
 
     /// The same along y.
-    pub(super) fn periods_y(&self, j: usize) -> f64 {
+    pub fn periods_y(&self, j: usize) -> f64 {
         self.y.periods(j)
     }
 
     /// Coefficients of a grid (row by row), column by column: those of (i, j) at `i * ny + j`.
-    pub(super) fn forward(&self, mut grid: Vec<f64>) -> Vec<f64> {
-        self.x.each(&mut grid, |line, lines, work| lines.forward(line, work));
-        let mut columns = transposed(&grid, self.x.n);
-        self.y.each(&mut columns, |line, lines, work| lines.forward(line, work));
-        columns
+    pub fn forward(&self, mut grid: Vec<f64>) -> Vec<f64> {
+        let x = &self.x;
+        grid.par_chunks_mut(x.n).for_each_init(|| x.work(), |work, line| x.forward(line, work));
+        self.y.across(&grid, x.n, Line::forward)
     }
 
     /// The grid, row by row, from its coefficients as [`forward`](Self::forward) orders them, each times
     /// `weight_x(i) * weight_y(j)`.
-    pub(super) fn weighted_back(
+    pub fn weighted_back(
         &self,
         coefficients: &[f64],
         weight_x: impl Fn(usize) -> f64 + Sync,
@@ -70,9 +76,7 @@ impl Transform {
                     }
                 },
             );
-        let mut grid = transposed(&columns, self.y.n);
-        self.x.each(&mut grid, |line, lines, work| lines.back(line, work));
-        grid
+        self.x.across(&columns, self.y.n, Line::back)
     }
 }
 
@@ -83,7 +87,7 @@ const NOTHING: f64 = 1e-20;
 #[derive(Clone)]
 struct Line {
     n: usize,
-    edges: Edges,
+    ends: Ends,
     forward: Arc<dyn RealToComplex<f64>>,
     back: Arc<dyn ComplexToReal<f64>>,
     /// `exp(-i pi k / 2n)`, for mirrored lines.
@@ -98,15 +102,13 @@ struct Work {
 }
 
 impl Line {
-    fn new(n: usize, edges: Edges) -> Self {
-        let turn =
-            |k: usize| Complex::from_polar(1.0, -std::f64::consts::FRAC_PI_2 * k as f64 / n as f64);
+    fn new(n: usize, ends: Ends) -> Self {
         Self {
             n,
-            edges,
-            forward: real_forward(n),
-            back: real_inverse(n),
-            turns: (0..=n / 2).map(turn).collect(),
+            ends,
+            forward: RealFftPlanner::new().plan_fft_forward(n),
+            back: RealFftPlanner::new().plan_fft_inverse(n),
+            turns: (0..=n / 2).map(|k| turn(k, n, 1.0)).collect(),
         }
     }
 
@@ -120,25 +122,36 @@ impl Line {
     }
 
     fn periods(&self, i: usize) -> f64 {
-        match self.edges {
-            Edges::Periodic => i.div_ceil(2) as f64,
-            Edges::Mirrored => 0.5 * i as f64,
+        match self.ends {
+            Ends::Periodic => i.div_ceil(2) as f64,
+            Ends::Mirrored => 0.5 * i as f64,
         }
     }
 
-    /// All lines of a grid; they are independent, so any number of threads gives the same.
-    fn each(&self, grid: &mut [f64], transform: impl Fn(&mut [f64], &Self, &mut Work) + Sync) {
-        grid.par_chunks_mut(self.n)
-            .for_each_init(|| self.work(), |work, line| transform(line, self, work));
+    /// The lines across those of `length` points, each transformed.
+    fn across(
+        &self,
+        from: &[f64],
+        length: usize,
+        transform: impl Fn(&Self, &mut [f64], &mut Work) + Sync + Send,
+    ) -> Vec<f64> {
+        let mut lines = vec![0.0; from.len()];
+        let each = |panel: &mut [f64], work: &mut Work| {
+            for line in panel.chunks_exact_mut(self.n) {
+                transform(self, line, work);
+            }
+        };
+        across(from, length, &mut lines, || self.work(), each);
+        lines
     }
 
     fn forward(&self, line: &mut [f64], work: &mut Work) {
         let n = self.n;
-        match self.edges {
-            Edges::Periodic => work.line.copy_from_slice(line),
-            Edges::Mirrored => {
-                for (i, &h) in line.iter().enumerate() {
-                    work.line[if i % 2 == 0 { i / 2 } else { n - 1 - i / 2 }] = h;
+        match self.ends {
+            Ends::Periodic => work.line.copy_from_slice(line),
+            Ends::Mirrored => {
+                for (place, to) in work.line.iter_mut().enumerate() {
+                    *to = line[self.ends.source(place, n)];
                 }
             }
         }
@@ -150,15 +163,15 @@ impl Line {
         );
         debug_assert!(done.is_ok());
         for (k, &c) in work.spectrum.iter().enumerate() {
-            match self.edges {
-                Edges::Periodic if k == 0 => line[0] = c.re,
-                Edges::Periodic => {
+            match self.ends {
+                Ends::Periodic if k == 0 => line[0] = c.re,
+                Ends::Periodic => {
                     line[2 * k - 1] = c.re;
                     if 2 * k < n {
                         line[2 * k] = c.im;
                     }
                 }
-                Edges::Mirrored => {
+                Ends::Mirrored => {
                     let c = c * self.turns[k];
                     line[k] = c.re;
                     if k > 0 && 2 * k < n {
@@ -172,14 +185,14 @@ impl Line {
     fn back(&self, line: &mut [f64], work: &mut Work) {
         let n = self.n;
         for (k, c) in work.spectrum.iter_mut().enumerate() {
-            *c = match (self.edges, k) {
+            *c = match (self.ends, k) {
                 (_, 0) => Complex::new(line[0], 0.0),
-                (Edges::Periodic, k) if 2 * k == n => Complex::new(line[n - 1], 0.0),
-                (Edges::Periodic, k) => Complex::new(line[2 * k - 1], line[2 * k]),
-                (Edges::Mirrored, k) if 2 * k == n => {
+                (Ends::Periodic, k) if 2 * k == n => Complex::new(line[n - 1], 0.0),
+                (Ends::Periodic, k) => Complex::new(line[2 * k - 1], line[2 * k]),
+                (Ends::Mirrored, k) if 2 * k == n => {
                     Complex::new(line[k] * std::f64::consts::SQRT_2, 0.0)
                 }
-                (Edges::Mirrored, k) => Complex::new(line[k], -line[n - k]) * self.turns[k].conj(),
+                (Ends::Mirrored, k) => Complex::new(line[k], -line[n - k]) * self.turns[k].conj(),
             };
         }
         let done = self.back.process_with_scratch(
@@ -189,37 +202,15 @@ impl Line {
         );
         debug_assert!(done.is_ok());
         let unit = 1.0 / n as f64;
-        for (i, h) in line.iter_mut().enumerate() {
-            let from = match self.edges {
-                Edges::Periodic => i,
-                Edges::Mirrored if i % 2 == 0 => i / 2,
-                Edges::Mirrored => n - 1 - i / 2,
-            };
-            *h = work.line[from] * unit;
+        for (place, h) in work.line.iter().enumerate() {
+            line[self.ends.source(place, n)] = h * unit;
         }
     }
 }
 
-/// Lines of `length` numbers, as lines across them.
-fn transposed(grid: &[f64], length: usize) -> Vec<f64> {
-    const PANEL: usize = 16;
-    let lines = grid.len() / length;
-    let mut out = vec![0.0; grid.len()];
-    out.par_chunks_mut(lines * PANEL).enumerate().for_each(|(panel, out)| {
-        let first = panel * PANEL;
-        for (k, line) in grid.chunks_exact(length).enumerate() {
-            for (out, &h) in out.chunks_exact_mut(lines).zip(&line[first..]) {
-                out[k] = h;
-            }
-        }
-    });
-    out
-}
-
 #[cfg(test)]
 mod tests {
-    use super::Transform;
-    use crate::Edges;
+    use super::{Ends, RealFourier};
 
     fn wild(nx: usize, ny: usize) -> Vec<f64> {
         (0..nx * ny).map(|k| ((k * k) as f64 * 0.37).sin() + 0.1 * k as f64).collect()
@@ -228,13 +219,13 @@ mod tests {
     #[test]
     fn there_and_back_is_where_it_was_for_any_size() {
         for (nx, ny) in [(1, 1), (1, 5), (2, 3), (8, 6), (7, 9), (16, 33), (100, 64)] {
-            for edges in [Edges::Periodic, Edges::Mirrored] {
+            for ends in [Ends::Periodic, Ends::Mirrored] {
                 let grid = wild(nx, ny);
-                let transform = Transform::new((nx, ny), edges);
+                let transform = RealFourier::new((nx, ny), ends);
                 let back =
                     transform.weighted_back(&transform.forward(grid.clone()), |_| 1.0, |_| 1.0);
                 let error = grid.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                assert!(error < 1e-12 * 10.0 * (nx * ny) as f64, "{nx} {ny} {edges:?}: {error}");
+                assert!(error < 1e-12 * 10.0 * (nx * ny) as f64, "{nx} {ny} {ends:?}: {error}");
             }
         }
     }
@@ -247,8 +238,8 @@ mod tests {
             let sum = |f: &dyn Fn(f64) -> f64| {
                 line.iter().enumerate().map(|(x, h)| h * f(x as f64)).sum::<f64>()
             };
-            let fourier = Transform::new((n, 1), Edges::Periodic).forward(line.clone());
-            let cosines = Transform::new((n, 1), Edges::Mirrored).forward(line.clone());
+            let fourier = RealFourier::new((n, 1), Ends::Periodic).forward(line.clone());
+            let cosines = RealFourier::new((n, 1), Ends::Mirrored).forward(line.clone());
             for i in 0..n {
                 let q = 2.0 * PI * i.div_ceil(2) as f64 / n as f64;
                 let even = i % 2 == 1 || i == 0;

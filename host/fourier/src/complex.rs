@@ -2,27 +2,23 @@
 //!
 //! A line of a periodic field has the coefficients `A_k = 1/n sum_j u_j exp(-2 pi i j k / n)`; a mirrored one,
 //! which goes on as `... b c | c b ...`, those of its even continuation, `A_k = 1/n sum_j u_j cos(pi k (2j+1) / 2n)`
-//! for `k` and `-k`, from a transform of the same length \[Makhoul 1980\]. Lines along x come first, then panels of
-//! neighbouring columns, so that memory is read in whole cache lines.
+//! for `k` and `-k`, from a transform of the same length \[Makhoul 1980\].
 
 use std::sync::Arc;
 
-use asperity_fourier::Precision;
 use rayon::prelude::*;
 use rustfft::Fft;
 use rustfft::num_complex::Complex;
 
-use crate::surface::Edges;
-
-/// Columns that are transformed together.
-const PANEL: usize = 16;
+use crate::lines::{Ends, PANEL, across, turn};
+use crate::precision::Precision;
 
 /// Transforms of all fields of one size.
 #[derive(Clone)]
 pub struct Fourier<T: Precision> {
     x: Line<T>,
     y: Line<T>,
-    edges: Edges,
+    ends: Ends,
 }
 
 impl<T: Precision> std::fmt::Debug for Fourier<T> {
@@ -37,48 +33,49 @@ pub struct Coefficients<T> {
     values: Vec<Complex<T>>,
     rows: Vec<Complex<T>>,
     size: [usize; 2],
-    edges: Edges,
+    ends: Ends,
 }
 
 impl<T: Precision> Coefficients<T> {
     /// All orders along y of one order along x, which may be negative.
     pub fn column(&self, order_x: isize) -> &[Complex<T>] {
         let [nx, ny] = self.size;
-        let at = place(order_x, nx, self.edges);
+        let at = place(order_x, nx, self.ends);
         &self.values[at * ny..(at + 1) * ny]
     }
 
     /// All coefficients, column by column.
-    pub(super) fn values(&self) -> &[Complex<T>] {
+    pub fn values(&self) -> &[Complex<T>] {
         &self.values
     }
 
     /// One coefficient; orders are taken modulo the size if the field is periodic.
     pub fn at(&self, order_x: isize, order_y: isize) -> Complex<T> {
-        self.column(order_x)[place(order_y, self.size[1], self.edges)]
+        self.column(order_x)[place(order_y, self.size[1], self.ends)]
     }
 }
 
-/// Where the coefficient of an order lies in a line.
+/// Where the coefficient of an order lies in a line of `n`.
 #[inline]
-pub(super) fn place(order: isize, n: usize, edges: Edges) -> usize {
-    match edges {
-        Edges::Periodic => order.rem_euclid(n as isize) as usize,
-        Edges::Mirrored => order.unsigned_abs().min(n - 1),
+pub fn place(order: isize, n: usize, ends: Ends) -> usize {
+    match ends {
+        Ends::Periodic => order.rem_euclid(n as isize) as usize,
+        Ends::Mirrored => order.unsigned_abs().min(n - 1),
     }
 }
 
 impl<T: Precision> Fourier<T> {
     /// For fields of `nx` times `ny` points.
-    pub fn new((nx, ny): (usize, usize), edges: Edges) -> Self {
-        Self { x: Line::new(nx, edges), y: Line::new(ny, edges), edges }
+    pub fn new((nx, ny): (usize, usize), ends: impl Into<Ends>) -> Self {
+        let ends = ends.into();
+        Self { x: Line::new(nx, ends), y: Line::new(ny, ends), ends }
     }
 
     /// Room for the coefficients, to be used for one field after the other.
     pub fn room(&self) -> Coefficients<T> {
         let size = [self.x.n, self.y.n];
         let nothing = vec![Complex::new(T::zero(), T::zero()); size[0] * size[1]];
-        Coefficients { values: nothing.clone(), rows: nothing, size, edges: self.edges }
+        Coefficients { values: nothing.clone(), rows: nothing, size, ends: self.ends }
     }
 
     /// The coefficients of the field whose rows `fill(row, values)` gives.
@@ -93,24 +90,17 @@ impl<T: Precision> Fourier<T> {
         into.rows.par_chunks_mut(nx).enumerate().for_each_init(
             || self.x.work(1),
             |work, (place, row)| {
-                fill(self.y.source(place), row);
+                fill(self.ends.source(place, ny), row);
                 self.x.reorder(row, work);
                 self.x.forward(row, work);
             },
         );
-        let rows = &into.rows;
-        into.values.par_chunks_mut(PANEL * ny).enumerate().for_each_init(
+        across(
+            &into.rows,
+            nx,
+            &mut into.values,
             || self.y.work(PANEL),
-            |work, (panel, columns)| {
-                let first = panel * PANEL;
-                let count = columns.len() / ny;
-                for (j, row) in rows.chunks_exact(nx).enumerate() {
-                    for (c, value) in row[first..first + count].iter().enumerate() {
-                        columns[c * ny + j] = *value;
-                    }
-                }
-                self.y.forward(columns, work);
-            },
+            |columns, work| self.y.forward(columns, work),
         );
     }
 }
@@ -119,7 +109,7 @@ impl<T: Precision> Fourier<T> {
 #[derive(Clone)]
 struct Line<T: Precision> {
     n: usize,
-    edges: Edges,
+    ends: Ends,
     plan: Arc<dyn Fft<T>>,
     /// `exp(-i pi k / 2n) / 2n`, for mirrored lines.
     turns: Vec<Complex<T>>,
@@ -131,14 +121,14 @@ struct Work<T> {
 }
 
 impl<T: Precision> Line<T> {
-    fn new(n: usize, edges: Edges) -> Self {
-        let turn = |k: usize| {
-            let z = Complex::from_polar(0.5, -std::f64::consts::FRAC_PI_2 * k as f64 / n as f64);
-            let of = |x: f64| T::from_f64(x / n as f64).unwrap_or_else(T::zero);
+    fn new(n: usize, ends: Ends) -> Self {
+        let of = |x: f64| T::from_f64(x / n as f64).unwrap_or_else(T::zero);
+        let half = |k: usize| {
+            let z = turn(k, n, 0.5);
             Complex::new(of(z.re), of(z.im))
         };
-        let turns = if edges == Edges::Mirrored { (0..n).map(turn).collect() } else { Vec::new() };
-        Self { n, edges, plan: T::forward(n), turns }
+        let turns = if ends == Ends::Mirrored { (0..n).map(half).collect() } else { Vec::new() };
+        Self { n, ends, plan: T::forward(n), turns }
     }
 
     fn work(&self, lines: usize) -> Work<T> {
@@ -149,20 +139,11 @@ impl<T: Precision> Line<T> {
         }
     }
 
-    /// The point of the line that the transform wants at a place: even points up, odd ones down.
-    fn source(&self, place: usize) -> usize {
-        match self.edges {
-            Edges::Periodic => place,
-            Edges::Mirrored if place < self.n.div_ceil(2) => 2 * place,
-            Edges::Mirrored => 2 * (self.n - 1 - place) + 1,
-        }
-    }
-
     fn reorder(&self, line: &mut [Complex<T>], work: &mut Work<T>) {
-        if self.edges == Edges::Mirrored {
+        if self.ends == Ends::Mirrored {
             work.line.copy_from_slice(line);
             for (place, value) in line.iter_mut().enumerate() {
-                *value = work.line[self.source(place)];
+                *value = work.line[self.ends.source(place, self.n)];
             }
         }
     }
@@ -172,14 +153,14 @@ impl<T: Precision> Line<T> {
         self.plan.process_with_scratch(lines, &mut work.scratch);
         let n = self.n;
         for line in lines.chunks_exact_mut(n) {
-            match self.edges {
-                Edges::Periodic => {
+            match self.ends {
+                Ends::Periodic => {
                     let share = T::one() / T::from_usize(n).unwrap_or_else(T::one);
                     for value in line {
                         *value = *value * share;
                     }
                 }
-                Edges::Mirrored => {
+                Ends::Mirrored => {
                     let two = T::one() + T::one();
                     line[0] = line[0] * self.turns[0].re * two;
                     for k in 1..=n / 2 {
@@ -196,17 +177,17 @@ impl<T: Precision> Line<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Complex, Edges, Fourier};
+    use super::{Complex, Ends, Fourier};
     use std::f64::consts::PI;
 
     /// The coefficient by its definition, over the continued field.
-    fn direct(field: &[Complex<f64>], nx: usize, edges: Edges, m: isize, n: isize) -> Complex<f64> {
+    fn direct(field: &[Complex<f64>], nx: usize, ends: Ends, m: isize, n: isize) -> Complex<f64> {
         let ny = field.len() / nx;
-        let wave = |order: isize, j: usize, n: usize| match edges {
-            Edges::Periodic => {
+        let wave = |order: isize, j: usize, n: usize| match ends {
+            Ends::Periodic => {
                 Complex::from_polar(1.0, -2.0 * PI * order as f64 * j as f64 / n as f64)
             }
-            Edges::Mirrored => {
+            Ends::Mirrored => {
                 Complex::new((PI * order as f64 * (2 * j + 1) as f64 / (2 * n) as f64).cos(), 0.0)
             }
         };
@@ -219,12 +200,12 @@ mod tests {
 
     #[test]
     fn it_agrees_with_the_definition() {
-        for edges in [Edges::Periodic, Edges::Mirrored] {
+        for ends in [Ends::Periodic, Ends::Mirrored] {
             for (nx, ny) in [(8, 6), (7, 40), (1, 5), (37, 2), (20, 33)] {
                 let field: Vec<Complex<f64>> = (0..nx * ny)
                     .map(|k| Complex::from_polar(1.0 + 0.1 * (k % 3) as f64, (k * k % 101) as f64))
                     .collect();
-                let fourier = Fourier::new((nx, ny), edges);
+                let fourier = Fourier::new((nx, ny), ends);
                 let mut found = fourier.room();
                 fourier.transform(
                     |j, row| row.copy_from_slice(&field[j * nx..(j + 1) * nx]),
@@ -233,9 +214,9 @@ mod tests {
                 for m in 0..nx as isize {
                     for n in 0..ny as isize {
                         for (m, n) in [(m, n), (-m, n), (-m, -n)] {
-                            let exact = direct(&field, nx, edges, m, n);
+                            let exact = direct(&field, nx, ends, m, n);
                             let error = (found.at(m, n) - exact).norm();
-                            assert!(error < 1e-13, "{edges:?} {nx}x{ny} {m} {n} {error}");
+                            assert!(error < 1e-13, "{ends:?} {nx}x{ny} {m} {n} {error}");
                         }
                     }
                 }
