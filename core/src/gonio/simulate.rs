@@ -63,7 +63,7 @@ impl<T: Real> Goniophotometer<T> {
         mean
     }
 
-    /// One incidence of a scan: `rays` rays from a given generator, into fixed-size storage.
+    /// One incidence of a scan: `rays` rays from a given generator, into storage of a fixed capacity.
     pub fn scan<S: Scatter<T>, G: Rng + ?Sized, const N: usize>(
         &self,
         plate: &Plate<S, T>,
@@ -73,7 +73,7 @@ impl<T: Real> Goniophotometer<T> {
         generator: &mut G,
     ) -> Scan<T, N> {
         let mut scan = Scan::new(sigma_deg, self.geometry, grid);
-        let grid = scan.grid;
+        let grid = *scan.grid();
         self.simulate(plate, sigma_deg, &grid, rays, generator, scan.readings_mut());
         scan
     }
@@ -139,7 +139,7 @@ mod tests {
                 // all internal passes of an incoherent plate: (1 - F) / (1 + F)
                 let exact = (1.0 - f) / (1.0 + f);
                 for (k, &reading) in scan.readings().iter().enumerate() {
-                    let away = (scan.grid.degrees(k) - sigma).abs();
+                    let away = (scan.grid().degrees(k) - sigma).abs();
                     if away < 0.299 {
                         assert!(
                             (reading - exact).abs() < 4e-3,
