@@ -18,11 +18,6 @@ pub struct Goniophotometer<T> {
 }
 
 impl<T: Real> Goniophotometer<T> {
-    /// The GP-200: a cone of 0.6 degrees, full angle, behind the sample.
-    pub fn gp200() -> Self {
-        Self { aperture_deg: T::from_f64(0.6), geometry: Geometry::Transmission }
-    }
-
     /// What the detector sees.
     pub fn cone(&self) -> Cone<T> {
         let side = match self.geometry {

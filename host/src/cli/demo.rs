@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use asperity_core::gonio::{AngleGrid, Geometry};
+use asperity_core::gonio::{AngleGrid, Geometry, gp200};
 use asperity_core::plate::RoughSide;
 
 use super::comparing::{Sample, Work};
@@ -60,7 +60,6 @@ const SURFACE: GaussianSurface = GaussianSurface {
 };
 const IOR: f64 = 1.49;
 const WAVELENGTH_NM: f64 = 550.0;
-const SIGMAS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 const SEED: u64 = 20_261_122;
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -73,7 +72,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let setup = Setup {
         sample: forward::Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
-        aperture_deg: 0.6,
+        aperture_deg: gp200::APERTURE_DEG,
         quantity: Quantity::Flux,
     };
     let what = format!(
@@ -184,7 +183,7 @@ fn make_scan(
     };
     meta.set("note", "made by `asperity demo`; no measured data").map_err(Failure::bad)?;
     let rays = Some(Rays { count: rays, seed: SEED });
-    let done = simulate(truth, setup, &SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
+    let done = simulate(truth, setup, &gp200::SIGMAS_DEG, &AngleGrid::gp200(), rays, meta)?;
     if done.interrupted {
         return Err(Failure::No("interrupted while the scan was traced; no fit was made".into()));
     }
