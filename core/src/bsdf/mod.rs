@@ -15,6 +15,8 @@ mod normals;
 #[cfg(feature = "ggx")]
 mod opaque;
 mod smooth;
+#[cfg(all(test, feature = "ggx", feature = "normals", feature = "fast"))]
+mod tests_cast;
 
 #[cfg(feature = "ggx")]
 pub use ggx::Ggx;
