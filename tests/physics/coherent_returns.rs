@@ -9,6 +9,7 @@ use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelen
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{Plan as TablePlan, tabulate};
+use asperity_core::bsdf::LobeSet;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use asperity_tests::{count, tolerance};
@@ -32,7 +33,7 @@ fn waves(rq_um: f64, length_um: f64) -> Boundary {
 
 fn table(wave: &Boundary) -> Boundary {
     let rays = Rays { count: 400_000, seed: 5 };
-    let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays };
+    let plan = TablePlan { lobes: LobeSet::ALL, bytes: 32 << 10, kept: None, rays };
     Boundary::Table(Box::new(tabulate(wave, &plan, &STOP, &|_, _| ()).unwrap()))
 }
 

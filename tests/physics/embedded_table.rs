@@ -14,7 +14,7 @@ use asperity::kirchhoff::{
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Plan, distance, energy_error, tabulate};
-use asperity_core::bsdf::{Bsdf, Scatter};
+use asperity_core::bsdf::{Bsdf, LobeSet, Scatter};
 use asperity_core::direction::Side;
 use asperity_core::math::Fast;
 use asperity_core::ndf::law::Profile;
@@ -30,7 +30,7 @@ fn table_of(boundary: &Boundary, bytes: usize) -> EmbeddedTable {
 }
 
 fn table_of_rays(boundary: &Boundary, bytes: usize, rays: Rays) -> EmbeddedTable {
-    let plan = Plan { lobes: [true; 4], bytes, kept: None, rays };
+    let plan = Plan { lobes: LobeSet::ALL, bytes, kept: None, rays };
     let table = tabulate(boundary, &plan, &AtomicBool::new(false), &|_, _| ()).unwrap();
     assert!(table.bytes() <= bytes, "{} bytes of {bytes}", table.bytes());
     table

@@ -9,6 +9,7 @@ use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelen
 use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{NoTable, Plan as TablePlan, tabulate};
+use asperity_core::bsdf::LobeSet;
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -29,7 +30,7 @@ fn boundaries() -> [Boundary; 2] {
         WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off };
     let wave = WaveBoundary::of_map(&map, Edges::Periodic, ior(1.49), &options).unwrap();
     let wave = Boundary::Wave(Box::new(wave));
-    let plan = TablePlan { lobes: [true; 4], bytes: 32 << 10, kept: None, rays: RAYS };
+    let plan = TablePlan { lobes: LobeSet::ALL, bytes: 32 << 10, kept: None, rays: RAYS };
     let table = tabulate(&wave, &plan, &STOP, &|_, _| ()).unwrap();
     let table = Boundary::Table(Box::new(table));
     assert_eq!(tabulate(&table, &plan, &STOP, &|_, _| ()), Err(NoTable::Table));

@@ -15,7 +15,7 @@ use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{NoTable, Plan, distance, lobe_distances, tabulate};
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, Lobe, LobeSet};
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -27,7 +27,7 @@ const RAYS: Rays = Rays { count: 200_000, seed: 5 };
 static STOP: AtomicBool = AtomicBool::new(false);
 
 fn made(boundary: &Boundary, bytes: usize) -> Result<EmbeddedTable, NoTable> {
-    let plan = Plan { lobes: [true; 4], bytes, kept: None, rays: RAYS };
+    let plan = Plan { lobes: LobeSet::ALL, bytes, kept: None, rays: RAYS };
     tabulate(boundary, &plan, &STOP, &|_, _| ())
 }
 
@@ -59,8 +59,11 @@ fn a_surface_with_a_direction_is_refused_with_the_figure() {
     for (name, boundary) in
         [("rays", traced(&grooved)), ("hybrid", Boundary::Hybrid(Box::new(hybrid)))]
     {
-        for (k, which) in ["all", "R from the air", "T from inside"].into_iter().enumerate() {
-            let lobes = [[true; 4], [true, false, false, false], [false, false, false, true]][k];
+        for (which, lobes) in [
+            ("all", LobeSet::ALL),
+            ("R from the air", LobeSet::AIR_REFLECTION),
+            ("T from inside", LobeSet::DIELECTRIC_TRANSMISSION),
+        ] {
             let plan = Plan { lobes, bytes: 8 << 10, kept: None, rays: RAYS };
             match tabulate(&boundary, &plan, &STOP, &|_, _| ()) {
                 Err(NoTable::Directional { strength, lay_deg, percent }) => {

@@ -4,6 +4,7 @@
 //! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
+mod lobe_set;
 #[cfg(any(feature = "ggx", feature = "normals"))]
 mod facet;
 #[cfg(feature = "ggx")]
@@ -20,6 +21,7 @@ mod tests_cast;
 
 #[cfg(feature = "ggx")]
 pub use ggx::Ggx;
+pub use lobe_set::LobeSet;
 #[cfg(feature = "normals")]
 pub use normals::Normals;
 #[cfg(feature = "ggx")]

@@ -137,6 +137,7 @@ mod device {
         };
         let header = Header {
             eta: RelativeIor::new(f32::from_bits(words[10])).ok()?,
+            opaque: false,
             slope: f32::from_bits(words[11]),
             lobes: [16, 26, 36, 46].map(lobe),
             fluxes: [words[12] as u16, words[13] as u16],

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use asperity_core::bsdf::Lobe;
+use asperity_core::bsdf::{Lobe, LobeSet};
 use asperity_core::direction::Side;
 use clap::ValueEnum;
 use serde::Serialize;
@@ -17,8 +17,7 @@ use crate::forward::Rays;
 use crate::model::Model;
 use crate::output::{AtomicFile, finish_all};
 use crate::tabulate::{
-    Distance, Kept, LobeDistance, NoTable, Plan, distance, energy_error, lobe_distances, lobes_of,
-    tabulate,
+    Distance, Kept, LobeDistance, NoTable, Plan, distance, energy_error, lobe_distances, tabulate,
 };
 
 /// Sides of the boundary, as a flag.
@@ -284,7 +283,7 @@ fn made(
         StorageFlag::F32 => Kept::F32,
     });
     let rays = Rays { count: args.rays, seed: args.seed };
-    let plan = Plan { lobes: lobes_of(sides, lobes), bytes, kept, rays };
+    let plan = Plan { lobes: LobeSet::of_each(sides, lobes), bytes, kept, rays };
     let bar = progress::bar(0, "tabulating");
     let table = tabulate(boundary, &plan, interrupt::flag(), &|done, all| {
         bar.set_length(all as u64);

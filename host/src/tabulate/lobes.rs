@@ -10,7 +10,7 @@ use super::bins;
 use super::grid::GOLDEN;
 use super::law::Law;
 use crate::boundary::{Boundary, with_boundary};
-use crate::embedded::{EmbeddedTable, LOBES};
+use crate::embedded::EmbeddedTable;
 use crate::forward::{Heeding, Rays};
 
 /// Angles of incidence of a law, degrees.
@@ -59,8 +59,7 @@ pub fn lobe_distances(
     rays: Rays,
     stop: &AtomicBool,
 ) -> Vec<LobeDistance> {
-    let held = table.header().lobes.map(|lobe| lobe.is_some());
-    let held = LOBES.into_iter().zip(held).filter(|(_, held)| *held).map(|(lobe, _)| lobe);
+    let held = table.header().holds().iter();
     with_boundary!(boundary,
     b => {
         let possible = |side: Side| -> Vec<f64> {

@@ -24,14 +24,14 @@ pub use lobes::{LobeDistance, lobe_distances};
 
 use std::sync::atomic::AtomicBool;
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, LobeSet};
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{Header, Storage};
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, with_boundary};
-use crate::embedded::{EmbeddedTable, LOBES, OPAQUE, Rest, Values};
+use crate::embedded::{EmbeddedTable, Rest, Values};
 use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
 use grid::LobeGrid;
@@ -50,8 +50,8 @@ pub enum Kept {
 /// What a table is to hold, and how large it may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// From the air reflection and transmission, then from the dielectric.
-    pub lobes: [bool; 4],
+    /// The lobes that are wanted.
+    pub lobes: LobeSet,
     /// Bytes of all arrays together, at most.
     pub bytes: usize,
     /// How values are kept; by the number of bytes without it.
@@ -125,13 +125,13 @@ pub fn tabulate(
     }
     let mut wanted = plan.lobes;
     if boundary.eta().is_none() {
-        wanted = [wanted[0], false, false, false];
+        wanted = wanted & LobeSet::AIR_REFLECTION;
     }
-    let count = wanted.iter().filter(|w| **w).count();
+    let count = wanted.len();
     if count == 0 {
         return Err(NoTable::NoLobe);
     }
-    let eta = boundary.eta().unwrap_or(f64::from(OPAQUE));
+    let eta = boundary.eta().unwrap_or(f64::from(Header::STAND_IN));
     let index = RelativeIor::new(eta as f32).map_err(|_| NoTable::Values)?;
     if index.is_matched() {
         return Err(NoTable::Matched);
@@ -178,17 +178,18 @@ type Lobes = [Option<LobeGrid>; 4];
 fn of_storage<S: Storage>(
     boundary: &Boundary,
     plan: &Plan,
-    (eta, wanted): (f64, [bool; 4]),
+    (eta, wanted): (f64, LobeSet),
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<(Lobes, f64), NoTable> {
-    let count = wanted.iter().filter(|w| **w).count();
+    let count = wanted.len();
     let budget = (plan.bytes - 16 * usize::from(flux_nodes(plan.bytes))) / count;
     with_boundary!(boundary,
     b => {
         let mut lobes: Lobes = [const { None }; 4];
         let mut done = 0;
-        for (k, which) in LOBES.into_iter().enumerate().filter(|(k, _)| wanted[*k]) {
+        let each = LobeSet::ORDER.into_iter().enumerate();
+        for (k, which) in each.filter(|(_, (side, lobe))| wanted.contains(LobeSet::of(*side, *lobe))) {
             if stop.load(std::sync::atomic::Ordering::Relaxed) {
                 return Err(NoTable::Stopped);
             }
@@ -209,7 +210,7 @@ fn of_storage<S: Storage>(
 fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     boundary: &B,
     plan: &Plan,
-    (eta, wanted): (f64, [bool; 4]),
+    (eta, wanted): (f64, LobeSet),
     budget: usize,
     stop: &AtomicBool,
     progress: &(dyn Fn(usize, usize) + Sync),
@@ -217,7 +218,8 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     let boundary = &Heeding { boundary, stop };
     let mut lobes: Lobes = [const { None }; 4];
     let sides = [Side::Air, Side::Dielectric];
-    let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
+    let of_side = [LobeSet::AIR, LobeSet::DIELECTRIC];
+    let used = of_side.into_iter().filter(|side| !(wanted & *side).is_empty()).count();
     let (mut done, mut slope) = (0, None);
     for (at, side) in sides.into_iter().enumerate() {
         // from inside much changes about the critical angle
@@ -231,7 +233,9 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
         let chosen = pilot::chosen(boundary, (eta, side), incidences, fitted, plan.rays);
         slope = slope.or(Some(chosen[0].1));
         let made = [0, 1].map(|k| {
-            wanted[2 * at + k].then(|| LobeGrid::new(eta, LOBES[2 * at + k], chosen[k].0))
+            let (side, lobe) = LobeSet::ORDER[2 * at + k];
+            let grid = || LobeGrid::new(eta, (side, lobe), chosen[k].0);
+            wanted.contains(LobeSet::of(side, lobe)).then(grid)
         });
         if made.iter().all(Option::is_none) {
             continue;
@@ -293,15 +297,11 @@ fn finish<S: Storage>(
     }
     let header = Header {
         eta,
+        opaque: boundary.eta().is_none(),
         slope: slope as f32,
         lobes: lobes.map(|grid| grid.map(|g| g.header)),
         fluxes: rows,
         grazing: [GRAZING; 2],
     };
-    EmbeddedTable::new(header, boundary.eta().is_none(), kept(values), rest).ok()
-}
-
-/// Whether a lobe belongs to a choice of sides and lobes.
-pub fn lobes_of(sides: &[Side], lobes: &[Lobe]) -> [bool; 4] {
-    LOBES.map(|(side, lobe)| sides.contains(&side) && lobes.contains(&lobe))
+    EmbeddedTable::new(header, kept(values), rest).ok()
 }
