@@ -11,7 +11,7 @@ use super::beams::Beams;
 use super::device::{Counted, Counts, Device};
 use super::formula::Formula;
 use super::pairs::Pairs;
-use super::slot::Payload;
+use super::payload::Payload;
 use super::row::{Evaluator, Marks, Row, Tier};
 use super::scan::{STEP, Scan};
 use super::tier::Through;
