@@ -60,6 +60,8 @@ pub mod ndf;
 pub mod bsdf;
 #[cfg(feature = "table")]
 pub mod table;
+#[cfg(feature = "slot")]
+pub mod slot;
 #[cfg(feature = "gonio")]
 pub mod plate;
 #[cfg(feature = "gonio")]

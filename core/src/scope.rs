@@ -1,6 +1,6 @@
 //! What this build answers: the features of cargo as constants, so that the compiler leaves out what is off.
 //!
-//! All are on by default and only ever add. What is off scatters nothing: values, densities and fluxes of light
+//! All but `slot` are on by default, and all only ever add. What is off scatters nothing: values, densities and fluxes of light
 //! from a side, or into a lobe, that was left out are 0, and its rays are lost (`None`), as many as there would
 //! be; what remains keeps its bits. Laws, precisions and tools that were left out cannot be named.
 //!
@@ -14,6 +14,7 @@
 //! | `checksum` (needs `table`) | no checksum of a table |
 //! | `f32`, `f64` | that type is no [`Real`](crate::math::Real) |
 //! | `fast` | no `math::Fast` |
+//! | `slot` (not by default; needs `ggx`, `normals`, `table`) | no `slot` |
 //! | `gonio` | no `plate`, `gonio` and `metric` |
 //! | `protocol` | no `protocol`, and no dependency on postcard and serde; crc without `checksum` neither |
 //!

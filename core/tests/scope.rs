@@ -119,6 +119,7 @@ fn a_table_answers_what_it_is_built_for() {
     };
     let header = Header {
         eta: eta(),
+        opaque: false,
         slope: 0.3,
         lobes: [Some(lobe); 4],
         fluxes: [2; 2],

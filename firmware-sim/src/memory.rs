@@ -1,6 +1,7 @@
 //! The points of one segment, five bytes each: first the sums of the light, then the readings.
 
 use asperity_core::protocol::{MAX_POINTS, RANGES, Reading};
+use heapless::Vec;
 
 const SIZE: usize = MAX_POINTS as usize;
 /// The range is in the three bits below.
@@ -10,18 +11,23 @@ const UNDER: u8 = 16;
 /// Relative light where a point is not measured yet, a photocurrent where it is.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
-    values: [f32; SIZE],
-    flags: [u8; SIZE],
+    values: Vec<f32, SIZE>,
+    flags: Vec<u8, SIZE>,
 }
 
 impl Memory {
     pub(crate) const fn new() -> Self {
-        Self { values: [0.0; SIZE], flags: [0; SIZE] }
+        Self { values: Vec::new(), flags: Vec::new() }
     }
 
-    /// Begins anew; the sums of the light.
-    pub(crate) fn clear(&mut self) {
-        self.values.fill(0.0);
+    /// Begins anew, dark, with room for the points of a segment: `count`, at most [`MAX_POINTS`].
+    pub(crate) fn begin(&mut self, count: u16) {
+        let count = usize::from(count).min(SIZE);
+        self.values.clear();
+        self.flags.clear();
+        // never an error: cut to the capacity
+        let _ = self.values.resize(count, 0.0);
+        let _ = self.flags.resize(count, 0);
     }
 
     pub(crate) fn sums(&mut self) -> &mut [f32] {
@@ -67,6 +73,7 @@ mod tests {
     #[test]
     fn a_reading_comes_back_as_it_was() {
         let mut memory = Memory::new();
+        memory.begin(1801);
         let dark = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
         for (over, under) in [(false, false), (true, false), (false, true)] {
             for range in 0..6_u8 {
@@ -76,8 +83,14 @@ mod tests {
                 assert_eq!(memory.reading(index, &dark), reading);
             }
         }
+        // beyond the segment there is nothing to keep a reading in
         memory.keep(1801, &memory.reading(1800, &dark));
-        memory.clear();
+        assert_eq!(memory.light(1801).to_bits(), 0);
+        memory.begin(1801);
         assert_eq!(memory.light(1800).to_bits(), 0);
+        memory.begin(u16::MAX);
+        assert_eq!(memory.sums().len(), 1801);
+        memory.begin(3);
+        assert_eq!(memory.sums(), [0.0; 3]);
     }
 }

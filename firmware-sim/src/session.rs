@@ -18,7 +18,7 @@ pub(crate) enum Verdict {
 }
 
 /// The last request of an owner, and its answer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Last {
     session: u16,
     sequence: u16,
@@ -64,7 +64,7 @@ impl Session {
         // also without an owner
         let silent = self.deadline(limit_us).is_none_or(|deadline| deadline <= now);
         let owns = self.owner == Some(session);
-        if let Some(last) = self.last.filter(|last| last.session == session) {
+        if let Some(last) = self.last.as_ref().filter(|last| last.session == session) {
             if last.sequence == sequence {
                 if owns {
                     self.heard = now;
@@ -113,7 +113,7 @@ impl Session {
         let Frame { session, sequence, .. } = *to;
         let answer = encode(&Frame { session, sequence, message });
         if owned || self.owner == Some(session) {
-            self.last = Some(Last { session, sequence, answer });
+            self.last = Some(Last { session, sequence, answer: answer.clone() });
         }
         answer
     }

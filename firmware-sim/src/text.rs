@@ -2,6 +2,7 @@
 
 use asperity_core::protocol::scpi::{Command, LineError, MAX_LINE, parse};
 use asperity_core::protocol::{DeviceError, Microdegrees};
+use heapless::{Deque, Vec};
 
 use crate::clock::Sink;
 
@@ -51,33 +52,24 @@ impl From<DeviceError> for TextError {
 /// The line that comes in, and the errors.
 #[derive(Clone, Debug)]
 pub(crate) struct Text {
-    line: [u8; MAX_LINE + 1],
-    /// More than the line holds means that it is too long.
-    length: usize,
-    errors: [Option<TextError>; QUEUE],
+    /// One byte more than allowed, so that a line that is too long is refused; what comes on top is lost.
+    line: Vec<u8, { MAX_LINE + 1 }>,
+    errors: Deque<TextError, QUEUE>,
 }
 
 impl Text {
     pub(crate) const fn new() -> Self {
-        Self { line: [0; MAX_LINE + 1], length: 0, errors: [None; QUEUE] }
+        Self { line: Vec::new(), errors: Deque::new() }
     }
 
     /// Takes a byte; at the end of a line the command, if it is one.
     pub(crate) fn take(&mut self, byte: u8) -> Option<Command> {
         if byte != b'\n' && byte != b'\r' {
-            match self.line.get_mut(self.length) {
-                Some(slot) => {
-                    *slot = byte;
-                    self.length += 1;
-                }
-                None => self.length = self.line.len(),
-            }
+            let _ = self.line.push(byte);
             return None;
         }
-        // a line of one byte more than allowed is long enough to be refused
-        let line = self.line.get(..self.length).unwrap_or(&[]);
-        let parsed = parse(line);
-        self.length = 0;
+        let parsed = parse(&self.line);
+        self.drop_line();
         parsed.unwrap_or_else(|error| {
             self.error(TextError::Line(error));
             None
@@ -86,30 +78,24 @@ impl Text {
 
     /// Forgets the line begun.
     pub(crate) fn drop_line(&mut self) {
-        self.length = 0;
+        self.line.clear();
     }
 
     pub(crate) fn error(&mut self, error: TextError) {
-        match self.errors.iter_mut().find(|slot| slot.is_none()) {
-            Some(slot) => *slot = Some(error),
-            None => {
-                if let Some(last) = self.errors.last_mut() {
-                    *last = Some(TextError::QueueOverflow);
-                }
-            }
+        if self.errors.push_back(error).is_err()
+            && let Some(last) = self.errors.back_mut()
+        {
+            *last = TextError::QueueOverflow;
         }
     }
 
     pub(crate) fn clear_errors(&mut self) {
-        self.errors = [None; QUEUE];
+        self.errors.clear();
     }
 
     /// Answers `SYST:ERR?`: the oldest error, which is forgotten.
     pub(crate) fn say_error(&mut self, out: &mut dyn Sink) {
-        let [oldest, rest @ ..] = self.errors;
-        for (slot, error) in self.errors.iter_mut().zip(rest.into_iter().chain([None])) {
-            *slot = error;
-        }
+        let oldest = self.errors.pop_front();
         let (number, text) = oldest.map_or((0, "No error"), TextError::code);
         integer(i32::from(number), out);
         out.write(b",\"");
@@ -118,19 +104,14 @@ impl Text {
     }
 }
 
-/// Up to ten digits with leading zeros, at least `least` of them.
+/// Up to ten digits with leading zeros, at least `least` of them; more than ten are never asked for.
 fn digits(mut number: u32, least: usize, out: &mut dyn Sink) {
-    let mut text = [b'0'; 10];
-    let mut used = 0;
-    for slot in text.iter_mut().rev() {
-        if number == 0 && used >= least {
-            break;
-        }
-        *slot = b'0' + (number % 10) as u8;
+    let mut text = Vec::<u8, 10>::new();
+    while (number > 0 || text.len() < least) && text.push(b'0' + (number % 10) as u8).is_ok() {
         number /= 10;
-        used += 1;
     }
-    out.write(text.get(text.len() - used..).unwrap_or(&[]));
+    text.reverse();
+    out.write(&text);
 }
 
 /// A whole number.

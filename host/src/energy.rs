@@ -1,6 +1,6 @@
 //! Where the flux goes: reflected, transmitted and lost fractions, and reciprocity.
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, Lobe, LobeSet};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -273,7 +273,7 @@ pub fn reciprocity_error(boundary: &Boundary, side: Side, incidence_deg: f64) ->
     let n = boundary.eta().unwrap_or(1.0);
     // the other way light may need a lobe that is not there
     if let Boundary::Table(table) = boundary
-        && table.missing([true; 4]).is_some()
+        && table.missing(LobeSet::ALL).is_some()
     {
         return None;
     }

@@ -59,7 +59,7 @@ impl Kind {
         match self {
             Self::Model(model) => model.ior,
             // the number with the digits that a file in single precision has, and no more
-            Self::Table(record) => boundary.eta().and(record.eta.to_string().parse().ok()),
+            Self::Table(record) => boundary.eta().and(record.eta?.to_string().parse().ok()),
         }
     }
 
@@ -74,8 +74,9 @@ impl Kind {
         let Self::Table(record) = self else { return None };
         let Record { storage, payload_bytes, distance_percent, .. } = &**record;
         let away = distance_percent.map_or_else(String::new, |d| format!(", {d:.3} % from it"));
+        let sum = if record.notice().is_some() { ", no checksum" } else { "" };
         Some(format!(
-            "of a model of method {}{away}; {payload_bytes} bytes, {storage}",
+            "of a model of method {}{away}; {payload_bytes} bytes, {storage}{sum}",
             self.method()
         ))
     }

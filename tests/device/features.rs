@@ -3,7 +3,7 @@
 use asperity_needs::absent;
 
 use crate::emulator::build;
-const CHOICES: [&str; 15] = [
+const CHOICES: [&str; 16] = [
     "",
     "f32",
     "f64",
@@ -17,6 +17,7 @@ const CHOICES: [&str; 15] = [
     "table,fast,dielectric,reflection",
     "table,ggx,normals",
     "checksum,air,transmission",
+    "slot,air,reflection,fast",
     "f32,gonio",
     "protocol",
 ];

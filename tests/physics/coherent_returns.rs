@@ -8,6 +8,7 @@ use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{Budget, tabulate};
 use asperity::watch::Watch;
+use asperity_core::bsdf::LobeSet;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use asperity_tests::{count, tolerance};
@@ -30,7 +31,7 @@ fn waves(rq_um: f64, length_um: f64) -> Boundary {
 
 fn table(wave: &Boundary) -> Boundary {
     let rays = Rays { count: 400_000, seed: 5 };
-    let plan = Budget { lobes: [true; 4], bytes: 32 << 10, kept: None, rays };
+    let plan = Budget { lobes: LobeSet::ALL, bytes: 32 << 10, kept: None, rays };
     Boundary::Table(Box::new(tabulate(wave, &plan, Watch::nobody()).unwrap()))
 }
 

@@ -14,7 +14,7 @@ use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Budget, distance, energy_error, tabulate};
 use asperity::watch::Watch;
-use asperity_core::bsdf::{Bsdf, Scatter};
+use asperity_core::bsdf::{Bsdf, LobeSet, Scatter};
 use asperity_core::direction::Side;
 use asperity_core::math::Fast;
 use asperity_core::ndf::law::Profile;
@@ -30,7 +30,7 @@ fn table_of(boundary: &Boundary, bytes: usize) -> EmbeddedTable {
 }
 
 fn table_of_rays(boundary: &Boundary, bytes: usize, rays: Rays) -> EmbeddedTable {
-    let plan = Budget { lobes: [true; 4], bytes, kept: None, rays };
+    let plan = Budget { lobes: LobeSet::ALL, bytes, kept: None, rays };
     let table = tabulate(boundary, &plan, Watch::nobody()).unwrap();
     assert!(table.bytes() <= bytes, "{} bytes of {bytes}", table.bytes());
     table

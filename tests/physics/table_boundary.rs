@@ -8,6 +8,7 @@ use asperity::measurement::Quantity;
 use asperity::surface::{Edges, GaussianSurface};
 use asperity::tabulate::{Budget, NoTable, tabulate};
 use asperity::watch::Watch;
+use asperity_core::bsdf::LobeSet;
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -27,7 +28,7 @@ fn boundaries() -> [Boundary; 2] {
         WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off };
     let wave = WaveBoundary::of_map(&map, Edges::Periodic, ior(1.49), &options).unwrap();
     let wave = Boundary::Wave(Box::new(wave));
-    let plan = Budget { lobes: [true; 4], bytes: 32 << 10, kept: None, rays: RAYS };
+    let plan = Budget { lobes: LobeSet::ALL, bytes: 32 << 10, kept: None, rays: RAYS };
     let table = tabulate(&wave, &plan, Watch::nobody()).unwrap();
     let table = Boundary::Table(Box::new(table));
     assert_eq!(tabulate(&table, &plan, Watch::nobody()), Err(NoTable::Table));

@@ -13,7 +13,7 @@ use asperity::raytrace::{Field, TracedBoundary};
 use asperity::surface::{Edges, GaussianSurface, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Budget, NoTable, distance, lobe_distances, tabulate};
 use asperity::watch::Watch;
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, Lobe, LobeSet};
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -24,7 +24,7 @@ use crate::common::{Random, dir, ggx, incidence, ior};
 const RAYS: Rays = Rays { count: 200_000, seed: 5 };
 
 fn made(boundary: &Boundary, bytes: usize) -> Result<EmbeddedTable, NoTable> {
-    let plan = Budget { lobes: [true; 4], bytes, kept: None, rays: RAYS };
+    let plan = Budget { lobes: LobeSet::ALL, bytes, kept: None, rays: RAYS };
     tabulate(boundary, &plan, Watch::nobody())
 }
 
@@ -56,8 +56,11 @@ fn a_surface_with_a_direction_is_refused_with_the_figure() {
     for (name, boundary) in
         [("rays", traced(&grooved)), ("hybrid", Boundary::Hybrid(Box::new(hybrid)))]
     {
-        for (k, which) in ["all", "R from the air", "T from inside"].into_iter().enumerate() {
-            let lobes = [[true; 4], [true, false, false, false], [false, false, false, true]][k];
+        for (which, lobes) in [
+            ("all", LobeSet::ALL),
+            ("R from the air", LobeSet::AIR_REFLECTION),
+            ("T from inside", LobeSet::DIELECTRIC_TRANSMISSION),
+        ] {
             let plan = Budget { lobes, bytes: 8 << 10, kept: None, rays: RAYS };
             match tabulate(&boundary, &plan, Watch::nobody()) {
                 Err(NoTable::Directional { strength, lay_deg, percent }) => {

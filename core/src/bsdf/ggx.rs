@@ -28,6 +28,11 @@ impl<T: Real> Ggx<T> {
     pub fn new(alpha: Alpha<T>, eta: RelativeIor<T>) -> Self {
         Self { alpha, eta }
     }
+
+    /// The same boundary in another precision, each parameter rounded once.
+    pub fn cast<U: Real>(&self) -> Ggx<U> {
+        Ggx { alpha: self.alpha.cast(), eta: self.eta.cast() }
+    }
 }
 
 impl<T: Real> Ggx<T> {

@@ -4,6 +4,7 @@
 //! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
+mod lobe_set;
 #[cfg(any(feature = "ggx", feature = "normals"))]
 mod facet;
 #[cfg(feature = "ggx")]
@@ -15,9 +16,12 @@ mod normals;
 #[cfg(feature = "ggx")]
 mod opaque;
 mod smooth;
+#[cfg(all(test, feature = "ggx", feature = "normals", feature = "fast"))]
+mod tests_cast;
 
 #[cfg(feature = "ggx")]
 pub use ggx::Ggx;
+pub use lobe_set::LobeSet;
 #[cfg(feature = "normals")]
 pub use normals::Normals;
 #[cfg(feature = "ggx")]

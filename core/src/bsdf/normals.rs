@@ -29,6 +29,11 @@ impl<T: Real, const N: usize> Normals<T, N> {
         Self { density, eta }
     }
 
+    /// The same boundary in another precision, each parameter rounded once.
+    pub fn cast<U: Real>(&self) -> Normals<U, N> {
+        Normals { density: self.density.cast(), eta: self.eta.cast() }
+    }
+
     /// How often a normal that faces away is drawn again before the ray counts as lost; at least half
     /// of all normals face any direction, so this happens once in 2^64 rays.
     const DRAWS: usize = 64;

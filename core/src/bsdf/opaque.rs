@@ -31,6 +31,12 @@ impl<T: Real> OpaqueGgx<T> {
         (fine(gain) && fine(lambert)).then_some(Self { alpha, gain, lambert })
     }
 
+    /// The same surface in another precision, each parameter rounded once; a coefficient beyond a precision is its largest number.
+    pub fn cast<U: Real>(&self) -> OpaqueGgx<U> {
+        let cast = |x: T| U::from_f64(x.to_f64()).min(U::MAX);
+        OpaqueGgx { alpha: self.alpha.cast(), gain: cast(self.gain), lambert: cast(self.lambert) }
+    }
+
     /// Whether no incidence can reflect more than it receives: `gain + pi lambert <= 1`.
     pub fn conserves_energy(&self) -> bool {
         self.gain + T::PI * self.lambert <= T::ONE

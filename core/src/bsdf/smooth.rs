@@ -16,6 +16,11 @@ pub struct Smooth<T> {
 }
 
 impl<T: Real> Smooth<T> {
+    /// The same boundary in another precision, its index rounded once.
+    pub fn cast<U: Real>(&self) -> Smooth<U> {
+        Smooth { eta: self.eta.cast() }
+    }
+
     /// Index of the far medium over that of the side `w` is on.
     #[inline(always)]
     fn relative(&self, side: Side) -> T {

@@ -14,11 +14,6 @@ pub struct AngleGrid<T> {
 }
 
 impl<T: Real> AngleGrid<T> {
-    /// The GP-200's grid: -90 to +90 degrees in steps of 0.1 degree, 1801 angles.
-    pub fn gp200() -> Self {
-        Self { start_deg: T::from_f64(-90.0), step_deg: T::from_f64(0.1), count: 1801 }
-    }
-
     /// The `k`-th angle in degrees.
     pub fn degrees(&self, k: usize) -> T {
         // divided, not multiplied, where the step is a decimal fraction: 0.1 has no exact form

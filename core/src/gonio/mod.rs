@@ -26,6 +26,7 @@
 mod grid;
 mod scan;
 mod simulate;
+pub mod gp200;
 
 pub use grid::AngleGrid;
 pub use scan::Scan;

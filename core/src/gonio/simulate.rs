@@ -18,11 +18,6 @@ pub struct Goniophotometer<T> {
 }
 
 impl<T: Real> Goniophotometer<T> {
-    /// The GP-200: a cone of 0.6 degrees, full angle, behind the sample.
-    pub fn gp200() -> Self {
-        Self { aperture_deg: T::from_f64(0.6), geometry: Geometry::Transmission }
-    }
-
     /// What the detector sees.
     pub fn cone(&self) -> Cone<T> {
         let side = match self.geometry {
@@ -63,7 +58,7 @@ impl<T: Real> Goniophotometer<T> {
         mean
     }
 
-    /// One incidence of a scan: `rays` rays from a given generator, into fixed-size storage.
+    /// One incidence of a scan: `rays` rays from a given generator, into storage of a fixed capacity.
     pub fn scan<S: Scatter<T>, G: Rng + ?Sized, const N: usize>(
         &self,
         plate: &Plate<S, T>,
@@ -73,7 +68,7 @@ impl<T: Real> Goniophotometer<T> {
         generator: &mut G,
     ) -> Scan<T, N> {
         let mut scan = Scan::new(sigma_deg, self.geometry, grid);
-        let grid = scan.grid;
+        let grid = *scan.grid();
         self.simulate(plate, sigma_deg, &grid, rays, generator, scan.readings_mut());
         scan
     }
@@ -139,7 +134,7 @@ mod tests {
                 // all internal passes of an incoherent plate: (1 - F) / (1 + F)
                 let exact = (1.0 - f) / (1.0 + f);
                 for (k, &reading) in scan.readings().iter().enumerate() {
-                    let away = (scan.grid.degrees(k) - sigma).abs();
+                    let away = (scan.grid().degrees(k) - sigma).abs();
                     if away < 0.299 {
                         assert!(
                             (reading - exact).abs() < 4e-3,

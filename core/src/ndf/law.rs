@@ -40,6 +40,11 @@ impl fmt::Display for LawError {
 
 impl core::error::Error for LawError {}
 
+/// Domains of the parameters.
+const DELTA: [f64; 2] = [1e-6, 10.0];
+const EXPONENT: [f64; 2] = [0.1, 100.0];
+const CENTRE: [f64; 2] = [0.0, core::f64::consts::FRAC_PI_2];
+
 /// A profile with its width `delta`, exponent `n` and centre `t0`, all in the units of its variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law<T> {
@@ -55,12 +60,12 @@ impl<T: Real> Law<T> {
     /// # Errors
     /// [`LawError`] names the parameter outside its domain; NaN is outside every domain.
     pub fn new(profile: Profile, delta: T, n: T, centre: T) -> Result<Self, LawError> {
-        let within = |x: T, a: f64, b: f64| x >= T::from_f64(a) && x <= T::from_f64(b);
-        if !within(delta, 1e-6, 10.0) {
+        let within = |x: T, [a, b]: [f64; 2]| x >= T::from_f64(a) && x <= T::from_f64(b);
+        if !within(delta, DELTA) {
             Err(LawError::Delta)
-        } else if !within(n, 0.1, 100.0) {
+        } else if !within(n, EXPONENT) {
             Err(LawError::Exponent)
-        } else if !within(centre, 0.0, core::f64::consts::FRAC_PI_2) {
+        } else if !within(centre, CENTRE) {
             Err(LawError::Centre)
         } else {
             Ok(Self { profile, delta, n, centre })
@@ -85,13 +90,16 @@ impl<T: Real> Law<T> {
         }
     }
 
-    /// The same law in double precision.
-    pub(crate) fn widen(&self) -> Law<f64> {
+    /// The same law in another precision, each parameter rounded once; the ends of its domain stay its ends.
+    pub fn cast<U: Real>(&self) -> Law<U> {
+        let cast = |x: T, [least, most]: [f64; 2]| {
+            U::from_f64(x.to_f64()).max(U::from_f64(least)).min(U::from_f64(most))
+        };
         Law {
             profile: self.profile,
-            delta: self.delta.to_f64(),
-            n: self.n.to_f64(),
-            centre: self.centre.to_f64(),
+            delta: cast(self.delta, DELTA),
+            n: cast(self.n, EXPONENT),
+            centre: cast(self.centre, CENTRE),
         }
     }
 

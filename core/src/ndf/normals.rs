@@ -64,7 +64,7 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     /// Normalises a law whose variable is the polar angle of the normal, in radians.
     pub fn new(law: Law<T>) -> Self {
         const { assert!(N >= 4, "a table of quantiles needs four nodes at least") };
-        let wide = law.widen();
+        let wide: Law<f64> = law.cast();
         let mut total = 0.0;
         each_panel(&wide, |a, b| total += panel_mass(&wide, a, b));
         let table = quantile_table::<N>(&wide, total);
@@ -77,6 +77,11 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
             quantiles: table.map(|row| row.map(T::from_f64)),
             visible: VisibleShare::new(slope),
         }
+    }
+
+    /// The density of the same law in another precision: that of its rounded parameters.
+    pub fn cast<U: Real>(&self) -> NormalDensity<U, N> {
+        NormalDensity::new(self.law.cast())
     }
 
     /// The law.

@@ -3,6 +3,8 @@
 use core::fmt;
 
 use crc::{CRC_32_ISCSI, Crc};
+use heapless::Vec;
+use postcard::ser_flavors::Flavor;
 
 use super::message::Frame;
 
@@ -53,16 +55,13 @@ impl fmt::Display for FrameError {
 impl core::error::Error for FrameError {}
 
 /// A frame ready for the line.
-#[derive(Clone, Copy, Debug)]
-pub struct Encoded {
-    bytes: [u8; MAX_ENCODED],
-    length: usize,
-}
+#[derive(Clone, Debug)]
+pub struct Encoded(Vec<u8, MAX_ENCODED>);
 
 impl Encoded {
     /// Its bytes; the first and the last are zero, no other is.
     pub fn as_bytes(&self) -> &[u8] {
-        self.bytes.get(..self.length).unwrap_or(&[])
+        &self.0
     }
 }
 
@@ -72,34 +71,48 @@ impl AsRef<[u8]> for Encoded {
     }
 }
 
-/// Serialises a frame. No message of this version is too long; one that were would come out empty.
-pub fn encode(frame: &Frame) -> Encoded {
-    let mut payload = [0; MAX_PAYLOAD];
-    let mut encoded = Encoded { bytes: [0; MAX_ENCODED], length: 0 };
-    let used = postcard::to_slice(frame, payload.split_at_mut(MAX_PAYLOAD - CHECKSUM).0)
-        .map_or(0, |message| message.len());
-    let sum = checksum(payload.get(..used).unwrap_or(&[])).to_le_bytes();
-    let end = used + CHECKSUM;
-    let (Some(tail), true) = (payload.get_mut(used..end), used > 0) else { return encoded };
-    tail.copy_from_slice(&sum);
-    encoded.length = stuff(payload.get(..end).unwrap_or(&[]), &mut encoded.bytes);
-    encoded
+/// A message on its way into its payload; room for the checksum is kept.
+struct Payload<'a>(&'a mut Vec<u8, MAX_PAYLOAD>);
+
+impl Flavor for Payload<'_> {
+    type Output = ();
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.try_extend(&[byte])
+    }
+
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        let fits = self.0.len() + bytes.len() <= MAX_PAYLOAD - CHECKSUM;
+        let put = if fits { self.0.extend_from_slice(bytes).ok() } else { None };
+        put.ok_or(postcard::Error::SerializeBufferFull)
+    }
+
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
 }
 
-/// COBS of less than 254 bytes, with a zero before and behind; returns the length.
-fn stuff(payload: &[u8], out: &mut [u8; MAX_ENCODED]) -> usize {
-    let mut at = 1;
+/// Serialises a frame. No message of this version is too long; one that were would come out empty.
+pub fn encode(frame: &Frame) -> Encoded {
+    let mut payload = Vec::new();
+    let written = postcard::serialize_with_flavor(frame, Payload(&mut payload));
+    let sum = checksum(&payload).to_le_bytes();
+    let whole = written.is_ok() && payload.extend_from_slice(&sum).is_ok();
+    let stuffed = if whole { stuff(&payload) } else { None };
+    Encoded(stuffed.unwrap_or_default())
+}
+
+/// COBS of less than 254 bytes, with a zero before and behind; `None` if it does not fit.
+fn stuff(payload: &[u8]) -> Option<Vec<u8, MAX_ENCODED>> {
+    let mut stuffed = Vec::new();
+    stuffed.push(0).ok()?;
     for block in payload.split(|&byte| byte == 0) {
         // `MAX_PAYLOAD` is below 254, so no block needs splitting
-        if let Some(slots) = out.get_mut(at..=at + block.len())
-            && let Some((code, rest)) = slots.split_first_mut()
-        {
-            *code = block.len() as u8 + 1;
-            rest.copy_from_slice(block);
-        }
-        at += block.len() + 1;
+        stuffed.push(block.len() as u8 + 1).ok()?;
+        stuffed.extend_from_slice(block).ok()?;
     }
-    at + 1
+    stuffed.push(0).ok()?;
+    Some(stuffed)
 }
 
 /// The frame in an unstuffed payload.

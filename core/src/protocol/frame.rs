@@ -1,5 +1,7 @@
 //! Finds frames in a stream of bytes.
 
+use heapless::Vec;
+
 use super::codec::{FrameError, MAX_PAYLOAD, parse};
 use super::message::Frame;
 
@@ -21,8 +23,7 @@ use super::message::Frame;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Decoder {
-    payload: [u8; MAX_PAYLOAD],
-    length: usize,
+    payload: Vec<u8, MAX_PAYLOAD>,
     /// Bytes left in the block of the stuffing.
     left: u8,
     /// A zero stands between this block and the next.
@@ -44,8 +45,7 @@ impl Decoder {
     /// A decoder that waits for a frame.
     pub const fn new() -> Self {
         Self {
-            payload: [0; MAX_PAYLOAD],
-            length: 0,
+            payload: Vec::new(),
             left: 0,
             zero: false,
             begun: false,
@@ -72,7 +72,8 @@ impl Decoder {
 
     /// Forgets the frame begun, as after a lost connection. The counters stay.
     pub fn reset(&mut self) {
-        (self.length, self.left) = (0, 0);
+        self.payload.clear();
+        self.left = 0;
         (self.zero, self.begun, self.too_long) = (false, false, false);
     }
 
@@ -98,9 +99,7 @@ impl Decoder {
 
     /// The head of a block.
     fn block(&mut self, code: u8) {
-        if self.zero {
-            self.append(&[0]);
-        }
+        self.too_long |= self.zero && self.payload.push(0).is_err();
         self.begun = true;
         self.left = code - 1;
         self.zero = code != u8::MAX;
@@ -118,13 +117,7 @@ impl Decoder {
     }
 
     fn append(&mut self, bytes: &[u8]) {
-        match self.payload.get_mut(self.length..self.length + bytes.len()) {
-            Some(slots) => {
-                slots.copy_from_slice(bytes);
-                self.length += bytes.len();
-            }
-            None => self.too_long = true,
-        }
+        self.too_long |= self.payload.extend_from_slice(bytes).is_err();
     }
 
     /// The end of a frame; `None` between two zeros without anything.
@@ -137,7 +130,7 @@ impl Decoder {
         } else if self.left > 0 {
             Err(FrameError::Truncated)
         } else {
-            parse(self.payload.get(..self.length).unwrap_or(&[]))
+            parse(&self.payload)
         };
         self.reset();
         let counter = if result.is_ok() { &mut self.good } else { &mut self.bad };

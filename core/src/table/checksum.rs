@@ -1,14 +1,15 @@
 //! CRC-32C over the numbers and arrays of a table: what a bit that flips in a flash or a file cannot pass.
 //!
-//! Summed are, little-endian: `eta` and `slope` (f32), the bytes of a value (u16); of each of the four lobes incidences, azimuths,
+//! Summed are, little-endian: `eta` and `slope` (f32), the bytes of a value, and 256 of an opaque body (u16); of each of the four lobes incidences, azimuths,
 //! radii, intervals, form and fall (u16), scale, grazing and masking (f32), zeros for one left out; both numbers of fluxes (u16)
 //! and their crowding (f32); then the arrays in the order of [`Arrays`], as they follow the first line of a `.bsdft` file.
 
 use crc::{CRC_32_ISCSI, Crc, Digest, NoTable};
 
+use super::error::TableError;
 use super::header::{Arrays, Header, LobeHeader};
 use super::storage::Storage;
-use super::view::{BsdfTableRef, TableError};
+use super::view::BsdfTableRef;
 
 /// Bit by bit: a table of its own would take a device a kilobyte.
 static CRC_32C: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISCSI);
@@ -48,7 +49,7 @@ impl Header {
         let mut sum = Sum(CRC_32C.digest());
         sum.f32(self.eta.get());
         sum.f32(self.slope);
-        sum.u16(S::BYTES as u16);
+        sum.u16(S::BYTES as u16 | u16::from(self.opaque) << 8);
         self.lobes.iter().for_each(|lobe| sum.lobe(lobe.as_ref()));
         self.fluxes.iter().for_each(|n| sum.u16(*n));
         self.grazing.iter().for_each(|k| sum.f32(*k));

@@ -1,8 +1,9 @@
 //! Whether a table gives light that was never there: arrays may hold numbers in their domains and yet no BSDF.
 
 use super::axes::{incidence_cosine, whole};
+use super::error::TableError;
 use super::storage::Storage;
-use super::view::{BsdfTableRef, TableError};
+use super::view::BsdfTableRef;
 use crate::bsdf::Lobe;
 use crate::direction::{Direction, Side};
 use crate::math::Real as _;

@@ -1,9 +1,11 @@
 //! A table as numbers and five flat arrays: how it is kept in files and generated source.
 
+use super::error::TableError;
 use super::lobe::{Fall, Form, LobeTable, Shape, unit};
 use super::side::{SideTable, fine};
 use super::storage::Storage;
-use super::view::{BsdfTableRef, TableError};
+use super::view::BsdfTableRef;
+use crate::bsdf::LobeSet;
 use crate::quantity::RelativeIor;
 use crate::scope;
 
@@ -56,11 +58,13 @@ impl LobeHeader {
 /// The numbers of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
-    /// Index of the dielectric over that of air.
+    /// Index of the dielectric over that of air; of an opaque body [`Self::STAND_IN`], which is no property of it.
     pub eta: RelativeIor<f32>,
+    /// Whether the body is opaque: it reflects light from the air, and there is nothing else.
+    pub opaque: bool,
     /// Typical slope of the facets.
     pub slope: f32,
-    /// Reflection and transmission from the air, reflection and transmission from the dielectric.
+    /// One a lobe, in the order of [`LobeSet::ORDER`].
     pub lobes: [Option<LobeHeader>; 4],
     /// Incidences of the fluxes, from the air and from the dielectric.
     pub fluxes: [u16; 2],
@@ -84,6 +88,16 @@ pub struct Arrays<'a, S> {
 }
 
 impl Header {
+    /// The index whose Fresnel factor is divided out of what an opaque body reflects: it hardly changes with the angle. A number
+    /// of the format; that a body is opaque is said by the flag alone.
+    pub const STAND_IN: f32 = 10.0;
+
+    /// The lobes that are there.
+    pub fn holds(&self) -> LobeSet {
+        let there = LobeSet::ORDER.into_iter().zip(&self.lobes).filter(|(_, lobe)| lobe.is_some());
+        there.map(|(one, _)| one).collect()
+    }
+
     /// Numbers of gains, values, quantiles, leans and rows of fluxes.
     pub fn lengths(&self) -> [usize; 5] {
         let mut all = [0; 5];
@@ -108,7 +122,8 @@ impl Header {
     /// The table in arrays of exactly the lengths it needs.
     ///
     /// # Errors
-    /// [`TableError`] for arrays of other lengths and for numbers outside their domains.
+    /// [`TableError`] for arrays of other lengths, for numbers outside their domains, and for more than reflection from the
+    /// air of an opaque body.
     pub fn table<'a, S: Storage>(
         &self,
         arrays: Arrays<'a, S>,
@@ -146,6 +161,7 @@ impl Header {
         mut arrays: Arrays<'a, S>,
         view: &mut BsdfTableRef<'a, S>,
     ) -> bool {
+        view.opaque = self.opaque;
         let [air, dielectric] = view.sides_mut();
         self.split(&mut arrays, air, dielectric)
     }

@@ -3,8 +3,8 @@
 use super::axes::{
     GAIN_STEPS, INWARDS, Incidence, Place, cells, incidence_place, real, steps, whole,
 };
+use super::error::TableError;
 use super::storage::Storage;
-use super::view::TableError;
 use crate::direction::Direction;
 use crate::math::Real;
 use crate::ndf::ggx::shadow_sum;

@@ -19,6 +19,7 @@
 //! `r^2`, which are interpolated like the values, and for each interval the mean of `p`, of which the nearer is taken; so the
 //! density of the samples is known exactly without a sum over incidences.
 
+mod error;
 mod storage;
 mod axes;
 mod lobe;
@@ -36,9 +37,10 @@ mod owned;
 mod tests;
 
 pub use axes::{GAIN_STEPS, Place, cells, incidence_cosine, incidence_place, radius, slope};
+pub use error::TableError;
 pub use header::{Arrays, Header, LobeHeader};
 pub use lobe::{Fall, Form, LobeTable, Shape};
 pub use owned::BsdfTable;
 pub use side::{Fluxes, SideTable};
 pub use storage::Storage;
-pub use view::{BsdfTableRef, Coherent, TableError};
+pub use view::{BsdfTableRef, Coherent};

@@ -1,8 +1,9 @@
 //! A table that owns its arrays, of sizes known when the program is built.
 
+use super::error::TableError;
 use super::header::{Arrays, Header};
 use super::storage::Storage;
-use super::view::{BsdfTableRef, TableError};
+use super::view::BsdfTableRef;
 
 /// Room for `V` values, `Q` quantiles (and leans), and `N` incidences of lobes and of fluxes.
 ///

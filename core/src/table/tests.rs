@@ -23,6 +23,7 @@ fn header() -> Header {
     let lobe = LobeHeader { shape: SHAPE, form, fall, scale: ALPHA, grazing: 1.0, masking: ALPHA };
     Header {
         eta: RelativeIor::new(1.5).unwrap(),
+        opaque: false,
         slope: ALPHA,
         lobes: [Some(lobe); 4],
         fluxes: [2, 2],
@@ -168,6 +169,42 @@ fn one_side_may_be_dark() {
     assert!(above.ars(up, up) > 0.0 && above.pdf(up, up) > 0.0);
     let down = up.opposite();
     assert!(above.ars(down, down).to_bits() == 0 && above.sample(down, &mut || 0.5).is_none());
+}
+
+#[test]
+fn an_opaque_body_reflects_light_from_the_air_and_does_nothing_else() {
+    let arrays = Arrays {
+        gains: &[FRAC_1_PI / (255.0 * 255.0); SHAPE.gains()],
+        values: &[255_u8; SHAPE.values()],
+        quantiles: &[0, 20_000, 65_000, 0, 20_000, 65_000, 0, 20_000, 65_000],
+        leans: &[30; SHAPE.leans()],
+        fluxes: &[[9000, 0, 0, 0]; 2],
+    };
+    let [lobe, ..] = header().lobes;
+    let eta = RelativeIor::new(Header::STAND_IN).unwrap();
+    let opaque =
+        Header { eta, opaque: true, lobes: [lobe, None, None, None], fluxes: [2, 0], ..header() };
+    let clear = Header { opaque: false, ..opaque };
+    let table = opaque.table(arrays).unwrap();
+    assert!(table.is_opaque() && !clear.table(arrays).unwrap().is_opaque());
+    assert!(opaque.view(arrays).unwrap().is_opaque());
+    let up = Direction::<f64>::from_angles(0.5, 0.0);
+    assert!(table.ars(up, up) > 0.0);
+    let below = up.opposite();
+    assert!([(up, below), (below, below), (below, up)].iter().all(|p| table.ars(p.0, p.1) == 0.0));
+    #[cfg(feature = "checksum")]
+    assert_ne!(opaque.checksum(&arrays), clear.checksum(&arrays));
+    // any other lobe, or fluxes from the inside
+    for k in 1..4 {
+        let mut lobes = [None; 4];
+        lobes[k] = lobe;
+        let fluxes = if k == 1 { [2, 0] } else { [0, 2] };
+        let wrong = Header { lobes, fluxes, ..opaque };
+        assert_eq!(wrong.table(arrays).unwrap_err(), TableError::Opaque, "lobe {k}");
+    }
+    let wrong = Header { fluxes: [2, 2], ..opaque };
+    let fluxes = &[[9000, 0, 0, 0]; 4];
+    assert_eq!(wrong.table(Arrays { fluxes, ..arrays }).unwrap_err(), TableError::Opaque);
 }
 
 #[test]

@@ -1,8 +1,7 @@
 //! A table as a boundary: its checks, its sides, its fluxes, its coherent light.
 
-use core::fmt;
-
 use super::axes::real;
+use super::error::TableError;
 use super::lobe::LobeTable;
 use super::side::{SideTable, fine};
 use super::storage::Storage;
@@ -12,39 +11,6 @@ use crate::fresnel::{self, Fresnel};
 use crate::math::Real;
 use crate::quantity::RelativeIor;
 use crate::scope;
-
-/// Why arrays are no table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum TableError {
-    /// Fewer than two nodes on an axis, or no interval to sample.
-    Shape,
-    /// An array of another length than the shape asks for.
-    Length,
-    /// A number outside its domain.
-    Number,
-    /// Quantiles that do not ascend, or a lean beyond its domain.
-    Quantiles,
-    /// More reflected and transmitted than there is.
-    Energy,
-    /// A bit is not what it was.
-    Checksum,
-}
-
-impl fmt::Display for TableError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Shape => "an axis has fewer than two nodes",
-            Self::Length => "an array has another length than its axes ask for",
-            Self::Number => "a number is outside its domain",
-            Self::Quantiles => "quantiles do not ascend from 0, or a lean is beyond 125/128",
-            Self::Energy => "more light is reflected and transmitted than there is",
-            Self::Checksum => "the checksum is another",
-        })
-    }
-}
-
-impl core::error::Error for TableError {}
 
 /// Light that keeps its direction: a mirror's and Snell's, as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,13 +28,14 @@ pub struct Coherent<T: Real> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfTableRef<'a, S> {
     pub(super) eta: RelativeIor<f32>,
+    pub(super) opaque: bool,
     pub(super) slope: f32,
     pub(super) air: SideTable<'a, S>,
     pub(super) dielectric: SideTable<'a, S>,
 }
 
 impl<'a, S: Storage> BsdfTableRef<'a, S> {
-    /// Checks arrays once; nothing after it checks them again.
+    /// Checks the arrays of a dielectric once; nothing after it checks them again.
     ///
     /// `slope` is a typical slope of the facets, a length scale for quadrature.
     ///
@@ -81,7 +48,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         dielectric: SideTable<'a, S>,
     ) -> Result<Self, TableError> {
         let (air, dielectric) = (air.answered(false), dielectric.answered(true));
-        let table = Self { eta, slope, air, dielectric };
+        let table = Self { eta, opaque: false, slope, air, dielectric };
         table.check()?;
         Ok(table)
     }
@@ -89,7 +56,8 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     /// A table of nothing.
     #[inline(always)]
     pub const fn dark(eta: RelativeIor<f32>, slope: f32) -> Self {
-        Self { eta, slope, air: SideTable::dark(), dielectric: SideTable::dark() }
+        let (air, dielectric) = (SideTable::dark(), SideTable::dark());
+        Self { eta, opaque: false, slope, air, dielectric }
     }
 
     /// Both sides, from the air first.
@@ -102,6 +70,11 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     pub(super) fn check(&self) -> Result<(), TableError> {
         if !(self.slope > 0.0 && self.slope.is_finite()) || self.eta.is_matched() {
             return Err(TableError::Number);
+        }
+        let (air, below) = (&self.air, &self.dielectric);
+        let beside = [&air.transmission, &below.reflection, &below.transmission];
+        if self.opaque && (beside.iter().any(|lobe| lobe.is_some()) || !below.fluxes.is_empty()) {
+            return Err(TableError::Opaque);
         }
         for side in [&self.air, &self.dielectric] {
             let mut lobes = side.reflection.iter().chain(&side.transmission).peekable();
@@ -126,7 +99,12 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         Ok(())
     }
 
-    /// Index of the dielectric over that of air.
+    /// Whether the body is opaque.
+    pub fn is_opaque(&self) -> bool {
+        self.opaque
+    }
+
+    /// Index of the dielectric over that of air; of an opaque body the stand-in of its header.
     pub fn eta(&self) -> RelativeIor<f32> {
         self.eta
     }

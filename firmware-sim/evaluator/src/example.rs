@@ -111,6 +111,7 @@ pub const ETA: RelativeIor<f32> = match RelativeIor::constant(1.49) {
 /// The numbers of the table.
 pub const HEADER: Header = Header {
     eta: ETA,
+    opaque: false,
     slope: 2.5e-1,
     lobes: [
         None,

@@ -152,6 +152,7 @@ mod device {
         };
         let header = Header {
             eta: RelativeIor::new(1.49).ok()?,
+            opaque: false,
             slope: 0.3,
             lobes: [Some(lobe); 4],
             fluxes: [8; 2],

@@ -1,7 +1,7 @@
 //! What a model costs on a Cortex-M4F: `asperity trade` writes the model into this program and runs it in QEMU.
 //!
-//! The model stands in [`SLOT`], in flash, where a device would have it; `host/src/trade/slot.rs` finds it in the ELF by
-//! its first words and fills it. For every tier one line a figure: `count TIER WHAT INSTRUCTIONS` a call, loop
+//! The model stands in `SLOT`, in flash, where a device would have it; `host/src/trade/payload.rs` finds it in the ELF by
+//! its first words and fills it. What it looks like is `asperity_core::slot`. For every tier one line a figure: `count TIER WHAT INSTRUCTIONS` a call, loop
 //! and call itself taken off; `digest TIER HASH` of all results; `ram TIER BYTES` of the evaluator; `code TIER WHAT ADDRESS`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -12,70 +12,18 @@ mod ticks;
 mod device {
     use core::hint::black_box;
 
-    use asperity_core::bsdf::{Bsdf, Ggx, Normals};
+    use asperity_core::bsdf::{Bsdf, Normals};
     use asperity_core::direction::Direction;
     use asperity_core::math::{Fast, Real};
-    use asperity_core::ndf::law::{Law, Profile};
-    use asperity_core::ndf::normals::NormalDensity;
-    use asperity_core::quantity::{Alpha, RelativeIor};
-    use asperity_core::table::{
-        Arrays, BsdfTableRef, Fall, Form, Header, LobeHeader, Shape, Storage,
-    };
+    use asperity_core::slot::{Kind, PAIRS, Pair, Slot};
+    use asperity_core::table::{Arrays, BsdfTableRef, Storage};
     use cortex_m_rt::entry;
     use cortex_m_semihosting::hprintln;
     use panic_semihosting as _;
 
     use crate::ticks;
 
-    const WORDS: usize = 64;
-    const PAIRS: usize = 256;
-    const GAINS: usize = 1024;
-    const FLUXES: usize = 256;
-    const QUANTILES: usize = 4096;
-    const LEANS: usize = 4096;
-    const BYTES: usize = 16 << 10;
-    const HALVES: usize = 32 << 10;
-
-    /// Directions from and to.
-    type Pair = [f32; 6];
-
-    /// Where the model is written.
-    #[repr(C)]
-    struct Slot {
-        magic: [u32; 4],
-        /// Lengths of what follows.
-        lengths: [u32; 8],
-        words: [u32; WORDS],
-        pairs: [Pair; PAIRS],
-        gains: [f32; GAINS],
-        fluxes: [[u16; 4]; FLUXES],
-        quantiles: [u16; QUANTILES],
-        leans: [i8; LEANS],
-        bytes: [u8; BYTES],
-        halves: [u16; HALVES],
-    }
-
-    static SLOT: Slot = Slot {
-        magic: [0x6173_7065, 0x7269_7479, 0x7472_6164, 0x6531_8d5f],
-        lengths: [
-            WORDS as u32,
-            PAIRS as u32,
-            GAINS as u32,
-            FLUXES as u32,
-            QUANTILES as u32,
-            LEANS as u32,
-            BYTES as u32,
-            HALVES as u32,
-        ],
-        words: [0; WORDS],
-        pairs: [[0.0; 6]; PAIRS],
-        gains: [0.0; GAINS],
-        fluxes: [[0; 4]; FLUXES],
-        quantiles: [0; QUANTILES],
-        leans: [0; LEANS],
-        bytes: [0; BYTES],
-        halves: [0; HALVES],
-    };
+    static SLOT: Slot = Slot::EMPTY;
 
     #[entry]
     fn main() -> ! {
@@ -85,35 +33,26 @@ mod device {
 
     fn report(slot: &'static Slot) -> Option<()> {
         ticks::start()?;
-        match slot.words[0] {
-            kind @ (1 | 2) => {
-                law::<f64>("f64-exact", kind, slot)?;
-                law::<Fast<f64>>("f64-fast", kind, slot)?;
-                law::<f32>("f32-exact", kind, slot)?;
-                law::<Fast<f32>>("f32-fast", kind, slot)?;
+        match slot.words.kind() {
+            Kind::Empty => hprintln!("empty"),
+            Kind::Ggx | Kind::Normals => {
+                law::<f64>("f64-exact", slot)?;
+                law::<Fast<f64>>("f64-fast", slot)?;
+                law::<f32>("f32-exact", slot)?;
+                law::<Fast<f32>>("f32-fast", slot)?;
             }
-            3 => table(slot, &slot.bytes)?,
-            4 => table(slot, &slot.halves)?,
-            _ => hprintln!("empty"),
+            Kind::TableOfBytes => table(slot, &slot.bytes)?,
+            Kind::TableOfHalves => table(slot, &slot.halves)?,
         }
         hprintln!("ok");
         Some(())
     }
 
-    fn law<T: Real>(tier: &str, kind: u32, slot: &Slot) -> Option<()> {
-        let number = |at: usize| {
-            let [low, high] = [slot.words[at], slot.words[at + 1]].map(u64::from);
-            T::from_f64(f64::from_bits(high << 32 | low))
-        };
-        let eta = RelativeIor::new(number(2)).ok()?;
-        if kind == 1 {
-            let law = Ggx::new(Alpha::new(number(4)).ok()?, eta);
-            figures::<T, _>(tier, &law, slot);
+    fn law<T: Real>(tier: &str, slot: &Slot) -> Option<()> {
+        if slot.words.kind() == Kind::Ggx {
+            figures::<T, _>(tier, &slot.words.ggx()?, slot);
         } else {
-            let profile = if slot.words[1] == 0 { Profile::Gauss } else { Profile::Cauchy };
-            let law = Law::new(profile, number(4), number(6), number(8)).ok()?;
-            let law: Normals<T, 64> = Normals::new(NormalDensity::new(law), eta);
-            figures::<T, _>(tier, &law, slot);
+            figures::<T, Normals<T, 64>>(tier, &slot.words.normals()?, slot);
         }
         Some(())
     }
@@ -122,26 +61,7 @@ mod device {
     where
         BsdfTableRef<'static, S>: Bsdf<Fast<f32>>,
     {
-        let words = &slot.words;
-        let lobe = |at: usize| {
-            let w = &words[at..at + 10];
-            let shape = Shape {
-                incidences: w[1] as u16,
-                azimuths: w[2] as u16,
-                radii: w[3] as u16,
-                intervals: w[4] as u16,
-            };
-            let (form, fall) = (Form::of_number(w[5] as u16)?, Fall::of_number(w[6] as u16)?);
-            let [scale, grazing, masking] = [w[7], w[8], w[9]].map(f32::from_bits);
-            (w[0] == 1).then_some(LobeHeader { shape, form, fall, scale, grazing, masking })
-        };
-        let header = Header {
-            eta: RelativeIor::new(f32::from_bits(words[10])).ok()?,
-            slope: f32::from_bits(words[11]),
-            lobes: [16, 26, 36, 46].map(lobe),
-            fluxes: [words[12] as u16, words[13] as u16],
-            grazing: [words[14], words[15]].map(f32::from_bits),
-        };
+        let header = slot.words.table()?;
         let [gains, count, quantiles, leans, fluxes] = header.lengths();
         let table = header.table(Arrays {
             gains: slot.gains.get(..gains)?,

@@ -1,6 +1,7 @@
 //! A line that loses, breaks, repeats and holds up what is sent over it, by chance but by a seed.
 
 use asperity_core::math::Real;
+use heapless::Vec;
 use rand_pcg::Pcg32;
 
 use crate::clock::{Instant, Sink};
@@ -75,21 +76,18 @@ pub enum Direction {
 }
 
 /// Bytes on their way.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
+#[derive(Clone, Debug)]
+struct Chunk {
     due: Instant,
     /// Among those due together the first sent comes first.
     order: u32,
-    length: u16,
-    bytes: [u8; CHUNK],
+    bytes: Vec<u8, CHUNK>,
 }
-
-const EMPTY: Slot = Slot { due: Instant(0), order: 0, length: 0, bytes: [0; CHUNK] };
 
 /// One direction.
 #[derive(Clone, Debug)]
 struct Lane {
-    slots: [Slot; SLOTS],
+    chunks: Vec<Chunk, SLOTS>,
     order: u32,
     /// Nothing overtakes the last chunk, duplicates apart.
     last: Instant,
@@ -97,33 +95,30 @@ struct Lane {
 
 impl Lane {
     const fn new() -> Self {
-        Self { slots: [EMPTY; SLOTS], order: 0, last: Instant(0) }
+        Self { chunks: Vec::new(), order: 0, last: Instant(0) }
     }
 
-    fn put(&mut self, bytes: &[u8], due: Instant) {
-        let slot = self.slots.iter_mut().find(|slot| slot.length == 0);
-        if let Some(slot) = slot
-            && let Some(place) = slot.bytes.get_mut(..bytes.len())
-        {
-            place.copy_from_slice(bytes);
-            (slot.due, slot.order, slot.length) = (due, self.order, bytes.len() as u16);
+    /// Takes a chunk; an empty one, or one too many, is lost.
+    fn put(&mut self, bytes: Vec<u8, CHUNK>, due: Instant) {
+        let chunk = Chunk { due, order: self.order, bytes };
+        if !chunk.bytes.is_empty() && self.chunks.push(chunk).is_ok() {
             self.order = self.order.wrapping_add(1);
         }
     }
 
-    fn first(&mut self) -> Option<&mut Slot> {
-        let waiting = self.slots.iter_mut().filter(|slot| slot.length > 0);
-        waiting.min_by_key(|slot| (slot.due, slot.order))
+    /// Gives the next chunk that is due by `now`.
+    fn take(&mut self, now: Instant) -> Option<Vec<u8, CHUNK>> {
+        let due = self.chunks.iter().enumerate().filter(|(_, chunk)| chunk.due <= now);
+        let (first, _) = due.min_by_key(|(_, chunk)| (chunk.due, chunk.order))?;
+        Some(self.chunks.swap_remove(first).bytes)
     }
 
     fn due(&self) -> Option<Instant> {
-        self.slots.iter().filter(|slot| slot.length > 0).map(|slot| slot.due).min()
+        self.chunks.iter().map(|chunk| chunk.due).min()
     }
 
     fn clear(&mut self) {
-        for slot in &mut self.slots {
-            slot.length = 0;
-        }
+        self.chunks.clear();
     }
 }
 
@@ -185,9 +180,8 @@ impl Link {
     pub fn receive(&mut self, direction: Direction, now: Instant, out: &mut impl Sink) {
         self.is_connected(now);
         let lane = self.lane(direction);
-        while let Some(slot) = lane.first().filter(|slot| slot.due <= now) {
-            out.write(slot.bytes.get(..usize::from(slot.length)).unwrap_or(&[]));
-            slot.length = 0;
+        while let Some(bytes) = lane.take(now) {
+            out.write(&bytes);
         }
     }
 
@@ -216,24 +210,21 @@ impl Link {
             self.lanes.iter_mut().for_each(Lane::clear);
             return;
         }
-        let mut bytes = [0; CHUNK];
-        let mut length = chunk.len().min(CHUNK);
-        for (slot, &byte) in bytes.iter_mut().zip(chunk) {
-            *slot = byte;
-        }
+        // never an error: chunks are cut to this capacity
+        let mut bytes = Vec::<u8, CHUNK>::from_slice(chunk).unwrap_or_default();
         if self.happens(faults.flip) {
-            let bit = self.below(length * 8);
+            let bit = self.below(bytes.len() * 8);
             if let Some(byte) = bytes.get_mut(bit / 8) {
                 *byte ^= 1 << (bit % 8);
             }
         }
         if self.happens(faults.drop) {
-            let at = self.below(length);
-            bytes.copy_within(at + 1..length, at);
-            length -= 1;
+            let at = self.below(bytes.len());
+            bytes.remove(at);
         }
         if self.happens(faults.truncate) {
-            length = self.below(length + 1);
+            let length = self.below(bytes.len() + 1);
+            bytes.truncate(length);
         }
         let mut due = self.lane(direction).last.max(now);
         if self.happens(faults.delay) {
@@ -245,10 +236,9 @@ impl Link {
         }
         let late = due.after(self.below(4 * faults.delay_us as usize + 1) as u64);
         let twice = self.happens(faults.duplicate);
-        let bytes = bytes.get(..length).unwrap_or(&[]);
         let lane = self.lane(direction);
         lane.last = due;
-        lane.put(bytes, due);
+        lane.put(bytes.clone(), due);
         if twice {
             lane.put(bytes, late);
         }

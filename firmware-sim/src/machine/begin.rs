@@ -210,7 +210,7 @@ impl Machine {
         angles.first_arm = self.theta.arm_after(angles.encoder(first).0, now);
         let until = first.saturating_add(credit).min(count);
         self.held = Some(Held { angles, measured: first, send: first, until, dark: self.dark });
-        self.memory.clear();
+        self.memory.begin(count);
         let sigma = self.sigma.encoder(now);
         self.job = Job::TraceAll(Tracing::new(&self.config, sigma, self.aperture));
         Ok(())

@@ -5,6 +5,7 @@
 mod begin;
 mod run;
 
+use asperity_core::gonio::gp200;
 use asperity_core::protocol::{
     Axis as Name, Calibration, DeviceError, Fault, MachineState, Microdegrees, Point, RANGES,
     Range, Reading, Segment, Status, checksum,
@@ -137,6 +138,9 @@ pub(crate) struct Machine {
 impl Machine {
     /// Integration time after power-on, microseconds.
     const INTEGRATION_US: u32 = 10_000;
+    /// Aperture after power-on, to the nearest millionth of a degree.
+    const APERTURE: Microdegrees =
+        Microdegrees((gp200::APERTURE_DEG * Microdegrees::DEGREE as f64 + 0.5) as i32);
 
     /// As after power-on: not homed, lamp on.
     #[expect(clippy::large_types_passed_by_value, reason = "kept, and made in place")]
@@ -148,7 +152,7 @@ impl Machine {
             lamp: true,
             sigma: Axis::new(config.limits(SIGMA), 0),
             theta: Axis::new(config.limits(THETA), config.backlash.0),
-            aperture: Microdegrees(600_000),
+            aperture: Self::APERTURE,
             range: Range::Auto,
             integration_us: Self::INTEGRATION_US,
             gain: 0,

@@ -37,10 +37,12 @@ pub enum AsperityStatus {
     TableEnergy = 12,
     /// The checksum of a table is another: a bit of its numbers or arrays is not what it was.
     TableChecksum = 13,
+    /// A table of an opaque body that does more than reflect light from the air.
+    TableOpaque = 14,
 }
 
 /// All of them with their texts, in the order of their numbers.
-const TEXTS: [(AsperityStatus, &CStr); 14] = [
+const TEXTS: [(AsperityStatus, &CStr); 15] = [
     (AsperityStatus::Ok, c"all is well"),
     (AsperityStatus::NullPointer, c"a pointer is null"),
     (AsperityStatus::Misaligned, c"a pointer is not aligned"),
@@ -61,6 +63,10 @@ const TEXTS: [(AsperityStatus, &CStr); 14] = [
     ),
     (AsperityStatus::TableEnergy, c"the table gives more light than it receives"),
     (AsperityStatus::TableChecksum, c"the table is damaged: its checksum is another"),
+    (
+        AsperityStatus::TableOpaque,
+        c"the table of an opaque body does more than reflect light from the air",
+    ),
 ];
 
 /// One line of English for a status, also for a number that is none.
@@ -82,6 +88,7 @@ impl From<TableError> for AsperityStatus {
             TableError::Quantiles => Self::TableQuantiles,
             TableError::Energy => Self::TableEnergy,
             TableError::Checksum => Self::TableChecksum,
+            TableError::Opaque => Self::TableOpaque,
             _ => Self::TableNumber,
         }
     }

@@ -17,6 +17,7 @@ const MOST_VALUES: u64 = 1 << 26;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Numbers<'a> {
     pub(crate) eta: f32,
+    pub(crate) opaque: bool,
     pub(crate) slope: f32,
     pub(crate) lobes: &'a [[u16; 6]; 4],
     pub(crate) scales: &'a [[f32; 3]; 4],
@@ -36,6 +37,7 @@ impl Numbers<'_> {
     pub(crate) fn without_lobes(&self, eta: RelativeIor<f32>) -> Header {
         Header {
             eta,
+            opaque: self.opaque,
             slope: self.slope,
             // no constant: that would be copied
             lobes: [None, None, None, None],
@@ -142,6 +144,12 @@ macro_rules! with_view {
 }
 
 impl TableLaw<'_> {
+    /// Whether the body is opaque.
+    #[inline(always)]
+    pub(crate) fn is_opaque(&self) -> bool {
+        with_view!(self.table, view => view.is_opaque())
+    }
+
     /// Diffusely reflected and transmitted fractions of the flux.
     #[inline(always)]
     pub(crate) fn fluxes(&self, cos: f32, side: Side) -> Result<[f32; 2], Status> {

@@ -10,6 +10,7 @@ use asperity::reconstruct::{
     CheckRequest, Engine, Light, NoBalance, NoScan, NoSubject, ScanRequest, Subject,
 };
 use asperity_core::direction::Side;
+use asperity_core::gonio::gp200;
 use pyo3::prelude::*;
 
 use crate::error::bad;
@@ -127,7 +128,8 @@ impl OnMap {
 ///     With the argument that mends it.
 #[pyfunction]
 #[pyo3(signature = (
-    of, *, sigma_deg=vec![0.0, 15.0, 30.0, 45.0, 60.0], theta_deg=(-90.0, 90.0), step_deg=0.1, aperture_deg=0.6,
+    of, *, sigma_deg=gp200::SIGMAS_DEG.to_vec(), theta_deg=(-90.0, 90.0), step_deg=gp200::STEP_DEG,
+    aperture_deg=gp200::APERTURE_DEG,
     geometry=None, rough_side="source", quantity="flux", rays=None, seed=1, ior=None, engine=None,
     wavelength_nm=None, speckle=None, shadowing=None
 ))]

@@ -93,8 +93,18 @@ impl Table {
 
     /// float: Index of the dielectric over that of the air.
     #[getter]
-    fn ior(&self) -> f32 {
-        self.record.eta
+    fn ior(&self) -> Option<f32> {
+        if self.opaque() { None } else { self.record.eta }
+    }
+
+    #[getter]
+    fn opaque(&self) -> bool {
+        self.table.header().opaque
+    }
+
+    #[getter]
+    fn has_checksum(&self) -> bool {
+        self.record.crc32c.is_some()
     }
 
     /// str: Type of the stored values: "u8", "u16" or "f32".
@@ -153,7 +163,8 @@ impl Table {
 
     fn __repr__(&self) -> String {
         let (method, storage) = (self.method(), self.storage());
-        format!("<asperity.Table of {method}, {} bytes, {storage}>", self.nbytes())
+        let sum = if self.has_checksum() { "" } else { ", no checksum" };
+        format!("<asperity.Table of {method}, {} bytes, {storage}{sum}>", self.nbytes())
     }
 }
 

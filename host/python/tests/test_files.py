@@ -1,5 +1,6 @@
 """Models, tables and scans from files, and fits."""
 
+import json
 import subprocess
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -7,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import asperity
 import numpy as np
 import pytest
+from conftest import ROOT
 from oracle import directions, distribution, masking
 
 GGX = '{"asperity": 1, "method": "ggx", "ior": 1.49, "parameters": {"alpha": {"value": 0.2}}}'
@@ -83,6 +85,30 @@ def test_a_model_that_cannot_be_is_named_with_its_line(tmp_path):
         asperity.Model.load(path)
     with pytest.raises(OSError):
         asperity.Model.from_json(GGX).save(tmp_path / "no" / "model.json")
+
+
+def test_an_opaque_table_has_no_index_and_a_table_of_format_1_no_checksum(program, tmp_path):
+    made = "model ggx --set alpha=0.3 gain=0.5 lambert=0.02 --opaque -o".split()
+    model, path = tmp_path / "o.json", tmp_path / "o.bsdft"
+    subprocess.run([program, *made, model], check=True, capture_output=True)
+    subprocess.run([program, "tabulate", model, "--bytes", "4096", "-o", path], check=True, capture_output=True)
+    line, payload = path.read_bytes().split(b"\n", 1)
+    record = json.loads(line)
+    assert record["opaque"] is True and record["eta"] is None
+    # as programs wrote it before there were checksums: an index of 10 stood for an opaque body
+    del record["opaque"], record["crc32c"]
+    record.update(asperity_table=1, eta=10.0)
+    old = tmp_path / "old.bsdft"
+    old.write_bytes(json.dumps(record, separators=(",", ":")).encode() + b"\n" + payload)
+    wi, wo = directions(500, 1), directions(500, 2)
+    tables = [asperity.Table.load(file) for file in (path, old)]
+    assert [(t.opaque, t.ior) for t in tables] == [(True, None)] * 2
+    assert [t.has_checksum for t in tables] == [True, False]
+    assert ["no checksum" in repr(t) for t in tables] == [False, True]
+    new, before = (t.eval(wi, wo) for t in tables)
+    assert new.tobytes() == before.tobytes() and new.max() > 0
+    clear = asperity.Table.load(ROOT / "host" / "capi" / "examples" / "bsdf_example.bsdft")
+    assert not clear.opaque and clear.ior == np.float32(1.49)
 
 
 def test_a_table_is_near_its_model(program, tmp_path):

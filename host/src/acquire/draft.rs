@@ -16,7 +16,7 @@
 //! wavelength_nm = 550
 //! ```
 
-use asperity_core::gonio::Geometry;
+use asperity_core::gonio::{Geometry, gp200};
 use asperity_core::protocol::{MAX_POINTS, Microdegrees, RANGES, Range};
 use serde::{Deserialize, Serialize};
 
@@ -130,9 +130,12 @@ impl Draft {
             start,
             step,
             count,
-            aperture: angle("aperture", self.aperture_deg.unwrap_or(0.6), APERTURE, |a| {
-                (1..=10 * Microdegrees::DEGREE).contains(&a)
-            })?,
+            aperture: angle(
+                "aperture",
+                self.aperture_deg.unwrap_or(gp200::APERTURE_DEG),
+                APERTURE,
+                |a| (1..=10 * Microdegrees::DEGREE).contains(&a),
+            )?,
             integration_us: self.integration()?,
             range: self.range()?,
             run_up: angle("run_up", self.run_up_deg.unwrap_or(0.5), RUN_UP, |a| {
@@ -152,7 +155,7 @@ impl Draft {
     }
 
     fn sigmas(&self) -> Result<Vec<Microdegrees>, ScheduleError> {
-        let given = self.sigma_deg.clone().unwrap_or_else(|| vec![0.0, 15.0, 30.0, 45.0, 60.0]);
+        let given = self.sigma_deg.clone().unwrap_or_else(|| gp200::SIGMAS_DEG.to_vec());
         if given.is_empty() || given.len() > MAX_SIGMAS {
             let count = format!("of {} angles", given.len());
             return Err(wrong("sigma", &count, "give 1 to 1000 angles of incidence"));
@@ -172,9 +175,15 @@ impl Draft {
     fn grid(&self) -> Result<(Microdegrees, Microdegrees, u16), ScheduleError> {
         let quarter = 90 * Microdegrees::DEGREE;
         let inside = |a| (-quarter..=quarter).contains(&a);
-        let from = angle("theta_from", self.theta_from_deg.unwrap_or(-90.0), THETA, inside)?;
-        let to = angle("theta_to", self.theta_to_deg.unwrap_or(90.0), THETA, inside)?;
-        let step = angle("step", self.theta_step_deg.unwrap_or(0.1), STEP, |a| a > 0)?;
+        let from = angle(
+            "theta_from",
+            self.theta_from_deg.unwrap_or(gp200::THETAS_DEG[0]),
+            THETA,
+            inside,
+        )?;
+        let to =
+            angle("theta_to", self.theta_to_deg.unwrap_or(gp200::THETAS_DEG[1]), THETA, inside)?;
+        let step = angle("step", self.theta_step_deg.unwrap_or(gp200::STEP_DEG), STEP, |a| a > 0)?;
         if from > to {
             let range = format!("{}:{}", from.degrees(), to.degrees());
             return Err(wrong("theta_range", &range, "give the smaller angle first"));

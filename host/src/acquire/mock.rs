@@ -78,7 +78,7 @@ impl Device {
                 let flip = |(k, byte): (usize, &u8)| if k == middle { byte ^ 0x55 } else { *byte };
                 out.extend(bytes.as_bytes().iter().enumerate().map(flip));
             }
-            Fate::Twice => [bytes; 2].iter().for_each(|b| out.extend_from_slice(b.as_bytes())),
+            Fate::Twice => out.extend_from_slice(&bytes.as_bytes().repeat(2)),
             Fate::Cut => {
                 self.down = Some(now + self.outage);
                 self.status.owner = None;
@@ -93,7 +93,7 @@ impl Device {
         if let Some((last, answer)) = &self.answered
             && *last == frame
         {
-            let Ok(again) = Self::decode(*answer) else { return };
+            let Ok(again) = Self::decode(answer) else { return };
             return self.say(again, now, out);
         }
         let free = matches!(request, Request::Identify | Request::Status | Request::Claim);
@@ -115,7 +115,7 @@ impl Device {
         }
     }
 
-    fn decode(encoded: Encoded) -> Result<Frame, ()> {
+    fn decode(encoded: &Encoded) -> Result<Frame, ()> {
         Decoder::new().next(&mut encoded.as_bytes()).ok_or(())?.map_err(|_| ())
     }
 

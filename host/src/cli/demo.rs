@@ -71,7 +71,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let setup = Setup {
         sample: forward::Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
-        aperture_deg: 0.6,
+        aperture_deg: gp200::APERTURE_DEG,
         quantity: Quantity::Flux,
     };
     let what = format!(

@@ -1,9 +1,9 @@
 //! `eval`: values of the BSDF for pairs of directions.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use asperity_core::bsdf::Bsdf;
+use asperity_core::bsdf::{Bsdf, LobeSet};
 use asperity_core::direction::Direction;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -182,23 +182,25 @@ fn of_embedded(
     (pairs, count): (&mut Pairs, usize),
     rows: &mut Rows,
 ) -> Result<(), Failure> {
-    let (wanted, lacking) = ([const { AtomicBool::new(false) }; 4], AtomicUsize::new(0));
+    // counted lobe by lobe, since the pairs are taken by several threads
+    let lacking = [const { AtomicUsize::new(0) }; 4];
     let value = |pair: &Pair<'_>| {
         let lobe = EmbeddedTable::lobe_between(pair.1, pair.2);
         let mut row = values(table, pair, None);
         if table.missing(lobe).is_some() {
             (row.f, row.ars, row.pdf) = (f64::NAN, f64::NAN, f64::NAN);
-            lacking.fetch_add(1, Ordering::Relaxed);
-            wanted.iter().zip(lobe).for_each(|(w, is)| {
-                w.fetch_or(is, Ordering::Relaxed);
-            });
+            let each = LobeSet::ORDER.iter().zip(&lacking);
+            for (_, count) in each.filter(|(one, _)| lobe == LobeSet::of(one.0, one.1)) {
+                count.fetch_add(1, Ordering::Relaxed);
+            }
         }
         row
     };
     pairs.each(|some| rows.add(some, value))?;
-    let wanted = wanted.map(AtomicBool::into_inner);
-    if let Some(missing) = table.missing(wanted) {
-        let lacking = lacking.into_inner();
+    let lacking = lacking.map(AtomicUsize::into_inner);
+    let asked = LobeSet::ORDER.into_iter().zip(lacking).filter(|(_, count)| *count > 0);
+    if let Some(missing) = table.missing(asked.map(|(one, _)| one).collect()) {
+        let lacking: usize = lacking.iter().sum();
         say::note(format_args!(
             "warning: {name}: the table holds no {missing}: no values for {lacking} of {count} pairs"
         ));

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_core::gonio::Geometry;
+use asperity_core::gonio::{Geometry, gp200};
 use asperity_core::plate::RoughSide;
 
 use super::error::{Failure, without_effect};
@@ -26,16 +26,16 @@ use crate::reconstruct::{NoScan, ScanRequest, VirtualScan};
 pub(super) struct Args {
     /// Angles of incidence in degrees
     #[arg(long, value_name = "DEG,...", value_delimiter = ',',
-          default_values_t = [0.0, 15.0, 30.0, 45.0, 60.0])]
+          default_values_t = gp200::SIGMAS_DEG)]
     sigma: Vec<f64>,
     /// Angles of observation, FROM:TO in degrees
     #[arg(long, value_name = "FROM:TO", default_value = "-90:90", allow_hyphen_values = true)]
     theta_range: String,
     /// Step of the angle of observation in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.1, value_parser = number)]
+    #[arg(long, value_name = "DEG", default_value_t = gp200::STEP_DEG, value_parser = number)]
     step: f64,
     /// FULL angle of the detector's cone in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.6, value_parser = number)]
+    #[arg(long, value_name = "DEG", default_value_t = gp200::APERTURE_DEG, value_parser = number)]
     aperture: f64,
     /// Side of the detector; reflection for an opaque model
     #[arg(long, value_enum)]

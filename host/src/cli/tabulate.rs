@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_core::bsdf::Lobe;
+use asperity_core::bsdf::{Lobe, LobeSet};
 use asperity_core::direction::Side;
 use clap::ValueEnum;
 use serde::Serialize;
@@ -19,8 +19,7 @@ use crate::forward::Rays;
 use crate::model::Model;
 use crate::output::{AtomicFile, finish_all};
 use crate::tabulate::{
-    Budget, Distance, Kept, LobeDistance, NoTable, distance, energy_error, lobe_distances,
-    lobes_of, tabulate,
+    Budget, Distance, Kept, LobeDistance, NoTable, distance, energy_error, lobe_distances, tabulate,
 };
 
 /// Sides of the boundary, as a flag.
@@ -283,7 +282,7 @@ fn made(
         StorageFlag::F32 => Kept::F32,
     });
     let rays = args.rays.needed(boundary.is_traced())?;
-    let plan = Budget { lobes: lobes_of(sides, lobes), bytes, kept, rays };
+    let plan = Budget { lobes: LobeSet::of_each(sides, lobes), bytes, kept, rays };
     let bar = progress::bar(0, "tabulating");
     let table = bar.watch(|watch| tabulate(boundary, &plan, watch));
     let table = table.map_err(|e| match e {

@@ -1,7 +1,7 @@
 //! The file of a table, `.bsdft`: one line of JSON, then the arrays, little-endian.
 //!
-//! The line ends with `"crc32c":"xxxxxxxx"}`, CRC-32C of the whole file as if its eight digits were zeros. Format 1 had no checksum, and
-//! said by the index alone that a body is opaque; it is still read.
+//! The line ends with `"crc32c":"xxxxxxxx"}`, CRC-32C of the whole file as if its eight digits were zeros. Of an opaque body
+//! `"opaque"` is true and `"eta"` null. Format 1 had no checksum, and said by an index of 10 that a body is opaque; it is still read.
 //!
 //! Payload: gains (f32), values (u8, u16 or f32), quantiles (u16), leans (i8), fluxes (u16), in the order of the lobes: from
 //! the air reflection and transmission, from the dielectric reflection and transmission.
@@ -14,7 +14,6 @@ use crc::{CRC_32_ISCSI, Crc};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::holds::OPAQUE;
 use super::{EmbeddedTable, Rest, Values};
 use crate::input::read_file;
 use crate::message::{excerpt, one_line};
@@ -60,8 +59,8 @@ pub struct Record {
     pub storage: String,
     /// Bytes that follow the line.
     pub payload_bytes: usize,
-    /// Index of the dielectric over that of air.
-    pub eta: f32,
+    /// Index of the dielectric over that of air; null for an opaque body, and [`Header::STAND_IN`] in early files of one.
+    pub eta: Option<f32>,
     /// Typical slope of the facets.
     pub slope: f32,
     /// Reflection and transmission from the air, then from the dielectric.
@@ -73,7 +72,7 @@ pub struct Record {
     /// Eq. (18) against the model it was made of, percent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distance_percent: Option<f64>,
-    /// Whether the body is opaque, and the index only stands for it; absent in format 1.
+    /// Whether the body is opaque; absent in format 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opaque: Option<bool>,
     /// Checksum, eight hexadecimal digits; absent in format 1. The last of the line.
@@ -144,13 +143,13 @@ impl Record {
             method: method.to_owned(),
             storage: table.storage().to_owned(),
             payload_bytes: table.bytes(),
-            eta: header.eta.get(),
+            eta: (!header.opaque).then_some(header.eta.get()),
             slope: header.slope,
             lobes: header.lobes.map(|lobe| lobe.as_ref().map(LobeRecord::from)),
             flux_incidences: header.fluxes,
             flux_grazing: header.grazing,
             distance_percent,
-            opaque: Some(table.opaque),
+            opaque: Some(header.opaque),
             crc32c: Some("0".repeat(DIGITS)),
         }
     }
@@ -165,8 +164,10 @@ impl Record {
     /// Whether the body is opaque.
     fn is_opaque(&self) -> Result<bool, String> {
         match (self.asperity_table, self.opaque, &self.crc32c) {
-            (UNCHECKED, None, None) => Ok(self.eta.to_bits() == OPAQUE.to_bits()
-                && self.lobes[1..].iter().all(Option::is_none)),
+            (UNCHECKED, None, None) => {
+                let stand_in = self.eta.map(f32::to_bits) == Some(Header::STAND_IN.to_bits());
+                Ok(stand_in && self.lobes[1..].iter().all(Option::is_none))
+            }
             (FORMAT, Some(opaque), Some(_)) => Ok(opaque),
             _ => Err(format!("its first line is not that of its format; {DAMAGED}")),
         }
@@ -177,12 +178,18 @@ impl Record {
         for (to, from) in lobes.iter_mut().zip(&self.lobes) {
             *to = from.as_ref().map(LobeRecord::header).transpose()?;
         }
-        let eta = RelativeIor::new(self.eta).map_err(|e| format!("`eta` is {e}; {DAMAGED}"))?;
+        let opaque = self.is_opaque()?;
+        let eta = match self.eta {
+            Some(eta) => eta,
+            None if opaque => Header::STAND_IN,
+            None => return Err(format!("`eta` is missing; {DAMAGED}")),
+        };
+        let eta = RelativeIor::new(eta).map_err(|e| format!("`eta` is {e}; {DAMAGED}"))?;
         let (fluxes, grazing) = (self.flux_incidences, self.flux_grazing);
         if fluxes.iter().any(|n| *n > MOST_NODES) {
             return Err(format!("there are more than {MOST_NODES} fluxes; {DAMAGED}"));
         }
-        Ok(Header { eta, slope: self.slope, lobes, fluxes, grazing })
+        Ok(Header { eta, opaque, slope: self.slope, lobes, fluxes, grazing })
     }
 }
 
@@ -311,7 +318,6 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
             return Err(format!("its checksum is another; {DAMAGED}"));
         }
     }
-    let opaque = record.is_opaque()?;
     let [gains, values, quantiles, leans, fluxes] = header.lengths();
     let gains: Vec<f32> = take::<4>(&mut rest, gains).map(f32::from_le_bytes).collect();
     let values = match &*record.storage {
@@ -324,9 +330,8 @@ fn parse(bytes: &[u8]) -> Result<(EmbeddedTable, Record), String> {
     let fluxes = take::<8>(&mut rest, fluxes)
         .map(|[a, b, c, d, e, f, g, h]| [[a, b], [c, d], [e, f], [g, h]].map(u16::from_le_bytes))
         .collect();
-    let table =
-        EmbeddedTable::new(header, opaque, values, Rest { gains, quantiles, leans, fluxes })
-            .map_err(|e| format!("{e}; {DAMAGED}"))?;
+    let table = EmbeddedTable::new(header, values, Rest { gains, quantiles, leans, fluxes })
+        .map_err(|e| format!("{e}; {DAMAGED}"))?;
     Ok((table, record))
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Write as _};
 
-use asperity_core::table::LobeHeader;
+use asperity_core::table::{Header, LobeHeader};
 
 use super::{EmbeddedTable, Values};
 
@@ -46,9 +46,9 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "/// Index of the dielectric over that of air.\npub const ETA: RelativeIor<f32> = match RelativeIor::constant({:?}) {{\n    \
+        "/// {}.\npub const ETA: RelativeIor<f32> = match RelativeIor::constant({:?}) {{\n    \
          Some(eta) => eta,\n    None => unreachable!(),\n}};\n\n\
-         /// The numbers of the table.\npub const HEADER: Header = Header {{\n    eta: ETA,\n    slope: {:e},\n    \
+         /// The numbers of the table.\npub const HEADER: Header = Header {{\n    eta: ETA,\n    opaque: {},\n    slope: {:e},\n    \
          lobes: [\n{}\n    ],\n    fluxes: {:?},\n    grazing: {:?},\n}};\n\n\
          /// The arrays of the table.\npub const ARRAYS: Arrays<'static, {name}> = Arrays {{\n    gains: &GAINS,\n    values: &VALUES,\n    \
          quantiles: &QUANTILES,\n    leans: &LEANS,\n    fluxes: &FLUXES,\n}};\n\n\
@@ -59,7 +59,9 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
          Some(table) => table,\n    None => unreachable!(),\n}};\n\n\
          /// The same with every number checked, for a test.\n///\n/// # Errors\n/// None that a table as it was made could give.\n\
          pub fn table() -> Result<BsdfTableRef<'static, {name}>, TableError> {{\n    HEADER.table(ARRAYS)\n}}\n",
+        index(header),
         header.eta.get(),
+        header.opaque,
         header.slope,
         lobes.iter().map(|l| format!("        {l},")).collect::<Vec<_>>().join("\n"),
         header.fluxes,
@@ -68,6 +70,15 @@ pub fn rust_source(table: &EmbeddedTable, method: &str) -> String {
         table.checksum() & 0xffff,
     );
     text
+}
+
+/// What the index of a table is.
+fn index(header: &Header) -> &'static str {
+    if header.opaque {
+        "A number of the format: the body is opaque and has no index"
+    } else {
+        "Index of the dielectric over that of air"
+    }
 }
 
 fn rust_array<V: Display>(text: &mut String, name: &str, kind: &str, values: &[V]) {
@@ -114,9 +125,12 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
          Arrays hold the lobes one after the other: from the air reflection and transmission, from the\n   \
          dielectric reflection and transmission. Values run over radii, azimuths, incidences. */\n\
          #ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n\
-         static const float {prefix}_eta = {}f;\nstatic const float {prefix}_slope = {}f;\n",
+         /* {} */\nstatic const float {prefix}_eta = {}f;\n\
+         /* 1 for an opaque body */\nstatic const uint8_t {prefix}_opaque = {};\nstatic const float {prefix}_slope = {}f;\n",
         table.bytes(),
+        index(header),
         c_float(header.eta.get()),
+        u8::from(header.opaque),
         c_float(header.slope),
     );
     text.push_str("\n/* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn, 2 direct), fall; 0 of a lobe left out */\n");

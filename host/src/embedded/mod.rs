@@ -6,11 +6,12 @@
 mod holds;
 mod file;
 mod generate;
+#[cfg(test)]
+mod tests;
 
 pub use file::{Record, TableFileError, bytes, is_table, of_bytes, read, to_bytes, write};
 pub use generate::{c_header, rust_source};
 pub use holds::MissingLobes;
-pub(crate) use holds::{LOBES, OPAQUE};
 
 use asperity_core::bsdf::{Bsdf, CoherentFlux, Lobe, Scatter, Scattered};
 use asperity_core::direction::Direction;
@@ -31,8 +32,6 @@ pub enum Values {
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmbeddedTable {
     header: Header,
-    /// Of an opaque body, whose index is only what stands for one.
-    opaque: bool,
     gains: Vec<f32>,
     values: Values,
     quantiles: Vec<u16>,
@@ -66,21 +65,13 @@ macro_rules! with_view {
 pub(crate) use with_view;
 
 impl EmbeddedTable {
-    /// Checks arrays against a header; an `opaque` body has no lobe but reflection from the air.
+    /// Checks arrays against a header.
     ///
     /// # Errors
     /// [`TableError`] if they do not belong together.
-    pub fn new(
-        header: Header,
-        opaque: bool,
-        values: Values,
-        rest: Rest,
-    ) -> Result<Self, TableError> {
-        if opaque && header.lobes[1..].iter().any(Option::is_some) {
-            return Err(TableError::Shape);
-        }
+    pub fn new(header: Header, values: Values, rest: Rest) -> Result<Self, TableError> {
         let Rest { gains, quantiles, leans, fluxes } = rest;
-        let table = Self { header, opaque, gains, values, quantiles, leans, fluxes };
+        let table = Self { header, gains, values, quantiles, leans, fluxes };
         match &table.values {
             Values::U8(v) => header.table(table.arrays(v)).map(drop)?,
             Values::U16(v) => header.table(table.arrays(v)).map(drop)?,
@@ -92,6 +83,12 @@ impl EmbeddedTable {
     fn arrays<'a, S>(&'a self, values: &'a [S]) -> Arrays<'a, S> {
         let Self { gains, quantiles, leans, fluxes, .. } = self;
         Arrays { gains, values, quantiles, leans, fluxes }
+    }
+
+    /// All arrays but the values.
+    pub(crate) fn rest(&self) -> Rest {
+        let Self { gains, quantiles, leans, fluxes, .. } = self.clone();
+        Rest { gains, quantiles, leans, fluxes }
     }
 
     /// The evaluator of values that are this table's own.

@@ -26,7 +26,7 @@ pub use check::{Check, CheckRequest, NoBalance, validity_json};
 pub use comparison::{Attempt, Comparison, SampleResult};
 pub use found::{Entry, Found};
 pub use light::{Light, Unlit};
-pub use needed::{Lacking, Lobes};
+pub use needed::Lacking;
 pub use scan::{NoScan, ScanRequest, VirtualScan};
 pub use situation::{Said, Situation, Unclear, check_aperture, check_plate};
 pub use subject::{Engine, NoSubject, Subject};

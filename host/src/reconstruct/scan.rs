@@ -1,6 +1,6 @@
 //! The virtual goniophotometer: a scan of a boundary.
 
-use asperity_core::gonio::{AngleGrid, Geometry};
+use asperity_core::gonio::{AngleGrid, Geometry, gp200};
 use asperity_core::plate::{Outcome, RoughSide};
 use asperity_core::quantity::RelativeIor;
 
@@ -46,10 +46,10 @@ pub struct ScanRequest {
 impl Default for ScanRequest {
     fn default() -> Self {
         Self {
-            sigma_deg: vec![0.0, 15.0, 30.0, 45.0, 60.0],
+            sigma_deg: gp200::SIGMAS_DEG.to_vec(),
             theta: AngleRange::ALL,
-            step_deg: 0.1,
-            aperture_deg: 0.6,
+            step_deg: gp200::STEP_DEG,
+            aperture_deg: gp200::APERTURE_DEG,
             geometry: None,
             rough_side: RoughSide::Source,
             quantity: Quantity::Flux,

@@ -5,9 +5,10 @@
 //! ([`Spectrum::pattern`]). Only where these say that there is a direction, the lobes are looked at from several azimuths; if they
 //! differ, no table is made.
 
+use asperity_core::bsdf::LobeSet;
+
 use super::bins;
 use crate::boundary::Boundary;
-use crate::embedded::LOBES;
 use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Edges, HeightMap, Roughness, Spectrum};
@@ -53,7 +54,7 @@ pub(super) struct Directional {
 /// what is found means nothing.
 pub(super) fn directional(
     boundary: &Boundary,
-    lobes: [bool; 4],
+    lobes: LobeSet,
     rays: Rays,
     watch: Watch<'_>,
 ) -> Option<Directional> {
@@ -68,9 +69,7 @@ pub(super) fn directional(
         }
         _ => return Some(Directional { anisotropy, percent: None }),
     };
-    let wanted = |beam: &&bins::Beam| {
-        LOBES.iter().zip(lobes).any(|(lobe, wanted)| wanted && *lobe == (beam.side, beam.lobe))
-    };
+    let wanted = |beam: &&bins::Beam| lobes.contains(LobeSet::of(beam.side, beam.lobe));
     let worst = beams.iter().filter(wanted).map(|beam| beam.spread).fold(0.0, f64::max);
     (worst > ALIKE).then_some(Directional { anisotropy, percent: Some(100.0 * worst) })
 }

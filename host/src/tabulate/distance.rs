@@ -2,7 +2,7 @@
 
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
 use asperity_core::direction::Side;
-use asperity_core::gonio::Geometry;
+use asperity_core::gonio::{Geometry, gp200};
 use asperity_core::metric::rmsd_percent;
 use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
@@ -16,10 +16,6 @@ use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, mix, monte_carlo, quadrature};
 use crate::measurement::Quantity;
 use crate::watch::Watch;
-
-/// Incidences of the instrument, degrees.
-const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
-const APERTURE_DEG: f64 = 0.6;
 
 /// How far a table is from its model: eq. (18) of a scan, percent of the largest reading.
 ///
@@ -67,10 +63,11 @@ pub fn distance(
         (Sample::Plate { rough_side: RoughSide::Detector, .. }, true) => Geometry::Transmission,
         _ => geometry,
     };
-    let setup = Setup { sample, geometry, aperture_deg: APERTURE_DEG, quantity: Quantity::Flux };
+    let setup =
+        Setup { sample, geometry, aperture_deg: gp200::APERTURE_DEG, quantity: Quantity::Flux };
     let count = (180.0 / step_deg).round() as u32;
     let thetas: Vec<f64> = (0..=count).map(|k| -90.0 + f64::from(k) * step_deg).collect();
-    let angles = forward::Angles::product(&SIGMAS, &thetas);
+    let angles = forward::Angles::product(&gp200::SIGMAS_DEG, &thetas);
     let effort = if full { Effort::Full } else { Effort::Draft };
     let of_table = with_view!(table, view => quadrature(&view, &setup, &angles, effort).values, else Vec::new());
     with_boundary!(boundary,
@@ -116,7 +113,7 @@ impl Sampled<'_> {
 
     fn scan<S: Scatter<f64> + Sync>(&self, boundary: &S, rays: Rays) -> Option<Vec<f64>> {
         let mut values = Vec::new();
-        for sigma_deg in SIGMAS {
+        for sigma_deg in gp200::SIGMAS_DEG {
             let angles = Incidence { sigma_deg, theta_deg: self.thetas.to_vec() };
             let read = monte_carlo(boundary, self.setup, &angles, rays, self.watch.quiet());
             values.extend(read?.values);

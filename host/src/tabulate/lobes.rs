@@ -7,7 +7,7 @@ use super::balance::{incident, model_fluxes};
 use super::bins;
 use super::law::{Lattice, Law};
 use crate::boundary::{Boundary, with_boundary};
-use crate::embedded::{EmbeddedTable, LOBES};
+use crate::embedded::EmbeddedTable;
 use crate::forward::{Heeding, Rays};
 use crate::watch::Watch;
 
@@ -57,8 +57,7 @@ pub fn lobe_distances(
     rays: Rays,
     watch: Watch<'_>,
 ) -> Vec<LobeDistance> {
-    let held = table.header().lobes.map(|lobe| lobe.is_some());
-    let held = LOBES.into_iter().zip(held).filter(|(_, held)| *held).map(|(lobe, _)| lobe);
+    let held = table.header().holds().iter();
     with_boundary!(boundary,
     b => {
         let possible = |side: Side| -> Vec<f64> {

@@ -45,14 +45,14 @@ mod lobes;
 pub use distance::{Distance, distance, energy_error};
 pub use lobes::{LobeDistance, lobe_distances};
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, LobeSet};
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{Header, Storage};
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, with_boundary};
-use crate::embedded::{EmbeddedTable, LOBES, OPAQUE, Rest, Values};
+use crate::embedded::{EmbeddedTable, Rest, Values};
 use crate::forward::{Heeding, Rays};
 use crate::surface::spectrum::Anisotropy;
 use crate::watch::{Progress, Watch};
@@ -72,8 +72,8 @@ pub enum Kept {
 /// What a table is to hold, and how large it may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// From the air reflection and transmission, then from the dielectric.
-    pub lobes: [bool; 4],
+    /// The lobes that are wanted.
+    pub lobes: LobeSet,
     /// Bytes of all arrays together, at most.
     pub bytes: usize,
     /// How values are kept; by the number of bytes without it.
@@ -146,13 +146,13 @@ pub fn tabulate(
     }
     let mut wanted = plan.lobes;
     if boundary.eta().is_none() {
-        wanted = [wanted[0], false, false, false];
+        wanted = wanted & LobeSet::AIR_REFLECTION;
     }
-    let count = wanted.iter().filter(|w| **w).count();
+    let count = wanted.len();
     if count == 0 {
         return Err(NoTable::NoLobe);
     }
-    let eta = boundary.eta().unwrap_or(f64::from(OPAQUE));
+    let eta = boundary.eta().unwrap_or(f64::from(Header::STAND_IN));
     let index = RelativeIor::new(eta as f32).map_err(|_| NoTable::Values)?;
     if index.is_matched() {
         return Err(NoTable::Matched);
@@ -199,16 +199,17 @@ type Lobes = [Option<LobeGrid>; 4];
 fn of_storage<S: Storage>(
     boundary: &Boundary,
     plan: &Budget,
-    (eta, wanted): (f64, [bool; 4]),
+    (eta, wanted): (f64, LobeSet),
     watch: Watch<'_>,
 ) -> Result<(Lobes, f64), NoTable> {
-    let count = wanted.iter().filter(|w| **w).count();
+    let count = wanted.len();
     let budget = (plan.bytes - 16 * usize::from(flux_nodes(plan.bytes))) / count;
     with_boundary!(boundary,
     b => {
         let mut lobes: Lobes = [const { None }; 4];
         let mut done = 0;
-        for (k, which) in LOBES.into_iter().enumerate().filter(|(k, _)| wanted[*k]) {
+        let each = LobeSet::ORDER.into_iter().enumerate();
+        for (k, which) in each.filter(|(_, (side, lobe))| wanted.contains(LobeSet::of(*side, *lobe))) {
             if watch.is_stopped() {
                 return Err(NoTable::Stopped);
             }
@@ -229,14 +230,15 @@ fn of_storage<S: Storage>(
 fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
     boundary: &B,
     plan: &Budget,
-    (eta, wanted): (f64, [bool; 4]),
+    (eta, wanted): (f64, LobeSet),
     budget: usize,
     watch: Watch<'_>,
 ) -> Result<(Lobes, f64), NoTable> {
     let boundary = &Heeding { boundary, watch };
     let mut lobes: Lobes = [const { None }; 4];
     let sides = [Side::Air, Side::Dielectric];
-    let used = sides.iter().enumerate().filter(|(k, _)| wanted[2 * k] || wanted[2 * k + 1]).count();
+    let of_side = [LobeSet::AIR, LobeSet::DIELECTRIC];
+    let used = of_side.into_iter().filter(|side| !(wanted & *side).is_empty()).count();
     let (mut done, mut slope) = (0, None);
     for (at, side) in sides.into_iter().enumerate() {
         // from inside much changes about the critical angle
@@ -250,7 +252,9 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
         let chosen = pilot::chosen(boundary, (eta, side), incidences, fitted, plan.rays);
         slope = slope.or(Some(chosen[0].1));
         let made = [0, 1].map(|k| {
-            wanted[2 * at + k].then(|| LobeGrid::new(eta, LOBES[2 * at + k], chosen[k].0))
+            let (side, lobe) = LobeSet::ORDER[2 * at + k];
+            let grid = || LobeGrid::new(eta, (side, lobe), chosen[k].0);
+            wanted.contains(LobeSet::of(side, lobe)).then(grid)
         });
         if made.iter().all(Option::is_none) {
             continue;
@@ -312,15 +316,11 @@ fn finish<S: Storage>(
     }
     let header = Header {
         eta,
+        opaque: boundary.eta().is_none(),
         slope: slope as f32,
         lobes: lobes.map(|grid| grid.map(|g| g.header)),
         fluxes: rows,
         grazing: [GRAZING; 2],
     };
-    EmbeddedTable::new(header, boundary.eta().is_none(), kept(values), rest).ok()
-}
-
-/// Whether a lobe belongs to a choice of sides and lobes.
-pub fn lobes_of(sides: &[Side], lobes: &[Lobe]) -> [bool; 4] {
-    LOBES.map(|(side, lobe)| sides.contains(&side) && lobes.contains(&lobe))
+    EmbeddedTable::new(header, kept(values), rest).ok()
 }

@@ -9,7 +9,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use super::pairs::Pairs;
-use super::slot::{Payload, Unfit};
+use super::payload::Payload;
 use super::thumb::Functions;
 use crate::input::read_file;
 use crate::watch::Watch;
@@ -69,9 +69,7 @@ impl Device {
         let error = |what: String| NoDevice::Program { path: path.into(), what };
         let program =
             read_file(path, MOST_BYTES).map_err(|e| error(format!("cannot be read ({e})")))?;
-        if !Payload::fits(&program) {
-            return Err(error(Unfit::Program.to_string()));
-        }
+        Payload::fits(&program).map_err(|unfit| error(unfit.to_string()))?;
         let asked = Command::new(EMULATOR).arg("--version").stdout(Stdio::null()).status();
         if asked.is_err_and(|e| e.kind() == ErrorKind::NotFound) {
             return Err(NoDevice::Emulator);

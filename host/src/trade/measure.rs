@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use asperity_core::bsdf::{Bsdf, Scatter};
+use asperity_core::bsdf::{Bsdf, LobeSet, Scatter};
 use asperity_core::direction::Direction;
 use asperity_core::math::{Fast, Real};
 
@@ -10,9 +10,9 @@ use super::beams::Beams;
 use super::device::{Counted, Counts, Device};
 use super::formula::Formula;
 use super::pairs::Pairs;
+use super::payload::Payload;
 use super::row::{Evaluator, Marks, Row, Tier};
 use super::scan::{STEP, Scan};
-use super::slot::Payload;
 use super::tier::Through;
 use super::timing::{eval_ns, sample_ns};
 use crate::boundary::{Boundary, with_boundary};
@@ -247,7 +247,7 @@ impl Bench<'_> {
         }
         self.begin(&format!("table of {kib} KiB"));
         let (boundary, rays) = (self.subject.boundary, self.work.rays);
-        let plan = Budget { lobes: [true; 4], bytes: kib << 10, kept: None, rays };
+        let plan = Budget { lobes: LobeSet::ALL, bytes: kib << 10, kept: None, rays };
         let begun = Instant::now();
         let table = match tabulate(boundary, &plan, self.work.watch.quiet()) {
             Ok(table) => table,

@@ -9,7 +9,7 @@ mod tier;
 mod beams;
 mod timing;
 mod pairs;
-mod slot;
+mod payload;
 mod thumb;
 mod device;
 mod row;

@@ -1,7 +1,7 @@
 //! The scan that an evaluator is judged by: the measured one, and one of its own model.
 
 use asperity_core::bsdf::Bsdf;
-use asperity_core::gonio::Geometry;
+use asperity_core::gonio::{Geometry, gp200};
 use asperity_core::metric::rmsd_percent;
 use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
@@ -9,8 +9,7 @@ use asperity_core::quantity::RelativeIor;
 use crate::forward::{Angles, Effort, Sample, Setup, quadrature};
 use crate::measurement::{Measurement, Quantity};
 
-/// Incidences of the scan that tells the distance from the model, and its step, degrees.
-const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
+/// Step of the scan that tells the distance from the model, degrees.
 pub(super) const STEP: f64 = 0.25;
 
 /// What was measured on the goniophotometer.
@@ -37,9 +36,10 @@ impl Scan {
             }
             None => (Sample::Opaque, Geometry::Reflection),
         };
-        let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
+        let setup =
+            Setup { sample, geometry, aperture_deg: gp200::APERTURE_DEG, quantity: Quantity::Flux };
         let thetas: Vec<f64> = (0..=720).map(|k| -90.0 + STEP * f64::from(k)).collect();
-        let angles = Angles::product(&SIGMAS, &thetas);
+        let angles = Angles::product(&gp200::SIGMAS_DEG, &thetas);
         let readings = quadrature(model, &setup, &angles, Effort::Full).values;
         Some(Self { setup, angles, readings })
     }

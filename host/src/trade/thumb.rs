@@ -5,6 +5,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use object::read::elf::ElfFile32;
+use object::{LittleEndian, Object as _, ObjectSegment as _, ObjectSymbol as _, SymbolKind};
+
 /// The functions of a program: address to bytes, and the program's bytes by address.
 #[derive(Clone, Debug)]
 pub(super) struct Functions {
@@ -19,41 +22,23 @@ pub(super) struct Functions {
 impl Functions {
     /// Reads a 32-bit little-endian ELF; `None` if it is none, or has no symbols.
     pub(super) fn of(elf: &[u8]) -> Option<Self> {
-        const LOAD: u32 = 1;
-        const SYMBOLS: u32 = 2;
-        const FUNCTION: u8 = 2;
-        if elf.get(..6)? != b"\x7fELF\x01\x01" {
-            return None;
-        }
-        let (segments, segment, count) = (word(elf, 0x1c)?, half(elf, 0x2a)?, half(elf, 0x2c)?);
-        let mut loaded = Vec::new();
-        for at in (0..count).map(|k| segments as usize + k * segment) {
-            if word(elf, at)? == LOAD {
-                let (from, size) = (word(elf, at + 4)? as usize, word(elf, at + 16)? as usize);
-                loaded.push((word(elf, at + 8)?, elf.get(from..from.checked_add(size)?)?.to_vec()));
-            }
-        }
-        let (sections, section, count) = (word(elf, 0x20)?, half(elf, 0x2e)?, half(elf, 0x30)?);
+        let file = ElfFile32::<LittleEndian>::parse(elf).ok()?;
+        let loaded = file.segments().map(|segment| {
+            Some((u32::try_from(segment.address()).ok()?, segment.data().ok()?.to_vec()))
+        });
         let (mut sizes, mut is_data) = (BTreeMap::new(), BTreeMap::new());
-        for at in (0..count).map(|k| sections as usize + k * section) {
-            if word(elf, at + 4)? != SYMBOLS {
-                continue;
-            }
-            let names = sections as usize + word(elf, at + 24)? as usize * section;
-            let names = word(elf, names + 16)? as usize;
-            let (from, size) = (word(elf, at + 16)? as usize, word(elf, at + 20)? as usize);
-            for symbol in (from..from.checked_add(size)?).step_by(16) {
-                let (name, value) = (word(elf, symbol)? as usize, word(elf, symbol + 4)?);
-                match elf.get(names + name..names + name + 2)? {
-                    b"$d" => drop(is_data.insert(value, true)),
-                    b"$t" => drop(is_data.insert(value, false)),
-                    _ if elf.get(symbol + 12)? & 15 == FUNCTION => {
-                        sizes.insert(value & !1, word(elf, symbol + 8)?);
-                    }
-                    _ => {}
+        for symbol in file.symbols() {
+            let value = u32::try_from(symbol.address()).ok()?;
+            match symbol.name_bytes().ok()? {
+                name if name.starts_with(b"$d") => drop(is_data.insert(value, true)),
+                name if name.starts_with(b"$t") => drop(is_data.insert(value, false)),
+                _ if symbol.kind() == SymbolKind::Text => {
+                    sizes.insert(value & !1, u32::try_from(symbol.size()).ok()?);
                 }
+                _ => {}
             }
         }
+        let loaded = loaded.collect::<Option<_>>()?;
         (!sizes.is_empty()).then_some(Self { sizes, loaded, is_data })
     }
 
@@ -112,10 +97,6 @@ fn offset(first: u32, second: u32) -> u32 {
     let raw = s << 24 | i1 << 23 | i2 << 22 | (first & 0x3ff) << 12 | (second & 0x7ff) << 1;
     // 25 bits with their sign
     ((raw << 7) as i32 >> 7) as u32
-}
-
-fn word(bytes: &[u8], at: usize) -> Option<u32> {
-    Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk::<4>()?))
 }
 
 fn half(bytes: &[u8], at: usize) -> Option<usize> {

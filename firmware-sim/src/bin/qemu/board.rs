@@ -11,6 +11,7 @@ use cortex_m::interrupt::{Mutex, free};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{NVIC, SYST};
 use cortex_m_rt::exception;
+use heapless::{Deque, Vec};
 use vcell::VolatileCell;
 
 /// Ticks of the board's clock in a microsecond.
@@ -39,39 +40,11 @@ fn uart() -> &'static Uart {
     unsafe { &*(0x4000_4000 as *const Uart) }
 }
 
-/// Bytes received and not yet taken; a full queue drops what comes, as hardware does.
-struct Queue {
-    bytes: [u8; QUEUE],
-    first: usize,
-    count: usize,
-}
-
 /// 11 ms at 115200 baud: longer than the instrument ever computes in one piece.
 const QUEUE: usize = 128;
 
-static RECEIVED: Mutex<RefCell<Queue>> =
-    Mutex::new(RefCell::new(Queue { bytes: [0; QUEUE], first: 0, count: 0 }));
-
-impl Queue {
-    fn push(&mut self, byte: u8) {
-        if self.count < QUEUE {
-            if let Some(slot) = self.bytes.get_mut((self.first + self.count) % QUEUE) {
-                *slot = byte;
-            }
-            self.count += 1;
-        }
-    }
-
-    fn pop(&mut self) -> Option<u8> {
-        let byte = *self.bytes.get(self.first)?;
-        if self.count == 0 {
-            return None;
-        }
-        self.first = (self.first + 1) % QUEUE;
-        self.count -= 1;
-        Some(byte)
-    }
-}
+/// Bytes received and not yet taken; a full queue drops what comes, as hardware does.
+static RECEIVED: Mutex<RefCell<Deque<u8, QUEUE>>> = Mutex::new(RefCell::new(Deque::new()));
 
 /// The serial port and the clock.
 pub(crate) struct Board {
@@ -105,15 +78,15 @@ impl Board {
         self.elapsed / u64::from(TICKS_PER_US)
     }
 
-    /// Takes what was received, as much as fits; the number of bytes.
-    pub(crate) fn receive(&mut self, buffer: &mut [u8]) -> usize {
-        let mut count = 0;
-        for slot in buffer {
-            let Some(byte) = free(|cs| RECEIVED.borrow(cs).borrow_mut().pop()) else { break };
-            *slot = byte;
-            count += 1;
+    /// Takes what was received, as much as fits.
+    pub(crate) fn receive<const N: usize>(&mut self) -> Vec<u8, N> {
+        let mut bytes = Vec::new();
+        while !bytes.is_full()
+            && let Some(byte) = free(|cs| RECEIVED.borrow(cs).borrow_mut().pop_front())
+        {
+            let _ = bytes.push(byte);
         }
-        count
+        bytes
     }
 
     /// Sends, waiting for the line.
@@ -142,7 +115,7 @@ unsafe fn DefaultHandler(number: i16) {
         uart().interrupt.set(0b10);
         if uart().state.get() & 0b10 != 0 {
             let byte = uart().data.get() as u8;
-            free(|cs| RECEIVED.borrow(cs).borrow_mut().push(byte));
+            let _ = free(|cs| RECEIVED.borrow(cs).borrow_mut().push_back(byte));
         }
     }
 }

@@ -29,13 +29,11 @@ mod device {
 
     /// What has come goes in, what comes out is sent.
     fn turn(board: &mut Board, instrument: &mut Simulator) {
-        let mut buffer = [0; 32];
-        let received = board.receive(&mut buffer);
+        let received = board.receive::<32>();
         let now = Instant(board.now_us());
-        if received > 0 || instrument.poll_at().is_some_and(|due| due <= now) {
+        if !received.is_empty() || instrument.poll_at().is_some_and(|due| due <= now) {
             instrument.set_stack_bytes(stack_bytes());
-            let bytes = buffer.get(..received).unwrap_or(&[]);
-            instrument.handle(bytes, now, &mut |bytes: &[u8]| board.send(bytes));
+            instrument.handle(&received, now, &mut |bytes: &[u8]| board.send(bytes));
         }
     }
 

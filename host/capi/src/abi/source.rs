@@ -32,8 +32,10 @@ impl Storage for AsperityTable {
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct AsperityTableSource {
-    /// Index of the dielectric over that of air.
+    /// Index of the dielectric over that of air; of an opaque body a number of the format, and no index of anything.
     pub eta: *const f32,
+    /// 1 for an opaque body, which reflects light from the air and does nothing else; 0, or null, for a dielectric.
+    pub opaque: *const u8,
     /// Typical slope of the facets.
     pub slope: *const f32,
     /// 4 rows of 6: incidences, azimuths, radii, intervals, form, fall; zeros for a lobe left out.
@@ -78,6 +80,7 @@ impl AsperityTableSource {
         unsafe {
             Ok(Numbers {
                 eta: read(self.eta)?,
+                opaque: !self.opaque.is_null() && read(self.opaque)? != 0,
                 slope: read(self.slope)?,
                 lobes: refer(self.lobes.cast())?,
                 scales: refer(self.scales.cast())?,

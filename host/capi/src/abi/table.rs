@@ -158,6 +158,21 @@ pub unsafe extern "C" fn asperity_table_init_payload(
     }
 }
 
+/// 1 for the table of an opaque body, which has no index and no inside; 0 for that of a dielectric.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn asperity_table_is_opaque(
+    table: *const AsperityTable,
+    out: *mut u32,
+) -> AsperityStatus {
+    let run = || {
+        // SAFETY: the promise of `abi`
+        let table = unsafe { pointer::stored(table) }?;
+        // SAFETY: as above
+        unsafe { pointer::write(out, u32::from(table.is_opaque())) }
+    };
+    run().err().unwrap_or(AsperityStatus::Ok)
+}
+
 /// Diffusely reflected fraction of the flux at a cosine of incidence, from an `asperity_side`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn asperity_table_reflectance(

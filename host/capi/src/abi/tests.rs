@@ -169,6 +169,7 @@ static SLOPE: f32 = 0.3;
 /// Without anything but an index.
 const SOURCE: AsperityTableSource = AsperityTableSource {
     eta: &raw const ETA,
+    opaque: null(),
     slope: &raw const SLOPE,
     lobes: null(),
     scales: null(),
@@ -321,6 +322,47 @@ fn a_payload_at_any_address_is_viewed_or_refused_as_misaligned() {
     assert_eq!(seen, [36, 4]);
 }
 
+#[test]
+fn an_opaque_body_is_one_by_its_flag_and_reflects_only() {
+    static STAND_IN: f32 = Header::STAND_IN;
+    let words = payload();
+    let lobe = [2_u16, 2, 2, 1, 0, 4];
+    let number = [0.3_f32, 1.0, 0.3];
+    for (k, opaque, expected) in [
+        (0, 1_u8, (Status::Ok, 1)),
+        (0, 0, (Status::Ok, 0)),
+        // an index of 10 alone makes no body opaque
+        (1, 0, (Status::Ok, 0)),
+        (1, 1, (Status::TableOpaque, 7)),
+        (2, 1, (Status::TableOpaque, 7)),
+        (3, 1, (Status::TableOpaque, 7)),
+    ] {
+        let (mut lobes, mut scales) = ([[0; 6]; 4], [[0.0; 3]; 4]);
+        (lobes[k], scales[k]) = (lobe, number);
+        let fluxes: [u16; 2] = if k < 2 { [2, 0] } else { [0, 2] };
+        let source = AsperityTableSource {
+            eta: &raw const STAND_IN,
+            opaque: &raw const opaque,
+            lobes: lobes.as_ptr().cast(),
+            scales: scales.as_ptr().cast(),
+            flux_incidences: fluxes.as_ptr(),
+            flux_grazing: [1.0, 0.0].as_ptr(),
+            ..SOURCE
+        };
+        let (mut table, mut said) = (AsperityTable::EMPTY, 7_u32);
+        let t = &raw mut table;
+        // SAFETY: all pointers are to live storage of the right kind
+        let status = unsafe {
+            let status =
+                asperity_table_init_payload(t, &raw const source, words.as_ptr().cast(), BYTES, 0);
+            let asked = asperity_table_is_opaque(t, &raw mut said);
+            assert_eq!(asked == Status::Ok, status == Status::Ok, "lobe {k}");
+            status
+        };
+        assert_eq!((status, said), expected, "lobe {k}");
+    }
+}
+
 /// Every bit of the payload and of the numbers beside it: 32 bits of a sum see one that is turned.
 #[test]
 fn a_flipped_bit_of_a_table_is_refused() {
@@ -338,6 +380,7 @@ fn a_flipped_bit_of_a_table_is_refused() {
     };
     let header = Header {
         eta: RelativeIor::new(ETA).unwrap(),
+        opaque: false,
         slope: SLOPE,
         lobes: [None, Some(lobe), None, None],
         fluxes: [2, 0],

@@ -141,7 +141,13 @@ class Table:
     @property
     def method(self) -> str: ...
     @property
-    def ior(self) -> float: ...
+    def ior(self) -> float | None:
+        """Index over that of air; None for an opaque body."""
+    @property
+    def opaque(self) -> bool: ...
+    @property
+    def has_checksum(self) -> bool:
+        """False for a file of format 1, of which damage goes unseen."""
     @property
     def storage(self) -> Literal["u8", "u16", "f32"]: ...
     @property
