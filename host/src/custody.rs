@@ -1,8 +1,8 @@
-//! Which files a run reads and writes: none is both, and none is written twice.
+//! The files that a run reads and writes: no file is both, and none is written twice.
 //!
-//! Files are read through `input` and written through `output`, and both say so here: a verb cannot forget it. A file is
-//! known by its canonical path and, on Unix, by device and inode, so links of either kind are seen through. Only a program
-//! that does one thing and ends wants this; it is off until [`watch`].
+//! Files are read through `input` and written through `output`; both report here, so that no verb can forget it. A file is
+//! known by its canonical path and, on Unix, by device and inode, so that links of both kinds are resolved. This
+//! suits only a program that does one thing and ends; it is off until [`watch`].
 
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static RUN: Mutex<Option<Custody>> = Mutex::new(None);
 
-/// From here on everything that is read or written counts, what stdin, stdout and stderr were turned to included.
+/// From here on every file that is read or written counts, including the targets of stdin, stdout and stderr.
 #[cfg(feature = "cli")]
 pub(crate) fn watch() {
     let mut custody = Custody::default();

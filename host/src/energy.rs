@@ -1,4 +1,4 @@
-//! Where the flux goes: reflected, transmitted and lost fractions, and reciprocity.
+//! Flux balance: reflected, transmitted and lost fractions, and reciprocity.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -22,13 +22,13 @@ pub struct Energy {
     pub reflected: f64,
     /// Transmitted.
     pub transmitted: f64,
-    /// Neither: facets sent it to where the model does not follow.
+    /// Neither: facets sent it where the model does not follow.
     pub lost: f64,
     /// Part of `reflected` that is specular; 0 for ray methods.
     pub coherent_reflected: f64,
     /// Part of `transmitted` that goes straight on by Snell's law; 0 for ray methods.
     pub coherent_transmitted: f64,
-    /// Share of what is diffracted in reflection that has no direction to go; of waves only.
+    /// Evanescent share of the light diffracted in reflection; waves only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evanescent_reflected: Option<f64>,
     /// The same in transmission.
@@ -56,9 +56,9 @@ const STEP: u32 = 28_657;
 
 /// Flux balances for several incidences; `None` if `stop` was set before the end.
 ///
-/// As [`balance`]; of a map whose own speckle is meant the orders are summed, all incidences from one stack of
-/// transforms; their coherent part is the specular order, of a patch all that its mean field sends, however wide. What Kirchhoff's
-/// integral gives too much is a negative loss, not hidden. `progress(done, all)`.
+/// As [`balance`]. For a map with its own speckle the orders are summed, all incidences from one stack of transforms;
+/// the coherent part is the specular order, or for a patch all light of its mean field, however wide. An excess of
+/// Kirchhoff's integral is a negative loss and is not hidden. `progress(done, all)` counts the work.
 pub fn balances(
     boundary: &Boundary,
     incidences: &[(Side, f64)],
@@ -74,11 +74,11 @@ pub fn balances(
     })
 }
 
-/// Where waves may be trusted for light of these incidences, from both sides, and what of it they lose: the balance is that of
-/// [`balances`], looked at wherever a lobe would pass without it. `None` if `stop` was set before the end.
+/// Where waves may be trusted for light of these incidences, from both sides, and the light they lose: the balance of
+/// [`balances`], computed wherever a lobe would otherwise pass. `None` if `stop` was set before the end.
 ///
 /// # Errors
-/// Angles that are none of incidence.
+/// Angles that are not angles of incidence.
 pub fn verdict(
     wave: &WaveBoundary,
     incidences_deg: &[f64],
@@ -99,7 +99,7 @@ pub fn verdict(
     Ok(found.map(|found| validity.balanced(&losses(&found))))
 }
 
-/// What is lost of the light of each balance.
+/// The lost light of each balance.
 pub fn losses(energy: &[Energy]) -> Vec<Loss> {
     let loss = |e: &Energy| Loss {
         side: if e.side == side_name(Side::Air) { Side::Air } else { Side::Dielectric },
@@ -204,7 +204,7 @@ pub fn balance(boundary: &Boundary, side: Side, incidence_deg: f64, rays: Rays) 
     balance_until(boundary, side, incidence_deg, rays, &AtomicBool::new(false))
 }
 
-/// The same; once `stop` is set rays are lost, and the balance is none.
+/// The same; once `stop` is set rays are lost, and the balance is invalid.
 fn balance_until(
     boundary: &Boundary,
     side: Side,

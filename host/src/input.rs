@@ -1,4 +1,4 @@
-//! Input without surprise: never more bytes than were asked for, from files, pipes and devices alike.
+//! Bounded input: never more bytes than allowed, from files, pipes and devices alike.
 
 use std::fs::{File, Metadata};
 use std::io::{Error, ErrorKind, Read, Result};
@@ -6,14 +6,14 @@ use std::path::Path;
 
 use crate::custody;
 
-/// Bytes that a device gives before it is taken for endless.
+/// Bytes that a device may give before it counts as endless.
 const MOST_OF_A_DEVICE: u64 = 16 << 20;
 
 /// All bytes of a file, `most` of them at most.
 ///
 /// # Errors
 /// Those of the system, [`ErrorKind::IsADirectory`] for a folder, [`ErrorKind::FileTooLarge`] with a text
-/// that names the limit, and [`ErrorKind::InvalidInput`] for a device that does not come to an end.
+/// that names the limit, and [`ErrorKind::InvalidInput`] for a device that has no end.
 pub(crate) fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     // not every system lets a folder be opened and says so
     if path.is_dir() {

@@ -1,4 +1,4 @@
-//! Who made a file, from what, with which seed.
+//! The program, inputs and seed that made a file.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// What it takes to make a result again: the program, the seed and the inputs.
+/// The provenance of a result: the program, the seed and the inputs that reproduce it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Name of the program, `asperity`.

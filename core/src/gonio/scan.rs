@@ -27,7 +27,7 @@ impl<T: Real, const N: usize> Scan<T, N> {
         self.readings.get(..self.grid.count).unwrap_or(&[])
     }
 
-    /// The readings, to be changed.
+    /// The readings, mutable.
     pub fn readings_mut(&mut self) -> &mut [T] {
         let count = self.grid.count.min(N);
         self.readings.get_mut(..count).unwrap_or(&mut [])

@@ -1,4 +1,4 @@
-//! The one door to mathematics: a sealed scalar trait, [`Real`], on `libm`.
+//! The only access to mathematics: a sealed scalar trait, [`Real`], on `libm`.
 //!
 //! Nothing else in this crate calls `libm` or an inherent float function that needs `std`. The same
 //! source therefore gives the same bits on a workstation and on a Cortex-M, in debug and release.

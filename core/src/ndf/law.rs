@@ -1,7 +1,7 @@
 //! The paper's two profiles, with the signs corrected \[Sokolov eqs 4-5 and 7-8\].
 //!
 //! As printed, the Gauss profile has no minus in its exponent and grows, and the Cauchy profile has a
-//! minus in its denominator and a pole at `|t - t0| = delta`. The forms below are the ones meant.
+//! minus in its denominator and a pole at `|t - t0| = delta`. The forms below are the intended ones.
 
 use core::fmt;
 
@@ -40,7 +40,7 @@ impl fmt::Display for LawError {
 
 impl core::error::Error for LawError {}
 
-/// A profile with its width `delta`, exponent `n` and centre `t0`, all in the units of its variable.
+/// A profile with its width `delta`, exponent `n` and centre `t0`; `delta` and `t0` are in the unit of the variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law<T> {
     profile: Profile,

@@ -6,10 +6,10 @@ use crc::{CRC_32_ISCSI, Crc};
 
 use super::message::Frame;
 
-/// Most bytes of a serialised message with its checksum, before stuffing.
+/// Largest number of bytes of a serialised message with its checksum, before stuffing.
 pub const MAX_PAYLOAD: usize = 96;
 
-/// Most bytes of a frame on the line: the payload, one byte of stuffing, a zero at either end.
+/// Largest number of bytes of a frame on the line: the payload, one byte of stuffing, a zero at either end.
 pub const MAX_ENCODED: usize = MAX_PAYLOAD + 3;
 
 /// Bytes of the checksum, little-endian, at the end of the payload.
@@ -34,7 +34,7 @@ pub enum FrameError {
     Checksum,
     /// The checksum is right, the message is not one of this version.
     Unknown,
-    /// An instrument that speaks another version of the protocol.
+    /// An instrument with another version of the protocol.
     Version(u16),
 }
 
@@ -72,7 +72,7 @@ impl AsRef<[u8]> for Encoded {
     }
 }
 
-/// Serialises a frame. No message of this version is too long; one that were would come out empty.
+/// Serialises a frame. No message of this version is too long; a longer one would come out empty.
 pub fn encode(frame: &Frame) -> Encoded {
     let mut payload = [0; MAX_PAYLOAD];
     let mut encoded = Encoded { bytes: [0; MAX_ENCODED], length: 0 };

@@ -129,8 +129,8 @@ impl Header {
         Ok(view)
     }
 
-    /// The same without a look at the numbers, for arrays that [`Self::table`] has taken before; any others give wrong
-    /// values, never a panic. In a constant the device has nothing to do.
+    /// The same without a check of the numbers, for arrays that [`Self::table`] has accepted before; others give
+    /// wrong values, never a panic. In a constant it costs the device nothing.
     #[inline]
     pub const fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
         let mut view = BsdfTableRef::dark(self.eta, self.slope);

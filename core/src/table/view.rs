@@ -13,7 +13,7 @@ use crate::math::Real;
 use crate::quantity::RelativeIor;
 use crate::scope;
 
-/// Why arrays are no table.
+/// Why arrays do not make a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TableError {
@@ -25,9 +25,9 @@ pub enum TableError {
     Number,
     /// Quantiles that do not ascend, or a lean beyond its domain.
     Quantiles,
-    /// More reflected and transmitted than there is.
+    /// More light reflected and transmitted than received.
     Energy,
-    /// A bit is not what it was.
+    /// The checksum does not match: the data are damaged.
     Checksum,
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for TableError {
 
 impl core::error::Error for TableError {}
 
-/// Light that keeps its direction: a mirror's and Snell's, as fractions of the incident flux.
+/// Coherent light: the mirror direction and Snell's, with fluxes as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coherent<T: Real> {
     /// Mirror direction and flux.
@@ -58,7 +58,7 @@ pub struct Coherent<T: Real> {
 /// A BSDF in arrays that may lie in flash.
 ///
 /// Implements [`Bsdf`](crate::bsdf::Bsdf) for every [`Real`], so the same bytes serve `Fast<f32>` on a device and `f64` on a
-/// workstation. What is coherent has no value and no density; samples include it.
+/// workstation. Coherent light has no value and no density; samples include it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfTableRef<'a, S> {
     pub(super) eta: RelativeIor<f32>,
@@ -68,12 +68,12 @@ pub struct BsdfTableRef<'a, S> {
 }
 
 impl<'a, S: Storage> BsdfTableRef<'a, S> {
-    /// Checks arrays once; nothing after it checks them again.
+    /// Checks arrays once; nothing checks them again.
     ///
     /// `slope` is a typical slope of the facets, a length scale for quadrature.
     ///
     /// # Errors
-    /// [`TableError`] if lengths or numbers do not belong together, or a side gives more than it receives.
+    /// [`TableError`] if lengths or numbers do not match, or a side gives more than it receives.
     pub fn new(
         eta: RelativeIor<f32>,
         slope: f32,

@@ -1,4 +1,4 @@
-//! A plan as a file or as flags say it: anything may be missing.
+//! A plan from a file or from flags: anything may be missing.
 //!
 //! ```toml
 //! sigma_deg = [0, 15, 30, 45, 60]
@@ -30,7 +30,7 @@ const MOST_DIGITS: usize = 12;
 /// Most angles of incidence.
 const MAX_SIGMAS: usize = 1000;
 
-/// What is said of a plan; `None` is not said. Its text is TOML, in the same order each time.
+/// The known parts of a plan; `None` is unknown. Its text is TOML, always in the same order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Draft {
@@ -89,12 +89,12 @@ pub enum RangeWord {
 }
 
 impl Draft {
-    /// Whether nothing is said.
+    /// Whether nothing is known.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What this one says, and what the other one says besides.
+    /// This draft, completed by the other one.
     pub fn or(self, other: Self) -> Self {
         Self {
             sigma_deg: self.sigma_deg.or(other.sigma_deg),
@@ -114,7 +114,7 @@ impl Draft {
         }
     }
 
-    /// The plan; what is not said is as on the GP-200: incidences 0, 15, 30, 45, 60, observation -90
+    /// The plan; unknown parts are those of the GP-200: incidences 0, 15, 30, 45, 60, observation -90
     /// to 90 in steps of 0.1, aperture 0.6, run-up 0.5 degrees; 100 ms, range `auto`, calibrated once,
     /// transmission.
     ///

@@ -1,4 +1,4 @@
-//! How long things take.
+//! Estimates of durations.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use super::plan::{CalibrationRule, Plan};
 const POINT: Duration = Duration::from_millis(5);
 
 /// Limits and speeds of a GP-200 for plans that no instrument has seen yet: -90 to 90 degrees, 20
-/// degrees a second.
+/// degrees per second.
 pub fn typical() -> Ident {
     let quarter = 90 * Microdegrees::DEGREE;
     let axis = AxisLimits {
@@ -46,7 +46,7 @@ pub fn homing(ident: &Ident) -> Duration {
     (whole(&ident.sigma) + whole(&ident.theta)) * 2
 }
 
-/// A calibration run: every range once, and the way of both axes.
+/// A calibration run: every range once, and the travel of both axes.
 pub fn calibration(ident: &Ident, integration_us: u32) -> Duration {
     reading(integration_us) * u32::from(RANGES) + whole(&ident.sigma) + whole(&ident.theta)
 }
@@ -62,7 +62,7 @@ pub fn point(plan: &Plan, ident: &Ident) -> Duration {
 }
 
 impl Plan {
-    /// About how long it takes on that instrument, homing left aside.
+    /// The approximate duration on that instrument, without homing.
     pub fn estimate(&self, ident: &Ident) -> Duration {
         let end = self.theta(self.count().saturating_sub(1));
         let (mut total, mut sigma, mut theta) = (Duration::ZERO, Microdegrees(0), Microdegrees(0));

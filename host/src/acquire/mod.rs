@@ -4,27 +4,27 @@
 //! |---|---|
 //! | [`transport`] | bytes to and from a port: serial, TCP, or a simulator in this process |
 //! | [`error`] | what can be wrong with an instrument |
-//! | [`patience`] | how long is waited for what |
-//! | `wording` | requests and answers: which belong together, what they are called |
-//! | `signal` | what currents of the detector can be |
+//! | [`patience`] | the limits of all waits |
+//! | `wording` | requests and answers: which belong together, their names |
+//! | `signal` | the possible currents of the detector |
 //! | `link` | frames over bytes: one request, its answer, events in between |
-//! | [`client`] | an instrument that is owned, and owned again after the line was lost |
+//! | [`client`] | a client that owns an instrument, and owns it again after the line was lost |
 //! | `recovery` | finding it again |
-//! | `motion` | what takes time: homing, moving, calibrating |
-//! | [`plan`] | what is to be measured |
-//! | `conditions` | what the instrument has to be meanwhile |
-//! | [`draft`] | a plan as a file or as flags say it |
+//! | `motion` | longer work: homing, moving, calibrating |
+//! | [`plan`] | the plan of a scan |
+//! | `conditions` | the settings that the instrument must have meanwhile |
+//! | [`draft`] | a plan from a file or from flags |
 //! | `plan_text` | a plan read from a file and written out |
-//! | [`plan_error`] | a plan that cannot be read, or cannot be meant |
+//! | [`plan_error`] | a plan that cannot be read, or is impossible |
 //! | [`estimate`] | how long it takes |
-//! | [`journal`] | what has been measured, safe on the disk |
+//! | [`journal`] | the points measured so far, on disk |
 //! | `run_error` | why there is no scan file |
 //! | `result` | from a complete journal to a scan file |
 //! | `segment` | one incidence |
 //! | `session` | incidence after incidence |
 //! | [`run`](mod@run) | all of it |
 //!
-//! PROTOCOL.md is what is said on the line.
+//! PROTOCOL.md specifies the messages.
 
 pub mod transport;
 pub mod error;

@@ -1,4 +1,4 @@
-//! A plan that cannot be read, or cannot be meant.
+//! A plan that cannot be read, or is impossible.
 
 use std::io;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use asperity_core::protocol::MAX_POINTS;
 use thiserror::Error;
 
-/// A plan that cannot be read, or cannot be meant.
+/// A plan that cannot be read, or is impossible.
 #[derive(Debug, Error)]
 pub enum PlanError {
     /// The file cannot be read.
@@ -33,7 +33,7 @@ pub enum PlanError {
         /// What is wrong.
         what: String,
     },
-    /// A value that cannot be meant.
+    /// An impossible value.
     #[error("{key} {value} is not usable; {allowed}")]
     Value {
         /// The key of the plan file; a flag is called alike.

@@ -1,4 +1,4 @@
-//! A plan as text: read from a file, and written out, with its checksum: the way back from [`Plan`] to [`Draft`].
+//! A plan as text: read from a file, and written out, with its checksum: the inverse from [`Plan`] to [`Draft`].
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -58,7 +58,7 @@ impl Draft {
     }
 }
 
-/// What a parser says, in one line; it may repeat what the file says, however long.
+/// The message of a parser, in one line; it may repeat text of the file, however long.
 fn brief(message: &str) -> String {
     let line = message.lines().collect::<Vec<_>>().join(" ");
     match line.char_indices().nth(MOST_WORDS) {
@@ -68,7 +68,7 @@ fn brief(message: &str) -> String {
 }
 
 impl Plan {
-    /// The plan with nothing left unsaid.
+    /// The plan as a complete draft.
     pub fn draft(&self) -> Draft {
         let word = |text: &str| Some(text.to_owned());
         Draft {

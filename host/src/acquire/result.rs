@@ -1,7 +1,6 @@
 //! From a complete journal to a scan file.
 //!
-//! The file follows from plan, instrument, calibrations and points alone: how often the line was lost
-//! or the program ended leaves no trace in it.
+//! The file depends only on plan, instrument, calibrations and points: lost lines and ended programs leave no trace in it.
 
 use thiserror::Error;
 
@@ -30,7 +29,7 @@ impl AboveBeam {
     }
 }
 
-/// A scan file, and what is to be told of it.
+/// A scan file, and what the user should know about it.
 pub(super) struct Finished {
     pub(super) bytes: Vec<u8>,
     pub(super) above_beam: Option<AboveBeam>,
@@ -39,8 +38,8 @@ pub(super) struct Finished {
 /// The scan file.
 ///
 /// # Errors
-/// [`NoScan`] where the readings are no scan, as when all are dark, or cannot be: a journal of a former
-/// version may hold such.
+/// [`NoScan`] if the readings do not make a scan, for example if all are dark, or are impossible, as in a journal of
+/// an earlier version.
 pub(super) fn scan_file(journal: &Journal) -> Result<Finished, NoScan> {
     let plan = journal.plan();
     let mut readings = Vec::new();

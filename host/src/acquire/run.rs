@@ -16,35 +16,35 @@ use super::session::Session;
 use super::transport::Transport;
 use crate::output::AtomicFile;
 
-/// What is to be done.
+/// A request to measure.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
     /// What to measure; on resuming `None` takes the journal's plan.
     pub plan: Option<Plan>,
     /// The scan file; the journal stands beside it.
     pub output: &'a Path,
-    /// Points that may be under way, 1 to 1801: what is measured again at most after the end of power.
+    /// Points that may be in flight, 1 to 1801: at most so many are measured again after a power failure.
     pub credit: u16,
-    /// Go on with the journal.
+    /// Continue the journal.
     pub resume: bool,
     /// On resuming, calibrate again where the instrument has lost its calibration.
     pub recalibrate: bool,
-    /// How long is waited for what.
+    /// The limits of all waits.
     pub patience: Patience,
 }
 
-/// How far it is.
+/// Progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Points stored.
     pub done: u64,
     /// Points of the plan.
     pub total: u64,
-    /// What is left at the pace so far, seconds.
+    /// Remaining time at the pace so far, seconds.
     pub seconds_left: f64,
 }
 
-/// What was done.
+/// The result of an acquisition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Model and serial number.
@@ -61,11 +61,11 @@ pub struct Summary {
     pub above_beam: Option<AboveBeam>,
 }
 
-/// Measures, and writes the scan file.
+/// Measures and writes the scan file.
 ///
-/// Files are looked at before `connect` is called; it is not called at all if the journal is complete.
-/// Whatever happens, the instrument is stopped and released. When `stop` is set the first thing it is told
-/// is to stop, within a tenth of a second where the line works; it stays where it is.
+/// Files are checked before `connect` is called; it is not called at all if the journal is complete. The instrument
+/// is stopped and released in all cases. When `stop` is set, the first request is to stop, within a tenth of a second
+/// if the line works; the stage stays where it is.
 ///
 /// # Errors
 /// [`AcquireError`]; the journal keeps all points measured so far.

@@ -1,4 +1,4 @@
-//! Why an acquisition did not come to a scan file.
+//! Why an acquisition made no scan file.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub enum AcquireError {
         /// The scan file.
         path: PathBuf,
     },
-    /// The journal is of another plan.
+    /// The journal belongs to another plan.
     #[error(
         "{}: was begun with another plan; give the same plan, or none to take the journal's, or \
          delete the journal to begin anew", path.display()
@@ -78,7 +78,7 @@ pub enum AcquireError {
         /// The range.
         range: u8,
     },
-    /// All points are there, and they are no scan.
+    /// All points are there, but they do not make a scan.
     #[error("{}: keeps all points, but they are no scan: {source}", path.display())]
     NoScan {
         /// The journal.

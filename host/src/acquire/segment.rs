@@ -19,8 +19,7 @@ use super::run_error::AcquireError;
 use super::signal;
 use super::transport::Transport;
 
-/// How far from its place a point may have been read, by the encoder, microdegrees; never more than
-/// half a step.
+/// Tolerance of the position of a point, by the encoder, microdegrees; at most half a step.
 const OFF_PLACE: i32 = 20_000;
 /// How many readings an instrument may take until it has found its range.
 const AUTO_READINGS: u32 = 2 * RANGES as u32;
@@ -45,11 +44,11 @@ pub(super) struct Course<'a> {
 pub(super) enum End {
     /// All points are in the journal.
     Complete,
-    /// The line was lost and found, or the instrument has stopped; it stands somewhere.
+    /// The line was lost and recovered, or the instrument has stopped at some position.
     Disturbed,
 }
 
-/// Goes there from below, and scans what is missing.
+/// Approaches the first missing point from below and scans the missing points.
 pub(super) fn scan<T: Transport>(
     client: &mut Client<'_, T>,
     course: &Course<'_>,
@@ -143,10 +142,10 @@ impl Taking<'_> {
         Ok(End::Complete)
     }
 
-    /// Waits for points, stores them, asks for more; `false` if the line was lost.
+    /// Waits for points, stores them, requests more; `false` if the line was lost.
     ///
-    /// Only a new point is a sign that it goes on. The instrument is asked how it is when none came, when
-    /// it says that it has stopped, when all that was asked for is there, and every second at least.
+    /// Only a new point shows that the scan goes on. The client requests the status if none came, if the instrument
+    /// reports that it has stopped, if all requested points have come, and at least once per second.
     fn step<T: Transport>(
         &mut self,
         client: &mut Client<'_, T>,

@@ -1,4 +1,4 @@
-//! An acquisition under way: incidence after incidence, begun anew where it was disturbed.
+//! An acquisition in progress: incidence after incidence, restarted after a disturbance.
 
 use asperity_core::protocol::{MachineState, Request, Status};
 
@@ -169,8 +169,8 @@ impl<T: Transport> Session<'_, '_, T> {
         Conditions::of(self.plan).check(status).map_err(|trouble| self.client.fail(trouble))
     }
 
-    /// Homes and sets what is not as the plan wants it; what is so is left alone, for setting the
-    /// aperture or the lamp drops the calibration.
+    /// Homes, and sets what differs from the plan. The rest is left alone, because setting the aperture or the lamp
+    /// discards the calibration.
     fn settle(&mut self) -> Result<Status, AcquireError> {
         // a request made again after the line was lost may have begun something
         if !matches!(self.client.status()?.state, MachineState::Idle | MachineState::Fault) {

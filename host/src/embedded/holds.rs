@@ -1,4 +1,4 @@
-//! What a table holds: which lobes, how much coherent light, an opaque body or a dielectric.
+//! The content of a table: which lobes, how much coherent light, an opaque body or a dielectric.
 
 use std::fmt;
 
@@ -64,7 +64,7 @@ impl EmbeddedTable {
         LOBES.map(|one| one == (side, lobe))
     }
 
-    /// Whether light from anywhere keeps its direction.
+    /// Whether the table has coherent light.
     pub fn is_coherent(&self) -> bool {
         self.fluxes.iter().any(|&[.., reflected, transmitted]| reflected | transmitted > 0)
     }

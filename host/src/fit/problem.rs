@@ -25,7 +25,7 @@ pub(super) struct Problem<'a> {
     parameters: Vec<Parameter>,
     /// Of all parameters, in their order: what each is held at, if it is not free.
     held: Vec<Option<f64>>,
-    /// Rays an incidence in full effort, for traced methods.
+    /// Rays per incidence in full effort, for traced methods.
     full_rays: u64,
     /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
     later: Option<Arc<Later>>,
@@ -34,7 +34,7 @@ pub(super) struct Problem<'a> {
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
 const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]);
 
-/// Readings an incidence that a draft needs.
+/// Readings per incidence that a draft needs.
 const DRAFT_READINGS: usize = 120;
 
 impl<'a> Problem<'a> {
@@ -72,7 +72,7 @@ impl<'a> Problem<'a> {
         self.method.is_traced()
     }
 
-    /// Set when the user wants to stop.
+    /// Set when the user stops the work.
     pub(super) fn stop(&self) -> &AtomicBool {
         self.stop
     }
@@ -200,7 +200,7 @@ impl<'a> Problem<'a> {
         Ok(Ready { boundary, setup, plan: &self.plan, gain: self.named(values, "gain") })
     }
 
-    /// Rays an incidence in full effort.
+    /// Rays per incidence in full effort.
     pub(super) fn full_rays(&self) -> u64 {
         self.full_rays
     }

@@ -65,7 +65,7 @@ impl Profile {
         })
     }
 
-    /// What has to be said; nothing where the error is confirmed.
+    /// The warning; `None` if the error is confirmed.
     pub fn text(&self, name: &str, unit: &str) -> Option<String> {
         if self.is_confirmed() {
             return None;

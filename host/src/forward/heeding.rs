@@ -1,4 +1,4 @@
-//! A boundary that loses all light once the user has asked to stop.
+//! A boundary that loses all light once the user stops the work.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,12 +6,12 @@ use asperity_core::bsdf::{Scatter, Scattered};
 use asperity_core::direction::Direction;
 
 /// Looks at `stop` before every ray: on steep maps a ray takes a thousand times what it takes on others, so that no
-/// number of rays is a measure of time. To look costs a nanosecond. What was traced then is to be thrown away.
+/// number of rays is a measure of time. To look costs a nanosecond. Discard what was traced then.
 #[derive(Debug)]
 pub(crate) struct Heeding<'a, S> {
     /// The boundary.
     pub(crate) boundary: &'a S,
-    /// Set when the user wants to stop.
+    /// Set when the user stops the work.
     pub(crate) stop: &'a AtomicBool,
 }
 

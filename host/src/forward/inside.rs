@@ -1,4 +1,5 @@
-//! Readings' part of light that met the rough face more than once, where a rule over directions inside resolves it.
+//! The part of the readings from light that met the rough face more than once, where a rule over directions inside
+//! resolves it.
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;

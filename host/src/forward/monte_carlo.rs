@@ -1,5 +1,5 @@
-//! Readings by Monte Carlo, with their own error: the only way for boundaries that cannot be
-//! evaluated, and the independent twin of the quadrature for those that can.
+//! Readings by Monte Carlo with standard errors: the only simulation of boundaries that cannot be evaluated, and an
+//! independent check of the quadrature for the others.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -17,11 +17,11 @@ use crate::measurement::Quantity;
 /// Readings of one incidence with their statistical error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonteCarlo {
-    /// One reading an angle of observation.
+    /// One reading per angle of observation.
     pub values: Vec<f64>,
     /// Standard error of each.
     pub std_errors: Vec<f64>,
-    /// Where the flux went.
+    /// Reflected, transmitted and lost flux.
     pub outcome: Outcome<f64>,
     /// Rays traced.
     pub rays: u64,
@@ -36,8 +36,8 @@ const GROUP: u64 = 64;
 /// `None` if `stop` was set before the end. `progress` is called with the rays done since the last call.
 /// The aperture of the setup must be larger than 0, or no ray is received.
 ///
-/// Errors are found from the differences of neighbouring rays; they are a little too large, for
-/// neighbours start in different places.
+/// Standard errors come from the differences of neighbouring rays. They are a little too large, because neighbours
+/// start in different places.
 pub fn monte_carlo<S: Scatter<f64> + Sync>(
     boundary: &S,
     setup: &Setup,
@@ -83,7 +83,7 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
     })
 }
 
-/// Where the flux of a beam from `wi` goes at a single boundary, averaged over rays.
+/// Reflected, transmitted and lost flux of a beam from `wi` at a single boundary, averaged over rays.
 pub fn count_flux<S: Scatter<f64> + Sync>(
     boundary: &S,
     wi: Direction<f64>,
@@ -92,7 +92,7 @@ pub fn count_flux<S: Scatter<f64> + Sync>(
     count_flux_until(boundary, wi, rays, &AtomicBool::new(false))
 }
 
-/// The same; once `stop` is set the rest of the rays is lost, and the outcome means nothing.
+/// The same; once `stop` is set the remaining rays are lost, and the outcome is invalid.
 pub(crate) fn count_flux_until<S: Scatter<f64> + Sync>(
     boundary: &S,
     wi: Direction<f64>,

@@ -18,7 +18,7 @@ use super::boundary::WaveBoundary;
 use super::optics::{Beam, Optics};
 use super::sampling::Aim;
 
-/// Angles of incidence a side.
+/// Angles of incidence per side.
 const INCIDENCES: usize = 48;
 /// Rings about the specular direction.
 const RINGS: usize = 24;

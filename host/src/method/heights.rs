@@ -75,7 +75,7 @@ impl HeightsMethod {
     }
 }
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "heights",
     summary: "random heights on a grid, traced with all bounces",

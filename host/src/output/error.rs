@@ -71,7 +71,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether the system failed, such as for want of space, and nothing was asked for that cannot be.
+    /// Whether the system failed, for example for lack of space, although the request was valid.
     pub fn is_trouble(&self) -> bool {
         match self {
             Self::Write { .. } => true,

@@ -1,5 +1,5 @@
-//! From a scan to a result, as every front end does it: the command line and the Python package call this, and add only how
-//! their users say things.
+//! From a scan to a result, for every front end: the command line and the Python package call this and add only the
+//! names of their flags and arguments.
 
 mod situation;
 

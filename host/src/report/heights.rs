@@ -19,8 +19,7 @@ pub struct MapFigures<'a> {
     pub spectrum: Option<&'a Spectrum>,
 }
 
-/// The files `STEM-map`, `STEM-histogram` and `STEM-spectrum`, each as SVG and PNG, opened before there is what to
-/// draw.
+/// The files `STEM-map`, `STEM-histogram` and `STEM-spectrum`, each as SVG and PNG, opened before the work.
 #[derive(Debug)]
 pub struct MapFigureFiles([[AtomicFile; 2]; 3]);
 

@@ -1,4 +1,4 @@
-//! What people read: the tables of results, the plots, the HTML page.
+//! Reports for people: tables of results, plots, the HTML page.
 
 mod grid;
 mod comparison;
@@ -23,9 +23,9 @@ pub struct Entry {
     pub label: String,
     /// The fit.
     pub fit: Fit,
-    /// Why the answer is no, if it is.
+    /// Why the fit is refused, if it is.
     pub refusal: Option<String>,
-    /// What has to be said about the boundary: where its physics does not hold.
+    /// Warnings about the boundary: where its physics does not hold.
     pub warnings: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ pub fn with_error(value: f64, std_error: Option<f64>) -> String {
     }
 }
 
-/// A fitted value with its error and unit; `none` where it stands for nothing.
+/// A fitted value with its error and unit; `none` if it means nothing is there.
 pub fn value_text(p: &crate::fit::Fitted) -> String {
     if p.is_none {
         return "none".into();

@@ -1,11 +1,11 @@
-//! Missing points: with what they are filled.
+//! Missing points and their filling.
 
 use super::heightmap::HeightMapError;
 use super::membrane::Membrane;
 use super::nearest::nearest;
 use super::{Form, HeightMap};
 
-/// With what missing points are filled.
+/// The filling of missing points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fill {

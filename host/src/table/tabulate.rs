@@ -1,7 +1,7 @@
 //! Rays into bins: one beam after the other, reflected and transmitted.
 //!
-//! A beam is traced twice. An eighth of the rays decides where the bins are, all others are counted in
-//! them; the two are independent. Rays come in the tiles of the Monte Carlo scan, so that the bits do not
+//! A beam is traced twice. An eighth of the rays decides where the bins are, and the others are counted in them; the
+//! two sets are independent. Rays come in the tiles of the Monte Carlo scan, so that the bits do not
 //! depend on the number of threads, and errors come from the differences of neighbouring rays as there.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,7 +22,7 @@ const MOST_PILOT: u64 = 1 << 22;
 /// What golden steps leave of the circle, so that any number of successive ones divides it evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Traces all that a plan asks for.
+/// Traces all incidences of a plan.
 ///
 /// The same bits for any number of threads. `None` if `stop` was set before the end. `progress` is called
 /// with the rays done since the last call; they are [`TablePlan::rays_in_all`].

@@ -1,4 +1,4 @@
-//! Flux: what the model has, what the table has, and never more than there is.
+//! Flux of the model and of the table; a table never gives more than it receives.
 
 use std::sync::atomic::AtomicBool;
 
@@ -26,7 +26,7 @@ const MARGIN: f64 = 5e-4;
 const ROUNDING: f64 = 1e-3;
 
 /// Diffusely reflected and transmitted flux of a model at a cosine of incidence; `None` if it gives more than it receives.
-/// Once `stop` is set rays are lost, and the flux means nothing.
+/// Once `stop` is set rays are lost, and the flux is invalid.
 pub(super) fn model_fluxes(
     boundary: &Boundary,
     side: Side,

@@ -1,4 +1,4 @@
-//! How far a table is from its model: eq. (18) of a scan, and the flux.
+//! The distance of a table from its model: eq. (18) of a scan, and the flux.
 
 use std::sync::atomic::AtomicBool;
 
@@ -21,7 +21,7 @@ use crate::measurement::Quantity;
 const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 const APERTURE_DEG: f64 = 0.6;
 
-/// How far a table is from its model: eq. (18) of a scan, percent of the largest reading.
+/// The distance of a table from its model: eq. (18) of a scan, percent of the largest reading.
 ///
 /// Scans are in the plane of incidence at several azimuths of the surface, of which the first is that of a scan of the model. A law
 /// has no azimuth: the last two say something of sampled models only.
@@ -153,7 +153,7 @@ fn sampled_distance(
 /// sampled is counted with `rays` an incidence.
 ///
 /// Incidences at which the model itself gives more than it receives, as waves may, are left out: no table follows it there.
-/// `None` if there are no others. Once `stop` is set rays are lost, and the difference means nothing.
+/// `None` if there are no others. Once `stop` is set rays are lost, and the difference is invalid.
 pub fn energy_error(
     boundary: &Boundary,
     table: &EmbeddedTable,

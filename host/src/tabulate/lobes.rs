@@ -1,4 +1,4 @@
-//! How far each lobe of a table is from its model, at incidences up to grazing: of the peak of each incidence.
+//! The distance of each lobe of a table from its model, at incidences up to grazing, in terms of the peak of each incidence.
 
 use std::sync::atomic::AtomicBool;
 
@@ -20,10 +20,10 @@ const ANGLES: [f64; 15] =
 const DIRECTIONS: u32 = 256;
 /// Share of the light below which a beam is left out.
 const LEAST_FLUX: f64 = 1e-3;
-/// Most rays an incidence of a boundary that must be sampled.
+/// Most rays per incidence of a boundary that must be sampled.
 const MOST_RAYS: u64 = 400_000;
 
-/// How far a lobe is from its model: root mean squares, in percent of the peak of each incidence.
+/// The distance of a lobe from its model: root mean squares, in percent of the peak of each incidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeDistance {
     /// The side the light comes from.
@@ -52,7 +52,7 @@ struct Off {
 /// left out, and incidences at which the model gives more than it receives, as waves do at grazing: no table follows it there. Of a law its values are compared, where the law itself draws directions and in the plane of incidence, whichever is
 /// worse; of a boundary that must be sampled first hits in bins, at several azimuths of the light.
 ///
-/// Once `stop` is set rays are lost, and the distances mean nothing.
+/// Once `stop` is set rays are lost, and the distances are invalid.
 pub fn lobe_distances(
     boundary: &Boundary,
     table: &EmbeddedTable,

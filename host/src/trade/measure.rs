@@ -39,17 +39,17 @@ pub struct Subject<'a> {
     pub scan: Option<&'a Scan>,
 }
 
-/// What is to be measured, and with what.
+/// The measurements to make, and their means.
 pub struct Work<'a> {
     /// Sizes of the tables, KiB.
     pub table_kib: &'a [usize],
-    /// Rays an incidence for the table of a model that is traced.
+    /// Rays per incidence for the table of a model that is traced.
     pub rays: Rays,
     /// The device.
     pub device: Option<&'a Device>,
-    /// Set when the user wants to stop.
+    /// Set when the user stops the work.
     pub stop: &'a AtomicBool,
-    /// Told what is next.
+    /// Called with the name of the next step.
     pub progress: &'a (dyn Fn(&str) + Sync),
 }
 
@@ -59,7 +59,7 @@ impl std::fmt::Debug for Work<'_> {
     }
 }
 
-/// All rows of a model, and notes on what could not be measured. What was finished when the user stopped is kept.
+/// All rows of a model, and notes on what could not be measured. Finished rows are kept when the user stops.
 pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
     let boundary = subject.boundary;
     let pairs = Pairs::of(boundary, boundary.eta().is_none());

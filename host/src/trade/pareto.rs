@@ -1,4 +1,4 @@
-//! Which points of (cost, error) no other beats, and which of them to take.
+//! The Pareto front of (cost, error), and the choice among its points.
 
 /// Whether each point is on the front: no other is as cheap and as near, and better in one of the two.
 ///

@@ -1,4 +1,4 @@
-//! A model written into the device's program, where a firmware would keep it: in flash.
+//! A model written into the flash of the device's program, where firmware would keep it.
 //!
 //! The program `firmware-sim/src/bin/trade.rs` holds an empty slot that begins with four known words and the lengths of its
 //! parts; the copy that is run has the model in them.
@@ -12,13 +12,13 @@ use super::pairs::Pairs;
 use crate::embedded::{EmbeddedTable, Values};
 
 const MAGIC: [u32; 4] = [0x6173_7065, 0x7269_7479, 0x7472_6164, 0x6531_8d5f];
-/// Words of the model's numbers, and where those of the first lobe begin; ten a lobe.
+/// Words of the model's numbers, and where those of the first lobe begin; ten per lobe.
 const WORDS: usize = 64;
 const LOBES: usize = 16;
 /// Bytes of an element of each part after the lengths: words, pairs, gains, fluxes, quantiles, leans, bytes, halves.
 const ELEMENTS: [usize; 8] = [4, 24, 4, 8, 2, 1, 1, 2];
 
-/// Why a model is not run on the device.
+/// Why a model does not run on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Unfit {
     /// The file is no such program.

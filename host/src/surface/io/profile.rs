@@ -1,4 +1,4 @@
-//! Heights along one line: what a stylus writes is no map.
+//! Heights along one line: a stylus profile is not a map.
 
 use super::MapFault;
 use super::text::{Layout, comment, head, lines};
