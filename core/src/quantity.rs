@@ -238,7 +238,7 @@ macro_rules! in_two {
             }
 
             /// All that follows from an index. Matched media scatter nothing: with NaN for a limit no facet is possible, and
-            /// nobody has to ask.
+            /// no caller needs to ask.
             #[cfg_attr(target_arch = "arm", $inline)]
             pub(super) $($constant)? fn follows $($generic)* (n: $t) -> super::RelativeIor<$t> {
                 let (one, four) = ($t::ONE, $t::TWO * $t::TWO);

@@ -51,7 +51,7 @@ pub(crate) enum Conflict {
 /// The right to write a file, given back when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Claim {
-    /// 0 where nobody watches.
+    /// 0 if nothing watches.
     id: u64,
 }
 

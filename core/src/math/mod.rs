@@ -131,7 +131,7 @@ pub trait Real:
         (self - (sum - part)) + (other - part)
     }
     /// What rounding took from a product of two: `self * other - product`, exactly \[Dekker\]; 0 in double, whose
-    /// rounding is below all that is asked for.
+    /// rounding is below every requirement.
     ///
     /// Four products of halves, though some processors would need one instruction: not all have it, and these
     /// have the same bits on all.

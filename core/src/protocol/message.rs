@@ -15,7 +15,7 @@ pub struct Frame {
     /// repeated request keeps its number, is carried out once, and gets the same answer again. Events have a count of
     /// their own.
     pub sequence: u16,
-    /// What is said.
+    /// The message.
     pub message: Message,
 }
 

@@ -174,7 +174,7 @@ pub enum DeviceError {
     LampOff,
     /// Nothing has been read, or calibrated, since power-on or the last change of a setting.
     Nothing,
-    /// The segment asked for is not the one in the memory.
+    /// The requested segment is not the one in the memory.
     NoSegment,
     /// That calibration needs another one first.
     NeedsCalibration(CalibrationKind),

@@ -12,9 +12,9 @@ use crate::scope;
 pub struct LobeHeader {
     /// Numbers of nodes.
     pub shape: Shape,
-    /// What is divided out.
+    /// The factors divided out.
     pub form: Form,
-    /// How the tail falls.
+    /// The fall of the tail.
     pub fall: Fall,
     /// Scale of slopes.
     pub scale: f32,

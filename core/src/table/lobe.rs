@@ -128,9 +128,9 @@ impl Shape {
 pub struct LobeTable<'a, S> {
     /// Numbers of nodes.
     pub shape: Shape,
-    /// What is divided out.
+    /// The factors divided out.
     pub form: Form,
-    /// How the tail falls.
+    /// The fall of the tail.
     pub fall: Fall,
     /// `s0`, the scale of slopes, or of `|h_xy|` of [`Form::Direct`].
     pub scale: f32,

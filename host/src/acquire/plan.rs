@@ -78,7 +78,7 @@ pub enum LimitError {
     Points {
         /// Angles of the plan.
         count: u16,
-        /// Angles it holds.
+        /// Angles that it holds.
         most: u16,
         /// Model and serial number.
         instrument: String,

@@ -49,7 +49,7 @@ pub enum PlanError {
          --step, or scan in two files (--theta-range)"
     )]
     TooLong {
-        /// Angles asked for.
+        /// Angles requested.
         count: i64,
     },
 }

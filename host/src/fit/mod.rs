@@ -199,7 +199,7 @@ pub enum FitError {
     TooFewReadings {
         /// Readings given.
         readings: usize,
-        /// Parameters asked for.
+        /// Parameters requested.
         parameters: usize,
     },
     /// No start gave a finite error.

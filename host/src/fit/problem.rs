@@ -11,7 +11,7 @@ use crate::forward::{Effort, Plan, Rays, Readings, Sample, Setup, simulate};
 use crate::measurement::Measurement;
 use crate::method::{BuildError, Method, Parameter, Scale, Surface};
 
-/// A method, a measurement, and what is free.
+/// A method, a measurement, and the free parameters.
 #[derive(Clone)]
 pub(super) struct Problem<'a> {
     method: &'a dyn Method,
@@ -21,7 +21,7 @@ pub(super) struct Problem<'a> {
     plan: Plan,
     measured: Cow<'a, [f64]>,
     largest: f64,
-    /// What is free.
+    /// The free parameters.
     parameters: Vec<Parameter>,
     /// Of all parameters, in their order: what each is held at, if it is not free.
     held: Vec<Option<f64>>,
@@ -162,7 +162,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Whether what is not fitted makes sense.
+    /// Whether the fixed values are valid.
     pub(super) fn check_fixed(&self) -> Result<(), BuildError> {
         match self.options.surface {
             Surface::Dielectric { .. } => self.options.surface.eta().map(|_| ()),
@@ -253,7 +253,7 @@ impl<'a> Problem<'a> {
         Ok(self.ready(values)?.readings(Effort::Full, rays, stop))
     }
 
-    /// What a fit minimises; `None` if the user stopped it.
+    /// The cost of a fit; `None` if the user stopped it.
     ///
     /// Traced readings have noise, which adds to the mean square of the residuals, and adds less where a
     /// surface is smoother: a fit would prefer that. The mean product of the residuals of two

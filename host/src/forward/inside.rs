@@ -17,7 +17,7 @@ const RESOLVED: f64 = 0.015;
 /// Index over that of air from which on a plate keeps light inside.
 const DENSE: f64 = 1.02;
 
-/// What all incidences have in common.
+/// The common part of all incidences.
 #[derive(Debug)]
 pub(super) struct Shared<'a, B> {
     boundary: &'a B,

@@ -134,7 +134,7 @@ fn scale(setup: &Setup, theta_deg: f64) -> f64 {
     }
 }
 
-/// What a tile of rays of unit flux gave, summed.
+/// The sums of a tile of rays of unit flux.
 struct Tile {
     /// Flux received at each angle.
     flux: Vec<f64>,

@@ -8,7 +8,7 @@ use asperity_core::plate::RoughSide;
 
 use super::{Sample, Setup};
 
-/// How the beam arrives at the rough face for the first time.
+/// The beam as it arrives at the rough face for the first time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     /// Where it comes from, in the rough face's frame.
@@ -19,7 +19,7 @@ pub(super) struct Entry {
     pub(super) mirrored: f64,
 }
 
-/// A direction of observation, as the rough face sees it.
+/// A direction of observation in the frame of the rough face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
     /// Where scattered light must go, in the rough face's frame.

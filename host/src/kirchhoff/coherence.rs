@@ -9,7 +9,7 @@ use super::optics::{Beam, Optics};
 use super::wavelengths::Wavelengths;
 use crate::surface::{HeightMap, Incomplete, Roughness};
 
-/// Coherent share of a lobe that a method without coherent light may have before it is said, as a fraction.
+/// Coherent share of a lobe above which a method without coherent light causes a warning, as a fraction.
 const MOST: f64 = 1e-3;
 
 /// The warning about rays on a map under this light; `None` if they miss nothing.

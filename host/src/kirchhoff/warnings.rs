@@ -201,7 +201,7 @@ fn way(side: Side, lobe: Lobe) -> &'static str {
     }
 }
 
-/// Where a condition fails first, with what is said of each place; `None` if nowhere.
+/// Where a condition fails first, with the text for each place; `None` if nowhere.
 fn said(bad: &[&LobeValidity], what: impl Fn(&LobeValidity) -> String) -> Option<String> {
     let place = |l: &&LobeValidity| {
         format!(

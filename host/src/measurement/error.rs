@@ -120,7 +120,7 @@ pub enum ScanFault {
         "there is no column `{column}`; the columns are {available}: correct --columns or --where"
     )]
     NoColumn {
-        /// The column asked for.
+        /// The requested column.
         column: String,
         /// The columns there are.
         available: Names,
@@ -149,7 +149,7 @@ pub enum ScanFault {
     NoMatch {
         /// The column of the filter.
         column: String,
-        /// The value asked for.
+        /// The requested value.
         value: String,
         /// The values there are.
         available: Names,

@@ -17,7 +17,7 @@ pub(super) struct MeasuredMap {
     low_pass: Arc<LowPass>,
     /// How the map goes on.
     pub(super) edges: Edges,
-    /// The scale, and the cut-off if it is asked for.
+    /// The scale, and the cut-off if requested.
     pub(super) parameters: Vec<Parameter>,
 }
 

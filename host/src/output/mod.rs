@@ -134,7 +134,7 @@ impl AtomicFile {
         self.write_all(content).map_err(|source| self.failed(source))
     }
 
-    /// The destination, as it was asked for.
+    /// The destination, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -152,7 +152,7 @@ impl AtomicFile {
         matches!(self.sink, Sink::Stdout(_))
     }
 
-    /// Whether this is stdout and nobody reads it any more.
+    /// Whether this is stdout without a reader.
     pub fn is_in_vain(&self) -> bool {
         matches!(self.sink, Sink::Stdout(None))
     }
@@ -192,7 +192,7 @@ impl Write for AtomicFile {
     }
 }
 
-/// Writes to stdout; `done` if nobody reads it.
+/// Writes to stdout; `done` if it has no reader.
 fn unless_gone<T>(
     stdout: &mut Option<BufWriter<Stdout>>,
     done: T,

@@ -179,9 +179,9 @@ pub enum PlotError {
     /// logarithmic one.
     #[error("the horizontal axis cannot run from {lo} to {hi}")]
     BadRange {
-        /// Left end asked for.
+        /// Requested left end.
         lo: f64,
-        /// Right end asked for.
+        /// Requested right end.
         hi: f64,
     },
     /// The number of decades is not from 1 to 15.

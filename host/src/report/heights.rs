@@ -8,7 +8,7 @@ use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Across, Curve, CurveStyle, Figure, MapPicture, Panel, Scale};
 use crate::surface::{HeightMap, Roughness, Spectrum};
 
-/// What is drawn.
+/// The content of the plots.
 #[derive(Clone, Copy, Debug)]
 pub struct MapFigures<'a> {
     /// Line above each.

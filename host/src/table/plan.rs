@@ -141,7 +141,7 @@ impl TablePlan {
     }
 }
 
-/// Most incidences of a side that are tabulated as they are asked for.
+/// Largest number of incidences of a side that are tabulated exactly.
 const MOST_EXACT: usize = 40;
 /// Most azimuths.
 const MOST_EXACT_AZIMUTHS: usize = 12;

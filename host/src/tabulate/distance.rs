@@ -150,7 +150,7 @@ fn sampled_distance(
 }
 
 /// Largest difference of the flux of a table's lobes and the model's, absolute, over incidences 0 to 80 degrees. A model that must be
-/// sampled is counted with `rays` an incidence.
+/// sampled is counted with `rays` per incidence.
 ///
 /// Incidences at which the model itself gives more than it receives, as waves may, are left out: no table follows it there.
 /// `None` if there are no others. Once `stop` is set rays are lost, and the difference is invalid.

@@ -2,7 +2,7 @@
 
 /// Whether each point is on the front: no other is as cheap and as near, and better in one of the two.
 ///
-/// Equal points stand or fall together. A point with a NaN is never on it and beats nobody.
+/// Equal points are all on it or all off it. A point with a NaN is never on it and beats no other.
 pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
     let sound = |p: &(f64, f64)| !p.0.is_nan() && !p.1.is_nan();
     let beats =

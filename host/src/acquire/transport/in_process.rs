@@ -9,7 +9,7 @@ use super::{Transport, broken};
 const BYTE: Duration = Duration::from_nanos(86_806);
 /// The clock goes on by this much where the peer wants to be asked again at once and says nothing.
 const LEAST_JUMP: Duration = Duration::from_micros(100);
-/// What a line holds that nobody reads; more is lost.
+/// Capacity of a line without a reader; more is lost.
 const MOST_PENDING: usize = 1 << 20;
 
 /// The other end of a line.

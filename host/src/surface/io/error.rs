@@ -110,7 +110,7 @@ pub enum MapFault {
     Contradicts {
         /// The format.
         format: &'static str,
-        /// What is said already.
+        /// The unit already given.
         says: String,
         /// The flag.
         flag: String,

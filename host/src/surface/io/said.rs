@@ -17,7 +17,7 @@ use super::unit::LengthUnit;
 use super::vocabulary::Name;
 use super::words::{Token, tokens};
 
-/// What was found so far.
+/// The findings so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Said {
     x: Place,
