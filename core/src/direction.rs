@@ -36,7 +36,7 @@ impl<T: Real> Direction<T> {
         Some(Self(T::Vec3::from_xyz(x / length, y / length, z / length)))
     }
 
-    /// A direction from components that already are of unit length.
+    /// A direction from components of unit length.
     ///
     /// Not checked: components of another length give scaled results, never a panic.
     #[inline(always)]
@@ -111,7 +111,7 @@ impl<T: Real> Direction<T> {
         Self(-self.0)
     }
 
-    /// Turned by half a turn about the x axis: (x, -y, -z). How a plate is put in the other way round.
+    /// Turned by half a turn about the x axis, (x, -y, -z), as when a plate is inserted the other way round.
     #[inline(always)]
     pub fn turned_over(self) -> Self {
         let [x, y, z] = self.xyz();

@@ -35,8 +35,8 @@ pub fn dielectric<T: Real>(cos_i: T, eta: T) -> Fresnel<T> {
     }
 }
 
-/// What a facet of unit normal `m` does to light from `w`, on either side of it: the share it reflects, and where
-/// the rest goes; `None` on total reflection. `eta` is the index of the far medium over that of the near one.
+/// The share of light from `w` that a facet of unit normal `m` reflects, on either side of it, and the direction of
+/// the rest; `None` on total reflection. `eta` is the index of the far medium over that of the near one.
 ///
 /// The same as [`dielectric`] and [`Direction::refract`], with one root between them.
 #[inline(always)]

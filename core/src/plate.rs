@@ -57,7 +57,7 @@ pub struct Outcome<T> {
     pub reflected: T,
     /// Flux that left away from the source.
     pub transmitted: T,
-    /// Flux that a boundary lost or that was still inside after the last pass followed.
+    /// Flux that a boundary lost, or that was still inside after the last pass.
     pub lost: T,
 }
 
@@ -67,14 +67,14 @@ impl<S: Scatter<T>, T: Real> Plate<S, T> {
         Self { rough, smooth: Smooth { eta }, rough_side }
     }
 
-    /// Passes followed: light kept by total reflection leaves at the rough face, at a rate that makes
-    /// what is left after these a matter of rounding.
+    /// The number of passes followed. Light kept by total reflection leaves at the rough face; after so many passes
+    /// the rest is below rounding.
     pub const MOST_PASSES: usize = 4096;
 
     /// Follows one ray of unit flux from `wi` (towards the source, z > 0) through all internal passes.
     ///
-    /// At each further hit of the smooth face it leaves or goes on as a whole; light mirrored by a smooth
-    /// face that looks to the source is counted exactly. `exit(wo, flux)` is called for every part that
+    /// At each further hit of the smooth face the ray leaves or stays as a whole. Light that a smooth face towards
+    /// the source reflects at first is counted exactly. `exit(wo, flux)` is called for every part that
     /// leaves, `wo` in the plate frame (z > 0 reflected, z < 0 transmitted).
     pub fn trace(
         &self,

@@ -1,4 +1,4 @@
-//! Validated quantities: a value that exists is in its domain, and nothing checks it again.
+//! Validated quantities: the constructor checks the domain, and nothing checks it again.
 
 use core::fmt;
 
@@ -79,7 +79,7 @@ impl<T: Real> Alpha<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeIor<T> {
     value: T,
-    /// `1 / value`, divided once: every call needs one or the other, by the side of `wi`.
+    /// `1 / value`, divided once: every call needs one of the two, depending on the side of `wi`.
     inverse: T,
     /// `4 (1 - n^2)` and `4 (1 - 1 / n^2)`, for reflection seen from the air and from the dielectric, and `|n^2 - 1|`,
     /// for transmission, each as a number and what its rounding left: critical and grazing angles are where the
@@ -245,7 +245,7 @@ macro_rules! in_two {
             }
 
             /// All that follows from an index. Matched media scatter nothing: with NaN for a limit no facet is possible, and
-            /// nobody has to ask.
+            /// no caller needs to ask.
             #[cfg_attr(target_arch = "arm", $inline)]
             pub(super) $($constant)? fn follows $($generic)* (n: $t) -> super::RelativeIor<$t> {
                 let (one, four) = ($t::ONE, $t::TWO * $t::TWO);

@@ -1,4 +1,4 @@
-//! What this build answers: the features of cargo as constants, so that the compiler leaves out what is off.
+//! The scope of this build: the features of cargo as constants, so that the compiler leaves out what is off.
 //!
 //! All but `slot` are on by default, and all only ever add. What is off scatters nothing: values, densities and fluxes of light
 //! from a side, or into a lobe, that was left out are 0, and its rays are lost (`None`), as many as there would
@@ -16,7 +16,7 @@
 //! | `fast` | no `math::Fast` |
 //! | `slot` (not by default; needs `ggx`, `normals`, `table`) | no `slot` |
 //! | `gonio` | no `plate`, `gonio` and `metric` |
-//! | `protocol` | no `protocol`, and no dependency on postcard and serde; crc without `checksum` neither |
+//! | `protocol` | no `protocol`, and no dependency on postcard and serde; nor on crc without `checksum` |
 //!
 //! The smooth boundary, Fresnel's and Snell's laws know no lobes or sides to leave out.
 
@@ -34,13 +34,13 @@ pub(crate) const REFLECTION: bool = cfg!(feature = "reflection");
 /// Light may go through.
 pub(crate) const TRANSMISSION: bool = cfg!(feature = "transmission");
 
-/// Whether light from a side, `below` or above, is answered.
+/// Whether this build includes light from a side, `below` or above.
 #[inline(always)]
 pub(crate) const fn side(below: bool) -> bool {
     (AIR && !below) || (DIELECTRIC && below)
 }
 
-/// Whether a lobe, `mirrored` or not, is answered.
+/// Whether this build includes a lobe, `mirrored` or not.
 #[inline(always)]
 pub(crate) const fn lobe(mirrored: bool) -> bool {
     (REFLECTION && mirrored) || (TRANSMISSION && !mirrored)

@@ -1,14 +1,14 @@
-//! Evaluation of many pairs of directions at once, by the vector instructions of the processor.
+//! Evaluation of many pairs of directions at once, with the vector instructions of the processor.
 //!
 //! Directions come as three slices of components, so that a register holds one component of several
 //! pairs. The loop is the core's scalar evaluation, which does not branch; it is compiled once for each
-//! family of instructions and the best one is chosen on the first call. No version fuses a product and a
-//! sum, but to learn what rounding took from a product, which is exact in either way: every bit is that of
-//! `Bsdf::ars`. NaN stays NaN or becomes 0 as it does there.
+//! family of instructions and the best one is chosen on the first call. Fused operations only compute the rounding
+//! error of a product, which is exact either way: every bit equals that of `Bsdf::ars`. NaN stays NaN or becomes 0 as
+//! it does there.
 //!
 //! In single precision one pair in fifty (random ones, index 1.49) needs a difference in two parts, which would
-//! cost all of them half as much again. The first loop goes without it and tells which pairs need it; they are
-//! gathered for a second one.
+//! cost all of them half as much again. The first loop does without it and marks the pairs that need it; a second
+//! loop evaluates them together.
 
 #![expect(clippy::inline_always, reason = "a call would leave the version it is compiled for")]
 
@@ -18,7 +18,7 @@ use asperity_core::math::Real;
 use multiversion::multiversion;
 use multiversion::target::target_cfg_f;
 
-/// Slices that should be of one length are not.
+/// Slices differ in length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a slice of {found} numbers where {expected} are needed: one for every pair of directions")]
 pub struct LengthMismatch {
@@ -37,7 +37,7 @@ pub struct Directions<'a, T> {
 }
 
 impl<'a, T: Real> Directions<'a, T> {
-    /// Directions from their components; that the vectors are of unit length is not checked.
+    /// Directions from their components; unit length is not checked.
     ///
     /// # Errors
     /// [`LengthMismatch`] if the slices differ in length.

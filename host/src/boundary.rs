@@ -1,4 +1,4 @@
-//! The rough boundary of a model, whichever method made it.
+//! The rough boundary of a model, made by any method.
 
 use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
@@ -23,7 +23,7 @@ pub enum Boundary {
     Wave(Box<WaveBoundary>),
     /// A height map whose long waves are traced and whose short ones diffract; it can be sampled, not evaluated.
     Hybrid(Box<HybridBoundary>),
-    /// A table of any of these, from a file; its storage is found out at each call, so that it is one type here.
+    /// A table of any of these, from a file; each call determines its storage, so that it is one type here.
     Table(Box<EmbeddedTable>),
 }
 
@@ -75,7 +75,7 @@ impl Boundary {
         matches!(self, Self::Traced(_) | Self::Hybrid(_))
     }
 
-    /// The light, for boundaries that know its length.
+    /// The wavelengths, for boundaries that have them.
     pub fn wavelengths(&self) -> Option<&Wavelengths> {
         match self {
             Self::Wave(w) => Some(w.wavelengths()),
@@ -84,7 +84,7 @@ impl Boundary {
         }
     }
 
-    /// Fluxes of the light from `wi` that keeps its direction, which values and densities leave out; none of rays.
+    /// Fluxes of the coherent light from `wi`, which values and densities leave out; 0 for rays.
     pub fn coherent(&self, wi: Direction<f64>) -> CoherentFlux {
         match self {
             Self::Wave(wave) => wave.coherent(wi),

@@ -1,4 +1,4 @@
-//! Which files a run reads and writes: none is both, and none is written twice.
+//! The files that a run reads and writes: no file is both, and none is written twice.
 //!
 //! Files are read through `input` and written through `output`, and both ask here: a verb cannot forget it. A file is
 //! known by its canonical path and, on Unix, by device and inode, so links of either kind are seen through. Only a program
@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 static RUN: Mutex<Option<Custody>> = Mutex::new(None);
 
-/// From here on everything that is read or written counts, what stdin, stdout and stderr were turned to included.
+/// From here on every file that is read or written counts, including the targets of stdin, stdout and stderr.
 #[cfg(feature = "cli")]
 pub(crate) fn watch() {
     let mut custody = Custody::default();
@@ -56,7 +56,7 @@ pub(crate) enum Conflict {
 /// The right to write a file, given back when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Claim {
-    /// 0 where nobody watches.
+    /// 0 if nothing watches.
     id: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Where the flux goes: reflected, transmitted and lost fractions, and reciprocity.
+//! Flux balance: reflected, transmitted and lost fractions, and reciprocity.
 
 use asperity_core::bsdf::{Bsdf, Lobe, LobeSet};
 use asperity_core::direction::{Direction, Side};
@@ -21,13 +21,13 @@ pub struct Energy {
     pub reflected: f64,
     /// Transmitted.
     pub transmitted: f64,
-    /// Neither: facets sent it to where the model does not follow.
+    /// Neither: facets sent it where the model does not follow.
     pub lost: f64,
     /// Part of `reflected` that is specular; 0 for ray methods.
     pub coherent_reflected: f64,
     /// Part of `transmitted` that goes straight on by Snell's law; 0 for ray methods.
     pub coherent_transmitted: f64,
-    /// Share of what is diffracted in reflection that has no direction to go; of waves only.
+    /// Evanescent share of the light diffracted in reflection; waves only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evanescent_reflected: Option<f64>,
     /// The same in transmission.
@@ -74,7 +74,7 @@ pub fn balances(
 /// [`balances`], looked at wherever a lobe would pass without it. `None` if it was stopped before the end.
 ///
 /// # Errors
-/// Angles that are none of incidence.
+/// Angles that are not angles of incidence.
 pub fn verdict(
     wave: &WaveBoundary,
     incidences_deg: &[f64],
@@ -94,7 +94,7 @@ pub fn verdict(
     Ok(found.map(|found| validity.balanced(&losses(&found))))
 }
 
-/// What is lost of the light of each balance.
+/// The lost light of each balance.
 pub fn losses(energy: &[Energy]) -> Vec<Loss> {
     let loss = |e: &Energy| Loss {
         side: if e.side == side_name(Side::Air) { Side::Air } else { Side::Dielectric },

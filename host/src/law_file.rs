@@ -7,7 +7,7 @@ use crate::embedded::{self, Record, TableFileError};
 use crate::message::excerpt;
 use crate::model::{Model, ModelError, read_bytes};
 
-/// What a file with a law is.
+/// The kind of a file with a law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A model.
@@ -63,13 +63,13 @@ impl Kind {
         }
     }
 
-    /// What has to be said of a table before it is used; `None` for a model.
+    /// The warning about a table before its use; `None` for a model.
     pub fn notice(&self) -> Option<&'static str> {
         let Self::Table(record) = self else { return None };
         record.notice()
     }
 
-    /// What a table says of itself; `None` for a model.
+    /// The description of a table; `None` for a model.
     pub fn table(&self) -> Option<String> {
         let Self::Table(record) = self else { return None };
         let Record { storage, payload_bytes, distance_percent, .. } = &**record;

@@ -1,6 +1,6 @@
-//! What people are told: short, on lines they can read, whatever a file or a command line holds.
+//! Messages for users: short and readable, whatever a file or a command line holds.
 //!
-//! Everything that goes to stderr or into an exception passes through [`brief`], so no message has to think of it.
+//! All text for stderr or for an exception passes through [`brief`], so that no single message needs to.
 
 use std::borrow::Cow;
 

@@ -1,10 +1,10 @@
-//! Who made a file, from what, with which seed.
+//! The program, inputs and seed that made a file.
 
 use serde::{Deserialize, Serialize};
 
 pub use crate::input::InputFile;
 
-/// What it takes to make a result again: the program, the seed and the inputs.
+/// The provenance of a result: the program, the seed and the inputs that reproduce it.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Name of the program, `asperity`.

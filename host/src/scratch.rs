@@ -1,4 +1,4 @@
-//! Temporary files and folders: whatever way the program ends, none is left.
+//! Temporary files and folders; none is left, however the program ends.
 //!
 //! Dropped values remove their files; a program that is ended by a signal calls [`remove_all`] first.
 
@@ -30,8 +30,8 @@ fn registry() -> MutexGuard<'static, Registry> {
     REGISTRY.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all temporary files and the empty folders that were made, and lets no new ones come. What is being renamed is
-/// waited for, so that files of one commit appear together.
+/// Removes all temporary files and the empty folders that were made, and allows no new ones. It waits for renames in
+/// progress, so that files of one commit appear together.
 #[cfg(feature = "cli")]
 pub(crate) fn remove_all() {
     let mut registry = registry();

@@ -1,4 +1,4 @@
-//! Rays of one facet, as far as this build answers them.
+//! Rays of one facet, for the sides and lobes of this build.
 
 use super::{Lobe, Scattered};
 use crate::direction::{Direction, Side};
@@ -12,13 +12,13 @@ pub(super) fn lit<T: Real>(wi: Direction<T>) -> Option<Side> {
     wi.side().filter(|side| scope::side(*side == Side::Dielectric))
 }
 
-/// Light that meets no boundary.
+/// Light that passes without a boundary.
 pub(super) fn straight<T: Real>(wi: Direction<T>) -> Option<Scattered<T>> {
     let seen = wi.side().is_none_or(|side| scope::side(side == Side::Dielectric));
     (scope::TRANSMISSION && seen).then(|| Scattered { wo: wi.opposite(), weight: T::ONE })
 }
 
-/// A ray sent by one facet of unit normal `m`, with the Fresnel share of the lobe as its weight.
+/// The ray that one facet of unit normal `m` sends; its weight is the Fresnel share of the lobe.
 ///
 /// `None` if the facet cannot: total reflection, or a ray that would meet the surface again; or if this build leaves it out.
 pub(super) fn facet_ray<T: Real>(

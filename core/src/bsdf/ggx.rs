@@ -12,8 +12,8 @@ use crate::quantity::{Alpha, RelativeIor};
 /// A rough dielectric boundary with GGX facets, separable Smith shadowing and exact Fresnel factors.
 ///
 /// `f = D G F / (4 |cos_i cos_o|)` in reflection and \[Walter2007, eq. 21\] in transmission, `G = G1 G1`.
-/// What it leaves out: light that meets a second facet (lost; see the energy table of `check`),
-/// polarisation, diffraction. With matched media (`eta` = 1) there is nothing to scatter: `eval` is 0
+/// It leaves out light that meets a second facet (this light is lost; see the energy table of `check`), polarisation
+/// and diffraction. With matched media (`eta` = 1) there is nothing to scatter: `eval` is 0
 /// and `sample` passes straight through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx<T> {
@@ -55,12 +55,11 @@ impl<T: Real> Ggx<T> {
         if h.possible { f.min(T::MAX) } else { T::ZERO }
     }
 
-    /// [`Bsdf::ars`] for loops over many pairs: a value, and whether it is that of `ars` to the last bit. Where it is
-    /// not, as for a few pairs in a hundred, `ars` has to be asked.
+    /// [`Bsdf::ars`] for loops over many pairs: a value, and whether it equals that of `ars` to the last bit. If it
+    /// does not, as for a few pairs in a hundred, call `ars`.
     ///
     /// `lost(a, b, product)` is `a * b - product`, exactly: [`Real::product_error`], or a fused multiplication where
-    /// the processor has one. It is not asked for more than it can do: pairs with overflow, or underflow that matters,
-    /// are among those left over.
+    /// the processor has one. Pairs with overflow, or with underflow that matters, are left over for `ars`.
     #[inline(always)]
     pub fn ars_or_not(
         &self,

@@ -2,16 +2,16 @@
 //!
 //! With `h = n_i wi + n_o wo` one expression serves reflection (`n_i = n_o`, the half vector of
 //! \[Walter2007, eq. 13\]) and transmission (its eq. 16), and it is the same to the last bit from both
-//! ends of a path, which is what keeps the law reciprocal where `h` is a small difference.
+//! ends of a path, which keeps the law reciprocal where `h` is a small difference.
 //!
-//! **What the cosines at the facet are.** Directions are unit vectors, so all cosines follow from `|h|^2` alone,
-//! and are defined so in every precision, whatever the rounding of the components:
+//! **The cosines at the facet.** Directions are unit vectors, so all cosines follow from `|h|^2` alone,
+//! and this defines them in every precision, whatever the rounding of the components:
 //! reflection, `|wi.m| = |h| / 2`; transmission, with `h = a + n b` (a in the air, b in the dielectric) and
 //! `s = n^2 - 1`, `2 a.h = |h|^2 - s`, `2 n b.h = |h|^2 + s`. No root is spent on normalising, and
 //! Fresnel's factors become symmetric in the two ends: with `P = (s^2 - |h|^4) / |h|^2` and `w` one over the cosine of the
 //! deviation, `1 - F` times `|wi.m|` and the Jacobian is `e P^2 (1 + w^2) / (8 s^2)`, `e` the far index over the near one.
 //!
-//! **What single precision loses, and how it is kept.** Two differences are ill-conditioned, each once:
+//! **Single precision.** Two differences are ill-conditioned, each once:
 //! - `h = a + n b`: the rounding of `n b` is magnified by `1 / |h_xy|`, a thousandfold in a lobe of alpha 1e-3. What the
 //!   rounding took from the product is added again: each component is right to two units of its own last digit.
 //! - `|h|^2 - K`, with `K = s` where a facet is seen at grazing incidence and `K = 4 (1 - e^2)` at the critical angle, where
@@ -19,7 +19,7 @@
 //!   from two parts of every term (`difference`), and is then right to 1e-13.
 //!
 //! Nothing here branches: both cases share their quotients, whose terms are selected. A loop over pairs
-//! then becomes vector instructions, and a pair on unforeseeable sides costs no chain of mispredictions.
+//! then becomes vector instructions, and a pair on unpredictable sides causes no mispredicted branches.
 
 #![allow(clippy::needless_bitwise_bool, reason = "lazy operators would be branches")]
 
@@ -29,10 +29,9 @@ use crate::quantity::RelativeIor;
 use crate::scope;
 
 /// One of two values. Where loops become vector instructions both are computed, and neither costs a branch
-/// that random directions mispredict; on a microcontroller only the one that is wanted is. The bits are
-/// the same.
+/// that random directions mispredict; a microcontroller computes only the one it needs. The bits are the same.
 ///
-/// A macro and not a function of two closures: the compiler may leave a large closure out of line, and no loop
+/// A macro instead of a function of two closures: the compiler may leave a large closure out of line, and no loop
 /// with a call in it becomes vector instructions.
 macro_rules! choose {
     ($condition:expr, $yes:expr, $no:expr) => {

@@ -52,7 +52,7 @@ pub struct CoherentFlux<T> {
     pub transmitted: T,
 }
 
-/// One of the two ways to leave a boundary.
+/// One of the two sides to which light leaves a boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lobe {
     /// Back to the side the light came from.
@@ -61,11 +61,11 @@ pub enum Lobe {
     Transmission,
 }
 
-/// Something that sends a ray on its way: all that a ray method can promise.
+/// Something that scatters rays: the least that a method provides.
 pub trait Scatter<T: Real> {
     /// Scatters light that came from `wi`; `None` if the ray is lost (a facet sent it into the surface).
     ///
-    /// `uniform` gives independent uniforms in [0, 1); how many are taken depends on the law.
+    /// `uniform` gives independent uniforms in [0, 1); the law determines how many it takes.
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>>;
 }
 
@@ -89,7 +89,7 @@ pub trait Bsdf<T: Real>: Scatter<T> {
     /// Density of [`Scatter::sample`] at `wo`, per solid angle, in 1/sr.
     fn pdf(&self, wi: Direction<T>, wo: Direction<T>) -> T;
 
-    /// Draws a ray into one lobe from two uniforms in [0, 1), smoothly: no choice of a path is made.
+    /// Draws a ray into one lobe from two uniforms in [0, 1). The result is smooth in them: no path is chosen at random.
     ///
     /// The weight carries the Fresnel share, so its mean over the uniforms is the flux of the lobe.
     /// `None` is a weight of zero. For rules that integrate over the uniforms.

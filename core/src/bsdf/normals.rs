@@ -13,8 +13,8 @@ use crate::quantity::RelativeIor;
 ///
 /// `ars = p(m) / V(wi) * J * (F or 1 - F)`, where `V` is the share of normals that face `wi` (others are
 /// drawn again) and `J` the Jacobian of \[Walter2007, eqs 14 and 17\]. No masking and no interreflection:
-/// a facet is met in proportion to its number, not to its projected area, so the law is not reciprocal,
-/// and a ray sent back into the surface is lost. That is the published method.
+/// light meets facets in proportion to their number, not to their projected area, so the law is not reciprocal, and a
+/// ray sent back into the surface is lost. This is the published method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Normals<T, const N: usize = 256> {
     /// Density of the facet normals.

@@ -1,4 +1,4 @@
-//! Opaque GGX surface with a Lambert floor: what a reflection scan of a metal is fitted with.
+//! Opaque GGX surface with a Lambert floor, for fits of reflection scans of metals.
 
 use super::facet::lit;
 use super::{Bsdf, Lobe, Scatter, Scattered};
@@ -12,8 +12,8 @@ use crate::scope;
 /// `f = gain D G / (4 |cos_i cos_o|) + lambert`, from the air side only; nothing is transmitted.
 ///
 /// `gain` stands for the Fresnel reflectance of the metal, taken as constant. Both coefficients are the
-/// user's: `gain + pi lambert <= 1` conserves energy and [`OpaqueGgx::conserves_energy`] says whether
-/// it holds; a relative measurement may well give more.
+/// user's: `gain + pi lambert <= 1` conserves energy and [`OpaqueGgx::conserves_energy`] checks it; a relative
+/// measurement may give more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpaqueGgx<T> {
     /// Width of the slope distribution.
@@ -25,7 +25,7 @@ pub struct OpaqueGgx<T> {
 }
 
 impl<T: Real> OpaqueGgx<T> {
-    /// A surface; `None` unless both coefficients are finite and not negative.
+    /// A surface; `None` unless both coefficients are finite and at least 0.
     pub fn new(alpha: Alpha<T>, gain: T, lambert: T) -> Option<Self> {
         let fine = |x: T| x.is_finite() && x >= T::ZERO;
         (fine(gain) && fine(lambert)).then_some(Self { alpha, gain, lambert })

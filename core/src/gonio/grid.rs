@@ -2,7 +2,7 @@
 
 use crate::math::Real;
 
-/// `count` angles from `start` on, `step` apart, in degrees.
+/// `count` angles in degrees, `step` apart, from `start` upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleGrid<T> {
     /// First angle, degrees.

@@ -37,7 +37,7 @@ impl<T: Real, const N: usize> Scan<T, N> {
         &self.readings
     }
 
-    /// The readings, to be changed.
+    /// The readings, mutable.
     pub fn readings_mut(&mut self) -> &mut [T] {
         &mut self.readings
     }

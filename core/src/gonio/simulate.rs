@@ -31,7 +31,8 @@ impl<T: Real> Goniophotometer<T> {
 
     /// Adds the readings of `rays` rays, each weighted `1 / rays`, to `readings` (one per grid angle).
     ///
-    /// Returns where the flux went, averaged over the rays. `sigma_deg` is the angle of incidence.
+    /// Returns the shares of the flux that were reflected, transmitted and lost, averaged over the rays. `sigma_deg`
+    /// is the angle of incidence.
     pub fn simulate<S: Scatter<T>, G: Rng + ?Sized>(
         &self,
         plate: &Plate<S, T>,
@@ -78,7 +79,7 @@ impl<T: Real> Goniophotometer<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone<T> {
     side: Side,
-    /// Square of the sine of half the aperture: it keeps the digits that cosines of small angles do not.
+    /// Square of the sine of half the aperture: it keeps the digits that cosines of small angles lose.
     sin2: T,
 }
 

@@ -1,8 +1,8 @@
 //! The fast tier: numbers whose elementary functions are polynomials.
 //!
 //! `Ggx<Fast<f32>>` is the same evaluator as `Ggx<f32>` with the functions of `polynomial.rs` in the
-//! place of `libm`'s. Arithmetic and square roots are exact in both, so whatever needs nothing else has
-//! the same bits. Like the exact tier it is the same on every machine.
+//! place of `libm`'s. Arithmetic and square roots are exact in both, so results that need nothing else have the same
+//! bits. Like the exact tier, the fast tier gives the same bits on every machine.
 
 use core::fmt;
 use core::ops::{Add, Div, Mul, Neg, Sub};

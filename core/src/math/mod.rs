@@ -1,4 +1,4 @@
-//! The one door to mathematics: a sealed scalar trait, [`Real`], on `libm`.
+//! The only access to mathematics: a sealed scalar trait, [`Real`], on `libm`.
 //!
 //! Nothing else in this crate calls `libm` or an inherent float function that needs `std`. The same
 //! source therefore gives the same bits on a workstation and on a Cortex-M, in debug and release.
@@ -131,7 +131,7 @@ pub trait Real:
         (self - (sum - part)) + (other - part)
     }
     /// What rounding took from a product of two: `self * other - product`, exactly \[Dekker\]; 0 in double, whose
-    /// rounding is below all that is asked for.
+    /// rounding is below every requirement.
     ///
     /// Four products of halves, though some processors would need one instruction: not all have it, and these
     /// have the same bits on all.

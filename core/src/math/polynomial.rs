@@ -3,8 +3,8 @@
 //! `libm`'s single-precision sine and cosine compute in double precision, two thousand instructions on a
 //! Cortex-M4F; these take some forty, and loops over them become vector instructions. Every argument is
 //! reduced to a short interval (Cody and Waite; `ln` and `atan` by quotients), where a polynomial
-//! takes over whose coefficients were fitted for the least largest relative error (Lawson's
-//! weights, 40 digits). The bounds are in the tests, which visit every region and its edges.
+//! takes over whose coefficients minimise the largest relative error (Lawson's
+//! weights, 40 digits). The tests hold the bounds and visit every region and its edges.
 
 #![allow(
     clippy::excessive_precision,

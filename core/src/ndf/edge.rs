@@ -1,4 +1,4 @@
-//! Laws of normals whose flank is narrower than an angle in single precision can tell.
+//! Laws of normals whose flank is too narrow for an angle in single precision.
 //!
 //! The relative error of `exp(-y^n / 2)` with `y = (t - t0) / delta` is `n y^n / 2` times that of `y`: 1400 times at n = 100,
 //! a millionth below the peak; and a rounded `t` near a centre `t0` spoils `y` by `t0 / (t - t0)` times its own error. No
@@ -17,7 +17,7 @@ use crate::math::Real;
 struct Edge<T> {
     sin: T,
     cos: T,
-    /// Squares, each with what its rounding took.
+    /// Squares, each with its rounding error.
     sin2: [T; 2],
     cos2: [T; 2],
     /// `(r - t0) / delta`.
@@ -32,7 +32,7 @@ impl<T: Real> Edges<T> {
     /// The largest exponent whose flank a rounded angle serves: 16 * 14 * 4 roundings of 6e-8 are 5e-5.
     const BLUNT: f64 = 16.0;
 
-    /// Of a law that needs them: in single precision, with a centre or a large exponent.
+    /// The edges of a law that needs them: in single precision, with a centre or a large exponent.
     pub(super) fn of(law: &Law<f64>) -> Option<Self> {
         let (sharp, centre) = (law.n() > Self::BLUNT, law.centre());
         let edge = |offset: f64| {

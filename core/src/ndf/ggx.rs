@@ -32,7 +32,7 @@ pub(crate) fn shadow_sum<T: Real>(a: T, w: [T; 3]) -> T {
 
 /// Smith's masking of one direction, `G1(w)`, 0 to 1 \[Walter2007, eq. 34\].
 ///
-/// The factor that is zero for a facet turned away is the caller's.
+/// The caller applies the factor that is zero for a facet turned away.
 #[inline(always)]
 pub fn g1<T: Real>(alpha: Alpha<T>, w: Direction<T>) -> T {
     let sum = shadow_sum(alpha.get(), w.xyz());

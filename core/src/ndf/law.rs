@@ -1,7 +1,7 @@
 //! The paper's two profiles, with the signs corrected \[Sokolov eqs 4-5 and 7-8\].
 //!
 //! As printed, the Gauss profile has no minus in its exponent and grows, and the Cauchy profile has a
-//! minus in its denominator and a pole at `|t - t0| = delta`. The forms below are the ones meant.
+//! minus in its denominator and a pole at `|t - t0| = delta`. The forms below are the intended ones.
 
 use core::fmt;
 

@@ -95,8 +95,8 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         self.law.value(sin.atan2(cos)) * self.inverse_norm
     }
 
-    /// `2 p(m)` of the direction of a half vector, from `h_x^2 + h_y^2` and `h_z^2`; where these are not enough, from the same
-    /// with what their roundings took.
+    /// `2 p(m)` of the direction of a half vector, from `h_x^2 + h_y^2` and `h_z^2`; where these are not enough, from
+    /// the same with their rounding errors.
     #[inline]
     pub(crate) fn twice_of_squares(
         &self,

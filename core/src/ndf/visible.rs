@@ -1,4 +1,4 @@
-//! The share of the facet normals that face a direction: what drawing again divides by.
+//! The share of the facet normals that face a direction; drawing again divides by it.
 //!
 //! A normal at `theta` faces a direction of elevation `e` for all azimuths if `theta < e`, else for a
 //! share `1 - acos(tan e / tan theta) / pi` of them.

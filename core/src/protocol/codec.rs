@@ -8,10 +8,10 @@ use postcard::ser_flavors::Flavor;
 
 use super::message::Frame;
 
-/// Most bytes of a serialised message with its checksum, before stuffing.
+/// Largest number of bytes of a serialised message with its checksum, before stuffing.
 pub const MAX_PAYLOAD: usize = 96;
 
-/// Most bytes of a frame on the line: the payload, one byte of stuffing, a zero at either end.
+/// Largest number of bytes of a frame on the line: the payload, one byte of stuffing, a zero at either end.
 pub const MAX_ENCODED: usize = MAX_PAYLOAD + 3;
 
 /// Bytes of the checksum, little-endian, at the end of the payload.
@@ -36,7 +36,7 @@ pub enum FrameError {
     Checksum,
     /// The checksum is right, the message is not one of this version.
     Unknown,
-    /// An instrument that speaks another version of the protocol.
+    /// An instrument with another version of the protocol.
     Version(u16),
 }
 

@@ -5,10 +5,10 @@ use heapless::Vec;
 use super::codec::{FrameError, MAX_PAYLOAD, parse};
 use super::message::Frame;
 
-/// Takes bytes in pieces of any size and gives frames; memory and time are bounded whatever comes.
+/// Accepts bytes in pieces of any size and returns frames; memory and time are bounded for any input.
 ///
-/// Zeros separate frames, so whatever is broken ends at the next zero: at most the frame in which a
-/// byte was lost, and the one it was joined to, are thrown away.
+/// Zeros separate frames, so damage ends at the next zero: at most two frames are discarded, the one in which a byte
+/// was lost and the one joined to it.
 ///
 /// ```
 /// use asperity_core::protocol::{Decoder, Frame, Message, Request, encode};
@@ -60,17 +60,17 @@ impl Decoder {
         self.good
     }
 
-    /// Frames thrown away, with wrap-around.
+    /// Frames discarded, with wrap-around.
     pub fn bad(&self) -> u32 {
         self.bad
     }
 
-    /// Whether the last byte was the end of a frame, or nothing has come yet.
+    /// Whether the last byte ended a frame, or no byte has come yet.
     pub fn is_between_frames(&self) -> bool {
         !self.begun
     }
 
-    /// Forgets the frame begun, as after a lost connection. The counters stay.
+    /// Discards the frame begun, as after a lost connection. The counters stay.
     pub fn reset(&mut self) {
         self.payload.clear();
         self.left = 0;

@@ -1,4 +1,4 @@
-//! What is said on the line. The order of the variants is their number on the wire: append only.
+//! The messages. The order of the variants is their number on the wire: append only.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,20 +6,20 @@ use super::reading::{Calibration, CalibrationKind, Point, Range, Reading, Segmen
 use super::state::{Axis, DeviceError, Diagnostics, Fault, Ident, MachineState, Status};
 use super::units::Microdegrees;
 
-/// A message, whose it is, and its number.
+/// A message with its session and its number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// The client's session, drawn at random, not 0; answers and events carry that of the request.
+    /// The client's session, drawn at random, not 0; answers and events repeat the session of the request.
     pub session: u16,
-    /// A client counts its requests up, with wrap-around; an answer repeats the request's number. A
-    /// request sent again keeps its number, is carried out once, and gets the same answer again.
-    /// Events count on their own.
+    /// A client numbers its requests upwards, with wrap-around; an answer repeats the number of the request. A
+    /// repeated request keeps its number, is carried out once, and gets the same answer again. Events have a count of
+    /// their own.
     pub sequence: u16,
-    /// What is said.
+    /// The message.
     pub message: Message,
 }
 
-/// Everything that can be said, by either end.
+/// Every message, from either end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Message {
     /// Client to instrument.
@@ -32,15 +32,15 @@ pub enum Message {
     Event(Event),
 }
 
-/// What a client wants. Everything but `Identify`, `Status`, `Diagnostics`, `Claim` and
-/// `EmergencyStop` is for the owner alone.
+/// A request of a client. Only the owner may send requests other than `Identify`, `Status`, `Diagnostics`, `Claim`
+/// and `EmergencyStop`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Request {
-    /// Who are you? `Response::Ident`, in every version of the protocol.
+    /// The identity of the instrument: `Response::Ident`, in every version of the protocol.
     Identify,
-    /// Makes this session the owner, unless another one owns the instrument and has been heard of lately.
+    /// Makes this session the owner, unless another session owns the instrument and was active lately.
     Claim,
-    /// The instrument stops, belongs to nobody, and listens to text again.
+    /// The instrument stops, has no owner, and accepts text again.
     Release,
     /// `Response::Status`, in every state.
     Status,
@@ -58,7 +58,7 @@ pub enum Request {
     Integration(u32),
     /// The lamp on or off. Off drops the reference.
     Lamp(bool),
-    /// Reads the detector where it is. Accepted when begun; over when idle; see `LastReading`.
+    /// Reads the detector at its present position. Accepted when begun; over when idle; see `LastReading`.
     Read,
     /// `Response::Reading` of the last `Read`.
     LastReading,
@@ -68,21 +68,21 @@ pub enum Request {
     LastCalibration,
     /// Scans a segment; the points come as events. Idle when all are measured.
     Scan(Segment),
-    /// The client has points of the segment up to `next` (not included): sends on from there, `credit`
-    /// points at most, measures them first where needed. Also how lost points are asked for again.
+    /// The client has the points of the segment before `next`. The instrument sends at most `credit` points from
+    /// there on, and measures them first where needed. This also requests lost points again.
     Continue {
         /// Name of the segment.
         segment: u32,
         /// First point the client does not have.
         next: u16,
-        /// How many points may be sent before the client asks for more, >= 1.
+        /// Points that the instrument may send before the next request, >= 1.
         credit: u16,
     },
-    /// Stops whatever is going on, in good order; idle afterwards.
+    /// Stops the present work in good order; idle afterwards.
     Stop,
     /// Cuts the motors at once: fault `EmergencyStop`. From any session.
     EmergencyStop,
-    /// Leaves the fault; idle afterwards.
+    /// Clears the fault; idle afterwards.
     ClearFault,
 }
 
@@ -103,7 +103,8 @@ pub enum Response {
     Calibration(Calibration),
 }
 
-/// What an instrument says unasked, to its owner. Any may be lost: `Status` and `Continue` find out.
+/// An event, which the instrument sends to its owner without a request. Any event may be lost; `Status` and
+/// `Continue` recover its content.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Event {
     /// A point of the segment being scanned.

@@ -1,4 +1,4 @@
-//! What the detector says.
+//! Readings of the detector.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub enum Range {
     Fixed(u8),
 }
 
-/// One value of the detector, not yet relative to anything.
+/// One value of the detector, not yet relative to the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// Photocurrent, nA, dark current included.
@@ -46,8 +46,8 @@ pub struct Point {
 
 /// Points `first` to `count - 1` of an even grid of observation angles, at the present incidence.
 ///
-/// The whole grid is given also where only its end is wanted: a point is then the same reading
-/// whether its segment was scanned in one go or not.
+/// The message gives the whole grid even if only its end is wanted: a point is then the same reading whether its
+/// segment was scanned in one go or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Segment {
     /// A name the client has not used before in this session.
@@ -60,7 +60,7 @@ pub struct Segment {
     pub count: u16,
     /// First point to be read, < `count`.
     pub first: u16,
-    /// How many points may be sent before the client asks for more, >= 1.
+    /// Points that the instrument may send before the next request, >= 1.
     pub credit: u16,
 }
 
@@ -76,8 +76,7 @@ pub enum CalibrationKind {
 /// The result of both calibration runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Calibration {
-    /// CRC-32C of the values and of the settings they were taken with: two calibrations with one
-    /// identity are the same.
+    /// CRC-32C of the values and of the settings they were taken with: two calibrations with the same identity are equal.
     pub id: u32,
     /// Dark current of every range, nA.
     pub dark: [f32; RANGES as usize],

@@ -1,4 +1,4 @@
-//! The text facade: a few SCPI commands for a terminal, `LabVIEW` or VISA.
+//! The text interface: a few SCPI commands for a terminal, `LabVIEW` or VISA.
 
 use super::units::Microdegrees;
 

@@ -1,4 +1,4 @@
-//! What an instrument is, what it does, and what is wrong with it.
+//! The identity of an instrument, its state, and its faults.
 
 use core::fmt;
 
@@ -16,18 +16,19 @@ pub enum Axis {
     Theta,
 }
 
-/// Where an axis may go, and how fast it does.
+/// Limits and speed of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AxisLimits {
     /// Smallest position.
     pub least: Microdegrees,
     /// Largest position.
     pub most: Microdegrees,
-    /// Microdegrees a second, > 0.
+    /// Microdegrees per second, > 0.
     pub speed: u32,
 }
 
-/// Who answers. `protocol` comes first in every version, so that a client of another one can tell.
+/// The identity of the instrument. `protocol` comes first in every version, so that a client of another version
+/// recognises it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Ident {
     /// Version of the messages, [`super::VERSION`].
@@ -68,11 +69,11 @@ pub enum Fault {
     AxisStalled(Axis),
     /// An axis ran into its end switch. Home again.
     LimitSwitch(Axis),
-    /// The detector was given more light than it bears.
+    /// The detector received more light than it tolerates.
     OverRange,
     /// The lamp went out.
     LampFailed,
-    /// Somebody asked for it. Home again.
+    /// A client requested it. Home again.
     EmergencyStop,
 }
 
@@ -138,12 +139,12 @@ pub struct Status {
     pub owner: Option<u16>,
 }
 
-/// Counters for whoever looks after the line and the firmware.
+/// Counters for the maintenance of the line and the firmware.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Diagnostics {
     /// Good frames received since power-on.
     pub frames: u32,
-    /// Frames thrown away since power-on: cut, corrupted, too long, unknown.
+    /// Frames discarded since power-on: cut, corrupted, too long, unknown.
     pub bad_frames: u32,
     /// Bytes of stack used at most since power-on; 0 where that is not known.
     pub stack_bytes: u32,
@@ -151,7 +152,7 @@ pub struct Diagnostics {
     pub uptime_ms: u32,
 }
 
-/// Why a request was not carried out. Nothing has moved or changed.
+/// Why a request was refused. Nothing has moved or changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum DeviceError {
@@ -173,7 +174,7 @@ pub enum DeviceError {
     LampOff,
     /// Nothing has been read, or calibrated, since power-on or the last change of a setting.
     Nothing,
-    /// The segment asked for is not the one in the memory.
+    /// The requested segment is not the one in the memory.
     NoSegment,
     /// That calibration needs another one first.
     NeedsCalibration(CalibrationKind),

@@ -1,4 +1,4 @@
-//! Angles and short texts as they travel.
+//! Angles and short texts on the wire.
 
 use core::fmt;
 

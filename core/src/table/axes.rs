@@ -56,7 +56,7 @@ impl<T: Real> Place<T> {
 /// Steps of the gain within a cell of incidence.
 pub const GAIN_STEPS: u16 = 8;
 
-/// A cell of incidence, and what a stored unit is worth there.
+/// A cell of incidence, and the value of a stored unit there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Incidence<T> {
     pub(super) place: Place<T>,

@@ -1,4 +1,4 @@
-//! CRC-32C over the numbers and arrays of a table: what a bit that flips in a flash or a file cannot pass.
+//! CRC-32C over the numbers and arrays of a table; against flipped bits in a flash or a file.
 //!
 //! Summed are, little-endian: `eta` and `slope` (f32), the bytes of a value, and 256 of an opaque body (u16); of each of the four lobes incidences, azimuths,
 //! radii, intervals, form and fall (u16), scale, grazing and masking (f32), zeros for one left out; both numbers of fluxes (u16)

@@ -1,4 +1,4 @@
-//! Whether a table gives light that was never there: arrays may hold numbers in their domains and yet no BSDF.
+//! Whether a table gives more light than it receives: arrays may hold numbers in their domains and yet no BSDF.
 
 use super::axes::{incidence_cosine, whole};
 use super::error::TableError;

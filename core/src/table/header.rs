@@ -14,9 +14,9 @@ use crate::scope;
 pub struct LobeHeader {
     /// Numbers of nodes.
     pub shape: Shape,
-    /// What is divided out.
+    /// The factors divided out.
     pub form: Form,
-    /// How the tail falls.
+    /// The fall of the tail.
     pub fall: Fall,
     /// Scale of slopes.
     pub scale: f32,
@@ -144,8 +144,8 @@ impl Header {
         Ok(view)
     }
 
-    /// The same without a look at the numbers, for arrays that [`Self::table`] has taken before; any others give wrong
-    /// values, never a panic. In a constant the device has nothing to do.
+    /// The same without a check of the numbers, for arrays that [`Self::table`] has accepted before; others give
+    /// wrong values, never a panic. In a constant it costs the device nothing.
     #[inline]
     pub const fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
         let mut view = BsdfTableRef::dark(self.eta, self.slope);

@@ -9,7 +9,8 @@ use crate::direction::Direction;
 use crate::math::Real;
 use crate::ndf::ggx::shadow_sum;
 
-/// What is divided out of a lobe, and what it is looked up by. `S = |wi.m| J F` is the exact share of one facet: its Fresnel factor
+/// The factors divided out of a lobe, and the coordinates of its look-up. `S = |wi.m| J F` is the exact share of one
+/// facet: its Fresnel factor
 /// (reflected or transmitted), its Jacobian `J = d omega_m / d omega_o` and its projection on `wi`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
@@ -127,9 +128,9 @@ impl Shape {
 pub struct LobeTable<'a, S> {
     /// Numbers of nodes.
     pub shape: Shape,
-    /// What is divided out.
+    /// The factors divided out.
     pub form: Form,
-    /// How the tail falls.
+    /// The fall of the tail.
     pub fall: Fall,
     /// `s0`, the scale of slopes, or of `|h_xy|` of [`Form::Direct`].
     pub scale: f32,
@@ -137,7 +138,7 @@ pub struct LobeTable<'a, S> {
     pub grazing: f32,
     /// `a` of [`Form::Masked`].
     pub masking: f32,
-    /// What the square of a stored unit is worth, linear between steps of incidence: here the flux is the model's.
+    /// The value of the square of a stored unit, linear between steps of incidence: with it the flux is that of the model.
     pub gains: &'a [f32],
     /// [`Shape::cells`], which every look-up needs.
     pub cells: [f32; 4],

@@ -5,17 +5,19 @@
 //! borrows them as a [`BsdfTableRef`], which evaluates and samples like any law ([`Bsdf`](crate::bsdf::Bsdf)) and allocates nothing.
 //!
 //! A lobe is not tabulated over its directions but over the *facet* that turns `wi` into `wo`, with all that is
-//! exactly known divided out ([`Form`], [`Fall`]): what is left hardly changes with the incidence and the
-//! azimuth, so a few nodes of each do, and between two incidences the peak moves instead of fading. Three axes ([`Shape`]):
+//! exactly known divided out ([`Form`], [`Fall`]): the rest hardly changes with the incidence and the azimuth, so a
+//! few nodes of each suffice, and between two incidences the peak moves instead of fading. Three axes ([`Shape`]):
 //!
 //! - the tangent of half the angle of incidence, crowded by `k`, from 0 at the normal to 1 at grazing;
 //! - the azimuth of the facet against the mirror direction, as its cosine `p`, -1 to 1: an isotropic surface is
 //!   symmetric, and even functions of an angle are smooth in its cosine;
 //! - the slope of the facet `s`, as `r = s / (s + s0)`: a peak of any width gets the same nodes.
 //!
-//! Stored is the square root: small values keep their digits in 8 or 16 bits, and nothing is negative. Between nodes it is
-//! linear in the last two, its square is in the first. What a unit of it is worth, the gain, has [`GAIN_STEPS`] within each cell
-//! of incidence, at which the flux is that of the model. Samples need no values: each incidence has the quantiles of
+//! The table stores square roots: small values keep their digits in 8 or 16 bits, and nothing is negative. Between
+//! nodes it is
+//! linear in the last two, its square is in the first. The value of a unit, the gain, has [`GAIN_STEPS`] within each
+//! cell of incidence; there the flux is that of the model. Samples need no values: each incidence has the quantiles
+//! of
 //! `r^2`, which are interpolated like the values, and for each interval the mean of `p`, of which the nearer is taken; so the
 //! density of the samples is known exactly without a sum over incidences.
 

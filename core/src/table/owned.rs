@@ -7,7 +7,7 @@ use super::view::BsdfTableRef;
 
 /// Room for `V` values, `Q` quantiles (and leans), and `N` incidences of lobes and of fluxes.
 ///
-/// All the work is done by the [view](Self::view), once for every storage and not once for every size.
+/// The [view](Self::view) does all the work, compiled once per storage instead of once per size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BsdfTable<S, const V: usize, const Q: usize, const N: usize> {
     header: Header,

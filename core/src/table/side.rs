@@ -1,4 +1,4 @@
-//! What light from one side becomes: two lobes, and their fluxes.
+//! One side: two lobes, and their fluxes.
 
 use super::axes::{Place, incidence_place, real, steps, whole};
 use super::lobe::LobeTable;
@@ -31,15 +31,15 @@ pub struct Fluxes<T> {
 /// One side of a boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideTable<'a, S> {
-    /// Light that comes back; `None` if it was left out, or is none.
+    /// The reflected lobe; `None` if it was left out or holds no light.
     pub reflection: Option<LobeTable<'a, S>>,
-    /// Light that goes through.
+    /// The transmitted lobe, likewise.
     pub transmission: Option<LobeTable<'a, S>>,
     /// `k` of the incidences of the fluxes.
     pub grazing: f32,
     /// 256 times [`cells`](super::cells) of the fluxes, which every sample needs.
     pub steps: f32,
-    /// Fluxes in units of 1/65535, one row an incidence; 0 for a lobe that was left out, or its samples are lost.
+    /// Fluxes in units of 1/65535, one row per incidence; 0 for a lobe that was left out, or its samples are lost.
     pub fluxes: &'a [[u16; 4]],
 }
 

@@ -1,4 +1,4 @@
-//! Values of a table: what a pair of directions is looked up by, and what is found there.
+//! Values of a table: the coordinates of a pair of directions, and the value there.
 
 use super::axes::{Incidence, real};
 use super::lobe::{Form, LobeTable};
@@ -29,7 +29,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
         there.as_ref()
     }
 
-    /// What a pair of directions is looked up by; `None` where nothing scatters.
+    /// The coordinates of a pair of directions; `None` where nothing scatters.
     #[inline(always)]
     fn half<T: Real>(
         &self,

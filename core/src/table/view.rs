@@ -24,7 +24,7 @@ pub struct Coherent<T: Real> {
 /// A BSDF in arrays that may lie in flash.
 ///
 /// Implements [`Bsdf`](crate::bsdf::Bsdf) for every [`Real`], so the same bytes serve `Fast<f32>` on a device and `f64` on a
-/// workstation. What is coherent has no value and no density; samples include it.
+/// workstation. Coherent light has no value and no density; samples include it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfTableRef<'a, S> {
     pub(super) eta: RelativeIor<f32>,
@@ -40,7 +40,7 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
     /// `slope` is a typical slope of the facets, a length scale for quadrature.
     ///
     /// # Errors
-    /// [`TableError`] if lengths or numbers do not belong together, or a side gives more than it receives.
+    /// [`TableError`] if lengths or numbers do not match, or a side gives more than it receives.
     pub fn new(
         eta: RelativeIor<f32>,
         slope: f32,

@@ -1,4 +1,4 @@
-//! Separable real Fourier transforms of a grid, periodic or mirrored, and the way back.
+//! Separable real Fourier transforms of a grid, periodic or mirrored, and their inverse.
 //!
 //! Along each direction a line of n numbers becomes n real coefficients, in place: for a periodic line the
 //! cosines and sines of its Fourier series (Re 0, Re 1, Im 1, Re 2, ...), for a mirrored one its cosines alone

@@ -1,4 +1,4 @@
-//! An instrument that is owned, and owned again after the line was lost.
+//! A client that owns an instrument, and owns it again after the line was lost.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -19,21 +19,21 @@ const LOSSES: u32 = 3;
 
 /// A client of one instrument.
 ///
-/// Where the line breaks, or the instrument has forgotten its owner, the line is opened again, the
-/// instrument is recognised, claimed and stopped; then the request is made again. Whoever has begun a
-/// motion finds by [`recoveries`](Self::recoveries) that it has to be begun anew.
+/// If the line breaks, or the instrument has forgotten its owner, the client opens the line again, recognises, claims
+/// and stops the instrument, and repeats the request. After a motion, a change of [`recoveries`](Self::recoveries)
+/// shows that the motion must begin again.
 #[derive(Debug)]
 pub struct Client<'s, T> {
     pub(super) link: Link<'s, T>,
     pub(super) ident: Ident,
     pub(super) owner: bool,
-    /// A claim was sent whose answer has not come: perhaps it is the owner.
+    /// The answer to a claim has not come: the client may be the owner.
     claiming: bool,
     pub(super) recoveries: u32,
 }
 
 impl<'s, T: Transport> Client<'s, T> {
-    /// Finds out who is there.
+    /// Identifies the instrument.
     ///
     /// # Errors
     /// [`Trouble::Silent`], [`Trouble::NotAnInstrument`], [`Trouble::Version`], [`Trouble::Lost`],
@@ -42,7 +42,7 @@ impl<'s, T: Transport> Client<'s, T> {
         Self::connect_heeding(line, patience, None)
     }
 
-    /// The same, heeding a flag from the first byte on: see [`heed`](Self::heed).
+    /// The same, with a stop flag from the first byte on: see [`heed`](Self::heed).
     ///
     /// # Errors
     /// As [`connect`](Self::connect), and [`Trouble::Interrupted`].
@@ -59,17 +59,17 @@ impl<'s, T: Transport> Client<'s, T> {
         }
     }
 
-    /// From now on waits end with [`Trouble::Interrupted`] soon after the flag is set; `None`: no more.
+    /// From now on waits end with [`Trouble::Interrupted`] soon after the flag is set; `None` removes the flag.
     pub fn heed(&mut self, stop: Option<&'s AtomicBool>) {
         self.link.stop = stop;
     }
 
-    /// Who it is.
+    /// The identity of the instrument.
     pub fn ident(&self) -> &Ident {
         &self.ident
     }
 
-    /// How often the line was lost and found again, or the ownership.
+    /// How often the line or the ownership was lost and recovered.
     pub fn recoveries(&self) -> u32 {
         self.recoveries
     }
@@ -84,7 +84,7 @@ impl<'s, T: Transport> Client<'s, T> {
         &self.link.line
     }
 
-    /// The line, to be meddled with.
+    /// The line, mutable.
     pub fn line_mut(&mut self) -> &mut T {
         &mut self.link.line
     }
@@ -102,7 +102,7 @@ impl<'s, T: Transport> Client<'s, T> {
         LinkError::new(self.link.line.name(), trouble)
     }
 
-    /// How long ago the instrument has answered.
+    /// Time since the last answer of the instrument.
     pub(super) fn unheard(&self) -> Duration {
         self.now().saturating_sub(self.link.answered())
     }
@@ -111,12 +111,12 @@ impl<'s, T: Transport> Client<'s, T> {
         if self.link.is_stopped() { Err(self.fail(Trouble::Interrupted)) } else { Ok(()) }
     }
 
-    /// Makes a request that is answered at once, or begins what takes time.
+    /// Sends a request that the instrument answers at once, or that begins longer work.
     ///
     /// # Errors
-    /// [`Trouble::Refused`], [`Trouble::InUse`], [`Trouble::Fault`] where the instrument says no;
+    /// [`Trouble::Refused`], [`Trouble::InUse`], [`Trouble::Fault`] if the instrument refuses;
     /// [`Trouble::Lost`], [`Trouble::OtherInstrument`], [`Trouble::Unstable`], [`Trouble::Mute`],
-    /// [`Trouble::Astray`] where it cannot be asked; [`Trouble::Nonsense`], [`Trouble::Interrupted`].
+    /// [`Trouble::Astray`] if it cannot be reached; [`Trouble::Nonsense`], [`Trouble::Interrupted`].
     pub fn ask(&mut self, request: Request) -> Result<Response, LinkError> {
         let mut astray = 0;
         for _ in 0..LOSSES {
@@ -138,7 +138,7 @@ impl<'s, T: Transport> Client<'s, T> {
         }))
     }
 
-    /// What the instrument is doing. An owner that the instrument has forgotten claims it again.
+    /// The status of the instrument. If the instrument has forgotten its owner, the client claims it again.
     ///
     /// # Errors
     /// As [`ask`](Self::ask).
@@ -208,12 +208,12 @@ impl<'s, T: Transport> Client<'s, T> {
         claimed.map(drop)
     }
 
-    /// From now on waits for lost lines and answers are short: the end is near.
+    /// From now on waits for lost lines and answers are short, for the end of a run.
     pub(super) fn hurry(&mut self) {
         self.link.patience = self.link.patience.brief();
     }
 
-    /// Gives the instrument up; it stops.
+    /// Releases the instrument; it stops.
     ///
     /// # Errors
     /// As [`ask`](Self::ask).
@@ -223,8 +223,7 @@ impl<'s, T: Transport> Client<'s, T> {
         Ok(())
     }
 
-    /// Stops it at once, as far as it can be reached; from now on nothing is waited for long, and no
-    /// flag heeded.
+    /// Stops it at once if it can be reached; from now on waits are short and ignore the flag.
     pub(super) fn stop_now(&mut self) {
         self.heed(None);
         self.hurry();
@@ -233,7 +232,7 @@ impl<'s, T: Transport> Client<'s, T> {
         }
     }
 
-    /// What it is doing, if it says so without more ado and is still ours.
+    /// Its status, if it answers at once and this client still owns it.
     pub(super) fn glance(&mut self) -> Option<Status> {
         match self.link.exchange(Request::Status) {
             Ok(Ok(Response::Status(status))) => {
@@ -243,8 +242,7 @@ impl<'s, T: Transport> Client<'s, T> {
         }
     }
 
-    /// Stops and gives up the instrument as far as it can be reached, in about a second: for the end
-    /// of a run that has failed already.
+    /// Stops and releases the instrument if it can be reached, within about a second; for the end of a failed run.
     pub fn let_go(&mut self) {
         if !self.owner && !self.claiming {
             return;
@@ -254,12 +252,12 @@ impl<'s, T: Transport> Client<'s, T> {
         (self.owner, self.claiming) = (false, false);
     }
 
-    /// The events that have come and are not yet taken.
+    /// The received events that are not yet taken.
     pub(super) fn waiting(&self) -> impl Iterator<Item = &Event> {
         self.link.waiting()
     }
 
-    /// The events that have come; waits until `until` for the first one.
+    /// The received events; waits until `until` for the first one.
     pub(super) fn events(&mut self, until: Duration) -> Result<Vec<Event>, LinkError> {
         match self.link.event(until) {
             Ok(first) => Ok(first.into_iter().chain(self.link.events()).collect()),

@@ -1,14 +1,14 @@
-//! What an instrument has to be while it measures, and whether its status says so.
+//! The settings that an instrument must have while it measures, and the check of its status.
 //!
-//! A setting that was accepted need not have been obeyed. What the scan file says of the aperture, the
-//! integration time and the range is what the instrument reported before and behind every point.
+//! An accepted setting may still not be obeyed. The aperture, the integration time and the range in the scan file are
+//! those that the instrument reported before and after every point.
 
 use asperity_core::protocol::{Microdegrees, Range, Status};
 
 use super::error::Trouble;
 use super::schedule::Schedule;
 
-/// How far from where it was sent an axis may stand, by its encoder: microdegrees.
+/// Tolerance of an axis position, by its encoder, microdegrees.
 pub(super) const OFF_TARGET: u32 = 20_000;
 
 /// Settings as the schedule wants them, and where the sample stands.

@@ -90,12 +90,12 @@ pub enum RangeWord {
 }
 
 impl Draft {
-    /// Whether nothing is said.
+    /// Whether nothing is known.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What this one says, and what the other one says besides.
+    /// This draft, completed by the other one.
     pub fn or(self, other: Self) -> Self {
         Self {
             sigma_deg: self.sigma_deg.or(other.sigma_deg),

@@ -1,4 +1,4 @@
-//! What can be wrong with an instrument: on which port, what, and what to do.
+//! Trouble with an instrument: the port, the fault and the remedy.
 
 use std::io;
 
@@ -23,7 +23,7 @@ impl LinkError {
     }
 }
 
-/// What is wrong with an instrument, or with the way to it.
+/// A fault of an instrument, or of the line to it.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Trouble {
@@ -40,7 +40,7 @@ pub enum Trouble {
         "cannot be opened: {0}; check the cable and the name (`asperity acquire --list-ports`)"
     )]
     Open(io::Error),
-    /// Something answers, but not in this protocol.
+    /// A device answers, but not in this protocol.
     #[error(
         "no instrument of this kind answers: {bytes} bytes came, {bad} broken frames, beginning with \
          `{first}`; check the port and --baud"
@@ -58,7 +58,7 @@ pub enum Trouble {
         "no answer within {seconds:.1} s; check that the instrument is switched on, the cable, and --baud"
     )]
     Silent {
-        /// How long was waited.
+        /// The time waited.
         seconds: f64,
     },
     /// An instrument of another version of the protocol.
@@ -77,7 +77,7 @@ pub enum Trouble {
         "another client is using the instrument; wait until it is done (a lost one is forgotten in 5 s)"
     )]
     InUse,
-    /// After the line was lost another instrument answers, or the journal is of another one.
+    /// After the line was lost another instrument answers, or the journal belongs to another one.
     #[error("this is {found}, not {expected}; connect the instrument that was begun with")]
     OtherInstrument {
         /// Model and serial number of this one.
@@ -85,10 +85,10 @@ pub enum Trouble {
         /// Model and serial number of the one expected.
         expected: String,
     },
-    /// The instrument says no.
+    /// The instrument refuses the request.
     #[error("the instrument refuses {what}: {why}; see `asperity instrument status`")]
     Refused {
-        /// What was asked for.
+        /// The request.
         what: &'static str,
         /// Its reason.
         why: DeviceError,
@@ -108,17 +108,17 @@ pub enum Trouble {
         /// How many.
         answers: u64,
     },
-    /// It is there, and does not answer one kind of request.
+    /// It is present, but does not answer one kind of request.
     #[error(
         "the instrument answers, but not when it is asked for {what} ({seconds:.0} s); switch it off and on"
     )]
     Mute {
-        /// What was asked for.
+        /// The request.
         what: &'static str,
-        /// How long was waited.
+        /// The time waited.
         seconds: f64,
     },
-    /// A setting was accepted, and is not so.
+    /// The instrument accepted a setting and does not have it.
     #[error(
         "{what} was set to {wanted}, and the instrument reports {reported}: nothing measured so is kept; \
          switch it off and on, see `asperity instrument status`"
@@ -148,7 +148,7 @@ pub enum Trouble {
         /// The least that is measured against, nA.
         least: f64,
     },
-    /// It stops again and again, and says no fault.
+    /// It stops again and again and reports no fault.
     #[error(
         "the instrument has stopped {times} times before {what} was over, without a fault; see \
          `asperity instrument status`, switch it off and on"
@@ -162,9 +162,9 @@ pub enum Trouble {
     /// The line was lost and is not back.
     #[error("the connection was lost and not back within {seconds:.0} s{}; check cable and power", because(.cause.as_ref()))]
     Lost {
-        /// How long was waited.
+        /// The time waited.
         seconds: f64,
-        /// The operating system's last word.
+        /// The last error of the operating system.
         cause: Option<io::Error>,
     },
     /// The line or the instrument fails again and again.
@@ -177,18 +177,18 @@ pub enum Trouble {
         /// How often.
         times: u32,
     },
-    /// The instrument says what cannot be.
+    /// The instrument reports something impossible.
     #[error("the instrument says what cannot be: {0}; switch it off and on, or have it serviced")]
     Nonsense(String),
-    /// It does not come to an end.
+    /// It does not finish.
     #[error("{what} is not over after {seconds:.0} s; see `asperity instrument status`")]
     Overdue {
         /// What was begun.
         what: &'static str,
-        /// How long was waited.
+        /// The time waited.
         seconds: f64,
     },
-    /// The user wants it to end.
+    /// The user stopped it.
     #[error("interrupted")]
     Interrupted,
 }
@@ -211,7 +211,7 @@ fn because(cause: Option<&io::Error>) -> String {
     cause.map_or_else(String::new, |e| format!(" ({e})"))
 }
 
-/// What has to follow where a fault loses the zeros.
+/// The remedy if a fault loses the zeros.
 fn home_again(fault: Fault) -> &'static str {
     match fault {
         Fault::AxisStalled(_) | Fault::LimitSwitch(_) | Fault::EmergencyStop => {

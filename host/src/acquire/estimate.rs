@@ -1,4 +1,4 @@
-//! How long things take.
+//! Estimates of durations.
 
 use std::time::Duration;
 
@@ -46,7 +46,7 @@ pub fn homing(ident: &Ident) -> Duration {
     (whole(&ident.sigma) + whole(&ident.theta)) * 2
 }
 
-/// A calibration run: every range once, and the way of both axes.
+/// A calibration run: every range once, and the travel of both axes.
 pub fn calibration(ident: &Ident, integration_us: u32) -> Duration {
     reading(integration_us) * u32::from(RANGES) + whole(&ident.sigma) + whole(&ident.theta)
 }

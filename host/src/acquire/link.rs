@@ -1,4 +1,4 @@
-//! Frames over bytes: one request, its answer, and the events in between.
+//! Frames over bytes: one request, its answer, and the events between them.
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher, RandomState};
@@ -20,7 +20,7 @@ use super::wording::{fits, kind, unfit};
 const MOST_EVENTS: usize = 4096;
 /// Bytes of a stranger that are shown.
 const EXCERPT: usize = 32;
-/// The longest wait without a look at the stop flag.
+/// The longest wait without a check of the stop flag.
 const SLICE: Duration = Duration::from_millis(50);
 
 /// What an instrument answers.
@@ -29,13 +29,13 @@ pub(super) type Answer = Result<Response, DeviceError>;
 /// Why there is no answer.
 #[derive(Debug)]
 pub(super) enum Failed {
-    /// None came, however often the request was sent.
+    /// None came, although the request was repeated.
     Silent,
     /// Only answers to what was not asked came, so many.
     Astray(u64),
     /// The request was answered by what is no answer to it.
     Unfit(&'static str),
-    /// The user wants it to end.
+    /// The user stopped it.
     Interrupted,
     /// The line is broken.
     Io(io::Error),
@@ -52,7 +52,7 @@ impl From<io::Error> for Failed {
 pub(super) struct Link<'s, T> {
     pub(super) line: T,
     pub(super) patience: Patience,
-    /// Once it is set, nothing is waited for any more.
+    /// Once it is set, no wait continues.
     pub(super) stop: Option<&'s AtomicBool>,
     session: u16,
     sequence: u16,
@@ -114,7 +114,7 @@ impl<T: Transport> Link<'_, T> {
         self.answered
     }
 
-    /// Asks, and sends the same bytes again as long as there is no answer.
+    /// Sends a request, and repeats the same bytes until an answer comes.
     pub(super) fn exchange(&mut self, request: Request) -> Result<Answer, Failed> {
         let frame = self.number(request);
         let astray = self.heard.astray;
@@ -130,7 +130,7 @@ impl<T: Transport> Link<'_, T> {
         }
     }
 
-    /// Asks who is there, for `limit` at most, opening a broken line again.
+    /// Identifies the instrument, for at most `limit`; opens a broken line again.
     pub(super) fn identify(&mut self, limit: Duration) -> Result<Ident, Trouble> {
         let deadline = self.line.now() + limit;
         let (bad, mut cause, mut k) = (self.decoder.bad(), None, 0);
@@ -173,7 +173,7 @@ impl<T: Transport> Link<'_, T> {
         })
     }
 
-    /// Opens the line again; what came before is forgotten.
+    /// Opens the line again and discards what came before.
     pub(super) fn reconnect(&mut self) -> io::Result<()> {
         self.decoder.reset();
         self.events.clear();
@@ -196,7 +196,7 @@ impl<T: Transport> Link<'_, T> {
         }
     }
 
-    /// The events that have come and are not yet taken.
+    /// The received events that are not yet taken.
     pub(super) fn waiting(&self) -> impl Iterator<Item = &Event> {
         self.events.iter()
     }
@@ -243,7 +243,7 @@ impl<T: Transport> Link<'_, T> {
         Ok(self.answer.take())
     }
 
-    /// Takes what comes first until `until`, all of it; returns early where there is a flag to look at.
+    /// Reads everything that comes first until `until`; returns early if there is a flag to check.
     fn receive(&mut self, until: Duration) -> io::Result<()> {
         let mut buffer = [0; 4096];
         let most = if self.stop.is_some() { SLICE } else { Duration::MAX };

@@ -4,11 +4,11 @@
 //! |---|---|
 //! | [`transport`] | bytes to and from a port: serial, TCP, or a simulator in this process |
 //! | [`error`] | what can be wrong with an instrument |
-//! | [`patience`] | how long is waited for what |
-//! | `wording` | requests and answers: which belong together, what they are called |
-//! | `signal` | what currents of the detector can be |
+//! | [`patience`] | the limits of all waits |
+//! | `wording` | requests and answers: which belong together, their names |
+//! | `signal` | the possible currents of the detector |
 //! | `link` | frames over bytes: one request, its answer, events in between |
-//! | [`client`] | an instrument that is owned, and owned again after the line was lost |
+//! | [`client`] | a client that owns an instrument, and owns it again after the line was lost |
 //! | `recovery` | finding it again |
 //! | `motion` | what takes time: homing, moving, calibrating |
 //! | [`schedule`] | what is to be measured |
@@ -17,14 +17,14 @@
 //! | `schedule_text` | a schedule read from a file and written out |
 //! | [`schedule_error`] | a schedule that cannot be read, or cannot be meant |
 //! | [`estimate`] | how long it takes |
-//! | [`journal`] | what has been measured, safe on the disk |
+//! | [`journal`] | the points measured so far, on disk |
 //! | `run_error` | why there is no scan file |
 //! | `result` | from a complete journal to a scan file |
 //! | `segment` | one incidence |
 //! | `session` | incidence after incidence |
 //! | [`run`](mod@run) | all of it |
 //!
-//! PROTOCOL.md is what is said on the line.
+//! PROTOCOL.md specifies the messages.
 
 pub mod transport;
 pub mod error;

@@ -1,4 +1,4 @@
-//! What takes time: homing, moving, calibrating.
+//! Longer work: homing, moving, calibrating.
 
 use std::time::Duration;
 
@@ -12,11 +12,11 @@ use super::error::{LinkError, Trouble};
 use super::estimate;
 use super::transport::Transport;
 
-/// How often something is begun anew because the line was lost meanwhile.
+/// How often work begins again because the line was lost meanwhile.
 const TRIES: u32 = 5;
 
 impl<T: Transport> Client<'_, T> {
-    /// Waits until the instrument is idle, `limit` at most.
+    /// Waits until the instrument is idle, at most for `limit`.
     ///
     /// # Errors
     /// [`Trouble::Fault`] if it has stopped by one, [`Trouble::Overdue`], [`Trouble::Interrupted`], and
@@ -39,7 +39,7 @@ impl<T: Transport> Client<'_, T> {
         }
     }
 
-    /// The fault by which it has stopped is an error.
+    /// If a fault has stopped it, that is an error.
     pub(super) fn refuse_fault(&self, status: &Status) -> Result<(), LinkError> {
         match (status.state, status.fault) {
             (MachineState::Fault, Some(fault)) => Err(self.fail(Trouble::Fault(fault))),
@@ -63,7 +63,7 @@ impl<T: Transport> Client<'_, T> {
         Ok(())
     }
 
-    /// Begins something and waits for its end; begins anew where the line was lost in between.
+    /// Begins longer work and waits for its end; begins again if the line was lost in between.
     fn perform(
         &mut self,
         what: &'static str,

@@ -1,4 +1,4 @@
-//! How long is waited for what.
+//! The limits of all waits.
 
 use std::time::Duration;
 
@@ -9,8 +9,7 @@ pub struct Patience {
     pub answer: Duration,
     /// How often a request is sent: 6.
     pub tries: u32,
-    /// What the first repetition waits longer than the first try, doubled each time: 50 ms. So an
-    /// answer is waited for 6.2 s in all.
+    /// Extra wait of the first repetition, doubled each time: 50 ms. The wait for an answer is thus 6.2 s in all.
     pub back_off: Duration,
     /// The longest back-off: 2 s.
     pub most_back_off: Duration,
@@ -20,12 +19,11 @@ pub struct Patience {
     pub lost: Duration,
     /// For another client to give the instrument up: 6 s. One that was killed is forgotten in 5 s.
     pub in_use: Duration,
-    /// Between two questions how far something is: 200 ms. Far below the 5 s after which an instrument
-    /// takes its owner for gone.
+    /// Between two questions about progress: 200 ms, far below the 5 s after which an instrument considers its owner gone.
     pub poll: Duration,
-    /// The longest time without a question to an instrument that is owned, however well points come: 1 s.
+    /// The longest time without a request to an owned instrument, however fast points come: 1 s.
     pub keep_alive: Duration,
-    /// What a motion may take longer than its way at its speed, besides twice that: 15 s.
+    /// Extra time of a motion beyond twice its travel at its speed: 15 s.
     pub grace: Duration,
 }
 
@@ -47,7 +45,7 @@ impl Default for Patience {
 }
 
 impl Patience {
-    /// For last words to an instrument that may be gone: two tries of 300 ms, 2 s for all else.
+    /// For the last requests to an instrument that may be gone: two tries of 300 ms, 2 s for all else.
     pub fn brief(self) -> Self {
         let short = Duration::from_secs(2);
         Self {

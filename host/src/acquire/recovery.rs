@@ -11,9 +11,9 @@ use super::transport::Transport;
 use super::wording::{name, unfit};
 
 impl<T: Transport> Client<'_, T> {
-    /// Finds the instrument again, the same one, and makes it ours and idle.
+    /// Finds the same instrument again, claims it and makes it idle.
     ///
-    /// `lost` is how the line failed; without it the line is good and only the ownership is gone.
+    /// `lost` says how the line failed; without it the line is good and only the ownership is lost.
     pub(super) fn recover(&mut self, lost: Option<Failed>) -> Result<(), LinkError> {
         self.recoveries = self.recoveries.wrapping_add(1);
         let limit = self.patience().lost;

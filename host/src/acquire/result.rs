@@ -30,7 +30,7 @@ impl AboveBeam {
     }
 }
 
-/// A scan file, and what is to be told of it.
+/// A scan file, and what the user should know about it.
 pub(super) struct Finished {
     pub(super) bytes: Vec<u8>,
     pub(super) above_beam: Option<AboveBeam>,
@@ -39,8 +39,8 @@ pub(super) struct Finished {
 /// The scan file.
 ///
 /// # Errors
-/// [`NoScan`] where the readings are no scan, as when all are dark, or cannot be: a journal of a former
-/// version may hold such.
+/// [`NoScan`] if the readings do not make a scan, for example if all are dark, or are impossible, as in a journal of
+/// an earlier version.
 pub(super) fn scan_file(journal: &Journal) -> Result<Finished, NoScan> {
     let schedule = journal.schedule();
     let mut readings = Vec::new();

@@ -32,11 +32,11 @@ pub struct Summary {
     pub above_beam: Option<AboveBeam>,
 }
 
-/// Measures, and writes the scan file.
+/// Measures and writes the scan file.
 ///
-/// Files are looked at before `connect` is called; it is not called at all if the journal is complete.
-/// Whatever happens, the instrument is stopped and released. When `stop` is set the first thing it is told
-/// is to stop, within a tenth of a second where the line works; it stays where it is.
+/// Files are checked before `connect` is called; it is not called at all if the journal is complete. The instrument
+/// is stopped and released in all cases. When `stop` is set, the first request is to stop, within a tenth of a second
+/// if the line works; the stage stays where it is.
 ///
 /// # Errors
 /// [`AcquireError`]; the journal keeps all points measured so far.

@@ -1,4 +1,4 @@
-//! Why an acquisition did not come to a scan file.
+//! Why an acquisition made no scan file.
 
 use std::path::PathBuf;
 
@@ -78,7 +78,7 @@ pub enum AcquireError {
         /// The range.
         range: u8,
     },
-    /// All points are there, and they are no scan.
+    /// All points are there, but they do not make a scan.
     #[error("{}: keeps all points, but they are no scan: {source}", path.display())]
     NoScan {
         /// The journal.

@@ -33,8 +33,8 @@ pub struct Schedule {
     pub(super) integration_us: u32,
     /// Range of the detector.
     pub(super) range: Range,
-    /// How far below its first point the detector is sent before a segment is begun, >= 0: so the
-    /// gears always bear on the same side.
+    /// How far below its first point the detector moves before a segment begins, >= 0: the gears then always bear on
+    /// the same side.
     pub(super) run_up: Microdegrees,
     /// When it is calibrated.
     pub(super) calibration: CalibrationRule,
@@ -78,7 +78,7 @@ pub enum LimitError {
     Points {
         /// Angles of the schedule.
         count: u16,
-        /// Angles it holds.
+        /// Angles that it holds.
         most: u16,
         /// Model and serial number.
         instrument: String,
@@ -131,8 +131,8 @@ impl Schedule {
         self.calibration
     }
 
-    /// Where the detector is sent before point `index` is measured: a little below it, as far as the
-    /// axis goes.
+    /// The position to which the detector moves before it measures point `index`: a little below it, within the
+    /// limits of the axis.
     pub fn run_up(&self, index: u16, ident: &Ident) -> Microdegrees {
         let below = self.theta(index).0.saturating_sub(self.run_up.0);
         Microdegrees(below.max(ident.theta.least.0))
@@ -141,7 +141,7 @@ impl Schedule {
     /// Whether that instrument can carry it out.
     ///
     /// # Errors
-    /// [`LimitError`] with the first thing it cannot do.
+    /// [`LimitError`] for the first thing it cannot do.
     pub fn check(&self, ident: &Ident) -> Result<(), LimitError> {
         let instrument = || super::client::describe(ident);
         let thetas = [self.theta(0), self.theta(self.count.saturating_sub(1))];

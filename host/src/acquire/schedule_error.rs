@@ -33,7 +33,7 @@ pub enum ScheduleError {
         /// What is wrong.
         what: String,
     },
-    /// A value that cannot be meant.
+    /// An impossible value.
     #[error("{key} {value} is not usable; {allowed}")]
     Value {
         /// The key of the schedule file; a flag is called alike.
@@ -49,7 +49,7 @@ pub enum ScheduleError {
          --step, or scan in two files (--theta-range)"
     )]
     TooLong {
-        /// Angles asked for.
+        /// Angles requested.
         count: i64,
     },
 }

@@ -58,7 +58,7 @@ impl Draft {
     }
 }
 
-/// What a parser says, in one line; it may repeat what the file says, however long.
+/// The message of a parser, in one line; it may repeat text of the file, however long.
 fn brief(message: &str) -> String {
     let line = message.lines().collect::<Vec<_>>().join(" ");
     match line.char_indices().nth(MOST_WORDS) {

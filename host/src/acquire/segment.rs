@@ -19,8 +19,7 @@ use super::schedule::Schedule;
 use super::signal;
 use super::transport::Transport;
 
-/// How far from its place a point may have been read, by the encoder, microdegrees; never more than
-/// half a step.
+/// Tolerance of the position of a point, by the encoder, microdegrees; at most half a step.
 const OFF_PLACE: i32 = 20_000;
 /// How many readings an instrument may take until it has found its range.
 const AUTO_READINGS: u32 = 2 * RANGES as u32;
@@ -32,7 +31,7 @@ pub(super) struct Course<'a> {
     pub(super) sigma: usize,
     /// Its name on the line, used by no other segment of this session.
     pub(super) name: u32,
-    /// Points asked for at once, >= 1.
+    /// Points requested at once, >= 1.
     pub(super) credit: u16,
     /// Which calibration is in force, from 0.
     pub(super) calibration: usize,
@@ -45,11 +44,11 @@ pub(super) struct Course<'a> {
 pub(super) enum End {
     /// All points are in the journal.
     Complete,
-    /// The line was lost and found, or the instrument has stopped; it stands somewhere.
+    /// The line was lost and recovered, or the instrument has stopped at some position.
     Disturbed,
 }
 
-/// Goes there from below, and scans what is missing.
+/// Approaches the first missing point from below and scans the missing points.
 pub(super) fn scan<T: Transport>(
     client: &mut Client<'_, T>,
     course: &Course<'_>,
@@ -100,14 +99,14 @@ pub(super) fn scan<T: Transport>(
     end
 }
 
-/// How an instrument is found that has sent nothing for a while.
+/// The state of an instrument that has sent nothing for a while.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Found {
     /// It measures, or waits for credit.
     Underway,
-    /// It has measured points that have not come.
+    /// It has measured points that did not arrive.
     Ahead,
-    /// It has stopped, as it does when it has not heard of its owner for long.
+    /// It has stopped, as after a long silence of its owner.
     Stopped,
 }
 
@@ -119,12 +118,12 @@ struct Taking<'a> {
     before: u32,
     /// First point that is not in the journal.
     next: u16,
-    /// The points from `next` on that have come since the instrument has last said how it is set. They are
-    /// not in the journal: they belong there only if it is still set so.
+    /// The points from `next` on that have come since the last status of the instrument. They are not in the journal:
+    /// they belong there only if the settings are still the same.
     fresh: Vec<Stored>,
-    /// First point that has not been asked for.
+    /// First point not yet requested.
     granted: u16,
-    /// When the last new point came.
+    /// Time of the last new point.
     heard: Duration,
 }
 
@@ -143,10 +142,10 @@ impl Taking<'_> {
         Ok(End::Complete)
     }
 
-    /// Waits for points, stores them, asks for more; `false` if the line was lost.
+    /// Waits for points, stores them, requests more; `false` if the line was lost.
     ///
-    /// Only a new point is a sign that it goes on. The instrument is asked how it is when none came, when
-    /// it says that it has stopped, when all that was asked for is there, and every second at least.
+    /// Only a new point shows that the scan goes on. The client requests the status if none came, if the instrument
+    /// reports that it has stopped, if all requested points have come, and at least once per second.
     fn step<T: Transport>(
         &mut self,
         client: &mut Client<'_, T>,
@@ -192,12 +191,12 @@ impl Taking<'_> {
         self.next + self.fresh.len() as u16
     }
 
-    /// Whether all that was asked for has come.
+    /// Whether all requested points have come.
     fn has_all(&self) -> bool {
         self.wanted() >= self.granted
     }
 
-    /// New points in order from those that came; what ends the scan, if anything does.
+    /// The new points in order, and what ends the scan, if anything.
     fn points<T: Transport>(
         &self,
         client: &Client<'_, T>,
@@ -254,7 +253,7 @@ impl Taking<'_> {
         Ok(Stored { theta, reading, calibration })
     }
 
-    /// Asks how far it is, and stores what has come if it is still set as it was.
+    /// Requests the status, and stores the new points if the settings are still the same.
     fn look<T: Transport>(
         &mut self,
         client: &mut Client<'_, T>,
@@ -309,7 +308,7 @@ impl Taking<'_> {
         Err(AcquireError::OtherCalibration { instrument, path: journal.to_owned() })
     }
 
-    /// Puts into the journal what has come; whether there was anything.
+    /// Writes the new points to the journal; whether there were any.
     fn store(&mut self, journal: &mut Journal) -> Result<bool, AcquireError> {
         journal.add_points(self.course.sigma, &self.fresh)?;
         self.next = self.wanted();
@@ -318,7 +317,7 @@ impl Taking<'_> {
         Ok(any)
     }
 
-    /// Stores what has come before the scan was broken off, if the instrument is still set as it was.
+    /// Stores the points that came before the scan was interrupted, if the settings are still the same.
     fn salvage<T: Transport>(
         &mut self,
         client: &mut Client<'_, T>,
@@ -333,7 +332,7 @@ impl Taking<'_> {
         Ok(())
     }
 
-    /// Says what is stored, and asks for what comes next; `false` if the segment has to be begun anew.
+    /// Reports the stored points and requests the next ones; `false` if the segment must begin again.
     fn go_on<T: Transport>(&mut self, client: &mut Client<'_, T>) -> Result<bool, AcquireError> {
         let (segment, next, credit) = (self.course.name, self.next, self.course.credit);
         match client.ask(Request::Continue { segment, next, credit }) {
@@ -346,14 +345,14 @@ impl Taking<'_> {
     }
 }
 
-/// Whether the instrument says that it has lost what it was told, as after a restart.
+/// Whether the instrument has lost its settings, as after a restart.
 pub(super) fn is_forgotten(trouble: &Trouble) -> bool {
     use DeviceError::{LampOff, NoSegment, NotHomed, NotOwner};
     let Trouble::Refused { why, .. } = trouble else { return false };
     matches!(why, NoSegment | NotHomed | LampOff | NotOwner)
 }
 
-/// What [`Progress`] says after some points.
+/// The [`Progress`] after some points.
 pub(super) fn progress_of(journal: &Journal, begun: (u64, Duration), now: Duration) -> Progress {
     let (done, total) = (journal.len(), journal.schedule().points());
     let measured = done.saturating_sub(begun.0);

@@ -1,4 +1,4 @@
-//! An acquisition under way: incidence after incidence, begun anew where it was disturbed.
+//! An acquisition in progress: incidence after incidence, restarted after a disturbance.
 
 use asperity_core::protocol::{MachineState, Request, Status};
 

@@ -1,8 +1,8 @@
-//! What currents of the detector can be: PROTOCOL.md, section 6.
+//! Possible currents of the detector: PROTOCOL.md, section 6.
 //!
-//! A relative reading is `(signal - dark) / (reference - dark)`. Nothing that scatters light gives the
-//! detector more than the beam without it has: a reading is at most 1, noise and drift of the lamp apart.
-//! A reference hardly above the dark current makes any number of it.
+//! A relative reading is `(signal - dark) / (reference - dark)`. With a sample the detector never receives more than
+//! the beam without it: a reading is at most 1, apart from noise and drift of the lamp. With a reference hardly above
+//! the dark current it could be any number.
 
 use asperity_core::protocol::{Calibration, RANGES, Reading};
 
@@ -18,7 +18,7 @@ const ABOVE_DARK: f64 = 10.0;
 const SHARE_OF_RANGE: f64 = 0.01;
 /// No relative reading is farther from zero: the lamp would have doubled.
 const MOST_RELATIVE: f64 = 2.0;
-/// A relative reading above this is told of: more than a lamp drifts in an hour or two.
+/// A relative reading above this is reported: it exceeds the drift of a lamp in an hour or two.
 const ABOVE_BEAM: f64 = 1.05;
 
 /// Current that a range holds, nA.
@@ -37,7 +37,7 @@ pub(super) fn relative(calibration: &Calibration, reading: &Reading) -> f64 {
     (f64::from(reading.signal) - f64::from(reading.dark)) / beam(calibration)
 }
 
-/// Whether a relative reading is one that is told of: more than the whole beam.
+/// Whether a relative reading is reported, because it exceeds the whole beam.
 pub(super) fn is_above_beam(relative: f64) -> bool {
     relative > ABOVE_BEAM
 }

@@ -1,4 +1,4 @@
-//! Requests and answers: which belong together, and what they are called in messages.
+//! Requests and answers: which belong together, and their names in messages.
 
 use asperity_core::protocol::{Request, Response};
 
@@ -28,7 +28,7 @@ pub(super) fn kind(response: &Response) -> &'static str {
     }
 }
 
-/// An answer that is none to its question.
+/// An answer that does not belong to its request.
 pub(super) fn unfit(request: Request, answer: &str) -> Trouble {
     Trouble::Nonsense(format!("asked for {}, it answers with {answer}", name(request)))
 }

@@ -1,4 +1,4 @@
-//! What a table is to hold: incidences of each side, azimuths, rays.
+//! The binning of a table: incidences of each side, azimuths, rays.
 
 use asperity_core::direction::{Direction, Side};
 use asperity_core::quantity::RelativeIor;
@@ -9,8 +9,8 @@ use crate::surface::spectrum::Anisotropy;
 /// The azimuths that light comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Azimuth {
-    /// All alike: every ray arrives at an azimuth of its own, and what it does is turned back and averaged,
-    /// also over the mirror image y -> -y.
+    /// All alike: every ray arrives at its own azimuth; its result is turned back and averaged, also over the mirror
+    /// image y -> -y.
     Isotropic,
     /// The map has a direction. Azimuths in degrees by which the incidence from (-sin, 0, cos) is
     /// turned about +z; between two of them is interpolated.
@@ -23,7 +23,7 @@ impl Azimuth {
         Self::Fixed((0..12).map(|k| 30.0 * f64::from(k)).collect())
     }
 
-    /// What a surface of this anisotropy needs; `None` is one without slopes.
+    /// The choice for a surface of this anisotropy; `None` is a surface without slopes.
     pub fn of(anisotropy: Option<Anisotropy>) -> Self {
         match anisotropy {
             Some(a) if a.is_directional() => Self::directional(),
@@ -32,7 +32,7 @@ impl Azimuth {
     }
 }
 
-/// Why a table cannot be made as asked for.
+/// Why a table cannot be made as requested.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum BinningError {
     /// An incidence out of range.
@@ -103,8 +103,8 @@ impl Binning {
         Ok(self)
     }
 
-    /// With just the incidences of some directions, if they are at most 40 a side, and if azimuths are fixed just
-    /// theirs, if they are at most 12; else as it was. A side that no light comes from is left out.
+    /// With just the incidences of some directions, if they are at most 40 per side, and if azimuths are fixed just
+    /// theirs, if they are at most 12; else as it was. A side without light is left out.
     pub fn for_directions(mut self, wi: &[Direction<f64>]) -> Self {
         for side in [Side::Air, Side::Dielectric] {
             let of_side = wi.iter().filter(|w| w.side() == Some(side));
@@ -141,7 +141,7 @@ impl Binning {
     }
 }
 
-/// Most incidences of a side that are tabulated as they are asked for.
+/// Largest number of incidences of a side that are tabulated exactly.
 const MOST_EXACT: usize = 40;
 /// Most azimuths.
 const MOST_EXACT_AZIMUTHS: usize = 12;

@@ -1,7 +1,7 @@
 //! Rays into bins: one beam after the other, reflected and transmitted.
 //!
-//! A beam is traced twice. An eighth of the rays decides where the bins are, all others are counted in
-//! them; the two are independent. Rays come in the tiles of the Monte Carlo scan, so that the bits do not
+//! A beam is traced twice. An eighth of the rays decides where the bins are, and the others are counted in them; the
+//! two sets are independent. Rays come in the tiles of the Monte Carlo scan, so that the bits do not
 //! depend on the number of threads, and errors come from the differences of neighbouring rays as there.
 
 use asperity_core::bsdf::{Lobe, Scatter};

@@ -7,14 +7,14 @@ use super::bins::{BinnedLobe, Estimate};
 use super::disc::Shift;
 use super::{Azimuth, BinnedBsdf, SideTable, Totals, of_lobe};
 
-/// A tabulated lobe near an incidence: its share and how far it is to move.
+/// A tabulated lobe near an incidence: its share and its displacement.
 struct Corner<'a> {
     lobe: &'a BinnedLobe,
     weight: f64,
     shift: Shift,
 }
 
-/// All that an incidence is made of.
+/// The lobes and weights of an incidence.
 struct Blend<'a> {
     corners: [Option<Corner<'a>>; 4],
     /// Cosine and sine of the azimuth by which the table is turned.

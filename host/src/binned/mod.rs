@@ -25,13 +25,13 @@ use asperity_core::quantity::RelativeIor;
 
 use bins::BinnedLobe;
 
-/// The scatter of a boundary at discrete incidences, and a rule for all between.
+/// The scatter of a boundary at discrete incidences, with an interpolation between them.
 ///
-/// Between two incidences, and two azimuths, `f(wi, wo) = sum w_k f_k(wo_k)`: the tabulated lobe is translated over the
-/// disc of direction cosines by what the mirror or Snell's direction moves. A translation keeps `f` and the
+/// Between two incidences, and two azimuths, `f(wi, wo) = sum w_k f_k(wo_k)`: the tabulated lobe is translated over
+/// the disc of direction cosines as the mirror direction or Snell's direction moves. A translation keeps `f` and the
 /// flux; what would move beyond the horizon is folded back to just before it, so that the flux of a lobe
 /// is the interpolated one, and R + T is at most 1, everywhere. Weights are linear in the angle. Beyond the last
-/// incidence its lobe goes on to move, with its flux. A side without incidences scatters nothing.
+/// incidence its lobe continues to move and keeps its flux. A side without incidences scatters nothing.
 ///
 /// What is traced is one piece of surface: errors are those of a finite number of rays, not of the
 /// piece being small.
@@ -43,7 +43,7 @@ pub struct BinnedBsdf {
     slope: f64,
 }
 
-/// What was traced from one side.
+/// The traced light from one side.
 #[derive(Clone, Debug, Default)]
 struct SideTable {
     /// Incidences, rad, ascending.

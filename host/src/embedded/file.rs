@@ -32,12 +32,12 @@ const CRC_32C: Crc<u32> = Crc::<u32>::new(&CRC_32_ISCSI);
 const MOST_BYTES: u64 = 64 << 20;
 /// Largest first line.
 const MOST_HEADER: usize = 64 << 10;
-/// What to do about a file that says what cannot be.
+/// The remedy for a file with impossible content.
 const DAMAGED: &str = "the file is damaged, give a whole copy";
 /// Most nodes of an axis.
 const MOST_NODES: u16 = 4096;
 
-/// Why a file is no table.
+/// Why a file is not a table.
 #[derive(Debug, Error)]
 #[error("{}: {what}", path.display())]
 pub struct TableFileError {
@@ -154,7 +154,7 @@ impl Record {
         }
     }
 
-    /// What has to be said of a file without a checksum.
+    /// The warning about a file without a checksum.
     pub fn notice(&self) -> Option<&'static str> {
         (self.asperity_table == UNCHECKED).then_some(
             "format 1 has no checksum, so damage goes unseen; make the table anew by `asperity tabulate`",

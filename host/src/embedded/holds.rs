@@ -1,4 +1,4 @@
-//! What a table holds: which lobes, how much coherent light, an opaque body or a dielectric.
+//! The content of a table: which lobes, how much coherent light, an opaque body or a dielectric.
 
 use std::fmt;
 
@@ -53,7 +53,7 @@ impl EmbeddedTable {
         LobeSet::of(side, if side == to { Lobe::Reflection } else { Lobe::Transmission })
     }
 
-    /// Whether light from anywhere keeps its direction.
+    /// Whether the table has coherent light.
     pub fn is_coherent(&self) -> bool {
         self.fluxes.iter().any(|&[.., reflected, transmitted]| reflected | transmitted > 0)
     }

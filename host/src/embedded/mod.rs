@@ -1,7 +1,6 @@
 //! Tables for microcontrollers on the host: the arrays, their file, and their source code.
 //!
-//! The evaluator is [`asperity_core::table`]; here are the arrays it looks at, of whatever storage. How they are made is
-//! in [`crate::tabulate`].
+//! The evaluator is [`asperity_core::table`]; this module holds its arrays in any storage. [`crate::tabulate`] makes them.
 
 mod holds;
 mod file;
@@ -42,7 +41,7 @@ pub struct EmbeddedTable {
 /// All arrays but the values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rest {
-    /// One an incidence.
+    /// One per incidence.
     pub gains: Vec<f32>,
     /// Of the samples.
     pub quantiles: Vec<u16>,

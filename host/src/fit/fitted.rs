@@ -1,4 +1,4 @@
-//! A fitted parameter, and what is said of it.
+//! A fitted parameter and its verdict.
 
 use super::profile::{Profile, Side};
 use crate::model::Value;
@@ -15,21 +15,21 @@ pub struct Fitted {
     /// Standard error from the curvature at the optimum, enlarged where the profile of the cost says so; `None` if the
     /// data do not determine it.
     pub std_error: Option<f64>,
-    /// What the profile of the cost says of it.
+    /// The result of the profile of the cost.
     pub profile: Option<Profile>,
     /// Whether it stopped at a bound of its range.
     pub at_bound: bool,
-    /// Whether it stands for nothing (no filter, no floor), because a fit with it describes the data no better.
+    /// Whether it is `none` (no filter, no floor), because a fit with it describes the data no better.
     pub is_none: bool,
 }
 
 impl Fitted {
-    /// Whether its standard error is not to be relied on.
+    /// Whether its standard error is unreliable.
     pub fn is_unreliable(&self) -> bool {
         self.profile.is_some_and(|p| p.sides.contains(&Side::Flat))
     }
 
-    /// What has to be warned of; nothing where it is determined.
+    /// The warning about it; `None` if it is determined.
     pub fn warning(&self) -> Option<String> {
         if self.is_none {
             return None;
@@ -44,7 +44,7 @@ impl Fitted {
         }
     }
 
-    /// As it stands in a model file.
+    /// Its entry in a model file.
     pub fn record(&self) -> Value {
         let unsure = self.profile.filter(|p| !p.is_confirmed() && !self.at_bound);
         let none = || "none: a fit with it describes the scan no better".to_owned();

@@ -67,7 +67,7 @@ use problem::Problem;
 use simplest::Found;
 use simplex::{Search, Stopped};
 
-/// What to fit and how.
+/// The options of a fit.
 #[derive(Clone, Copy, Debug)]
 pub struct FitOptions {
     /// The body; its index is the start if `fit_ior` is set.
@@ -78,7 +78,7 @@ pub struct FitOptions {
     pub fit_gain: bool,
     /// What is minimised.
     pub objective: Objective,
-    /// Evaluations of the forward model at most, over both stages.
+    /// Largest number of evaluations of the forward model, over both stages.
     pub max_evaluations: u64,
     /// Rays of a method that traces them.
     pub rays: FitRays,
@@ -98,10 +98,10 @@ impl FitOptions {
     }
 }
 
-/// Rays an incidence in a fit that traces them.
+/// Rays per incidence in a fit that traces them.
 ///
-/// All evaluations of a stage use the same seed, so that they differ by the surface and not by chance;
-/// the final figures are found with another.
+/// All evaluations of a stage use the same seed, so that they differ only by the surface; the final figures use
+/// another seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FitRays {
     /// In the search for a start.
@@ -115,11 +115,11 @@ pub struct FitRays {
 }
 
 impl FitRays {
-    /// Noise of the final figures in terms of eq. (18), %, that is aimed at.
+    /// Target noise of the final figures in terms of eq. (18), %.
     pub const NOISE_PERCENT: f64 = 0.2;
-    /// Noise of a simulation in the fit, %, that is aimed at: some of it falls out of the cost.
+    /// Target noise of a simulation in the fit, %: some of it cancels in the cost.
     pub const FIT_NOISE_PERCENT: f64 = 1.3;
-    /// Rays an incidence that are spent on the aims, in the fit and for the final figures.
+    /// Rays per incidence that are spent on the aims, in the fit and for the final figures.
     const IN_FIT: (f64, f64) = (2e5, 4e6);
     const MOST: f64 = 1e8;
 
@@ -178,8 +178,8 @@ pub struct Fit {
     pub neglected: Neglected,
     /// Noise of the simulated readings in terms of eq. (18), %; `None` if they have none.
     pub simulation_noise_percent: Option<f64>,
-    /// Noise of the measurement in the same terms, %: as its header says, else as its readings and the residuals of this fit
-    /// say; never above `rmsd_percent`. `None` if it is not known.
+    /// Noise of the measurement in the same terms, %: from its header, else from its readings and the residuals of
+    /// this fit; never above `rmsd_percent`. `None` if it is not known.
     pub noise_floor_percent: Option<f64>,
     /// Evaluations of the forward model.
     pub evaluations: u64,
@@ -200,7 +200,7 @@ pub enum FitError {
     TooFewReadings {
         /// Readings given.
         readings: usize,
-        /// Parameters asked for.
+        /// Parameters requested.
         parameters: usize,
     },
     /// No start gave a finite error.
@@ -360,7 +360,7 @@ fn noise_percent(readings: &Readings, measurement: &Measurement) -> Option<f64> 
     Some(100.0 * mean_square.sqrt() / measurement.largest_reading())
 }
 
-/// The readings that the result is judged by: of a traced boundary from rays the fit has not seen.
+/// The readings that judge the result; for a traced boundary from rays that the fit has not used.
 ///
 /// `None` if stopped before there were any.
 fn last_readings(
@@ -394,7 +394,7 @@ fn last_readings(
     Ok(with(count as u64, watch)?.or(Some(first)))
 }
 
-/// How long a user who has asked to stop waits for the figures of the best values.
+/// Wait for the figures of the best values after the user stopped the fit.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// What `work` gives, if it is done before the flag that it looks at is set, soon.

@@ -1,4 +1,4 @@
-//! What a fit minimises.
+//! The objectives of a fit.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,12 +6,12 @@ use std::str::FromStr;
 /// A measure of the distance between measured and simulated readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
-    /// Eq. (18): rms of the differences over the largest reading, in %.
+    /// Eq. (18): rms of the differences, divided by the largest reading, in %.
     #[default]
     Rmsd,
-    /// Rms of the relative differences, in %; readings below 1/1000 of the largest are taken as that.
+    /// Rms of the relative differences, in %; readings below 1/1000 of the largest count as that value.
     Relative,
-    /// Rms of the differences of natural logarithms; both readings are lifted by 1e-4 of the largest.
+    /// Rms of the differences of natural logarithms; 1e-4 of the largest is added to both readings.
     Log,
 }
 

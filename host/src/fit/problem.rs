@@ -10,7 +10,7 @@ use crate::measurement::Measurement;
 use crate::method::{Body, BuildError, Method, Parameter, Scale};
 use crate::watch::Watch;
 
-/// A method, a measurement, and what is free.
+/// A method, a measurement, and the free parameters.
 #[derive(Clone)]
 pub(super) struct Problem<'a> {
     method: &'a dyn Method,
@@ -20,11 +20,11 @@ pub(super) struct Problem<'a> {
     angles: Angles,
     measured: Cow<'a, [f64]>,
     largest: f64,
-    /// What is free.
+    /// The free parameters.
     parameters: Vec<Parameter>,
     /// Of all parameters, in their order: what each is held at, if it is not free.
     held: Vec<Option<f64>>,
-    /// Rays an incidence in full effort, for traced methods.
+    /// Rays per incidence in full effort, for traced methods.
     full_rays: u64,
     /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
     later: Option<Arc<Later>>,
@@ -57,7 +57,7 @@ impl Later {
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
 const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]);
 
-/// Readings an incidence that a draft needs.
+/// Readings per incidence that a draft needs.
 const DRAFT_READINGS: usize = 120;
 
 impl<'a> Problem<'a> {
@@ -185,7 +185,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Whether what is not fitted makes sense.
+    /// Whether the fixed values are valid.
     pub(super) fn check_fixed(&self) -> Result<(), BuildError> {
         match self.options.body {
             Body::Dielectric { .. } => self.options.body.eta().map(|_| ()),
@@ -221,7 +221,7 @@ impl<'a> Problem<'a> {
         Ok(Ready { boundary, setup, angles: &self.angles, gain: self.named(values, "gain") })
     }
 
-    /// Rays an incidence in full effort.
+    /// Rays per incidence in full effort.
     pub(super) fn full_rays(&self) -> u64 {
         self.full_rays
     }
@@ -274,7 +274,7 @@ impl<'a> Problem<'a> {
         Ok(self.ready(values)?.readings(Effort::Full, rays, watch))
     }
 
-    /// What a fit minimises; `None` if the user stopped it.
+    /// The cost of a fit; `None` if the user stopped it.
     ///
     /// Traced readings have noise, which adds to the mean square of the residuals, and adds less where a
     /// surface is smoother: a fit would prefer that. The mean product of the residuals of two

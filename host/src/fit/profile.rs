@@ -10,7 +10,7 @@ use super::uncertainty::Curvature;
 use crate::forward::Effort;
 use crate::linear::inverse;
 
-/// What a profile says of one side of a standard error.
+/// The verdict of a profile on one side of a standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Side {
     /// The standard error that makes the cost rise as it should.
@@ -65,7 +65,7 @@ impl Profile {
         })
     }
 
-    /// What has to be said; nothing where the error is confirmed.
+    /// The warning; `None` if the error is confirmed.
     pub fn text(&self, name: &str, unit: &str) -> Option<String> {
         if self.is_confirmed() {
             return None;

@@ -17,7 +17,7 @@ pub(super) const IMPOSSIBLE: f64 = 1e9;
 #[derive(Debug)]
 pub(super) struct Stopped;
 
-/// Where a search ended.
+/// The end of a search.
 #[derive(Debug)]
 pub(super) struct End {
     pub(super) values: Vec<f64>,

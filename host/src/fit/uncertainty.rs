@@ -4,7 +4,7 @@ use super::problem::Problem;
 use crate::forward::Effort;
 use crate::linear::inverse;
 
-/// What the derivatives at the optimum say.
+/// The derivatives at the optimum.
 pub(super) struct Curvature {
     /// Residuals at the optimum.
     pub(super) residuals: Vec<f64>,

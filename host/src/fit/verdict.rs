@@ -1,4 +1,4 @@
-//! Whether a converged fit describes the measurement at all.
+//! Whether a converged fit describes the measurement.
 
 use asperity_core::metric::rmsd_percent;
 
@@ -16,8 +16,8 @@ pub struct IncidenceError {
 
 /// Largest error of a single incidence that still counts as a description, %.
 ///
-/// Eq. (18) over all incidences is blind to an incidence whose readings are small beside the largest
-/// of all: a mirror-like surface may have 2 % over all and 40 % at normal incidence. Surfaces with one
+/// Eq. (18) over all incidences hides errors at an incidence whose readings are small beside the largest of all: a
+/// mirror-like surface may have 2 % over all and 40 % at normal incidence. Surfaces with one
 /// lobe stay below 10 %, those without exceed 20 %.
 pub const MISFIT_PERCENT: f64 = 15.0;
 
@@ -51,7 +51,7 @@ impl Fit {
             .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Why the answer is no, in plain words; `None` if the fit converged and describes the data.
+    /// Why the fit is refused, in plain words; `None` if it converged and describes the data.
     ///
     /// `most_percent` is the largest error of a single incidence that counts as described.
     pub fn refusal(&self, most_percent: f64) -> Option<String> {

@@ -28,7 +28,7 @@ pub(super) struct Warp {
 impl Warp {
     /// About a peak at `centre` (rad) of a width `scale` (rad), with so many cells per unit of `v`.
     ///
-    /// The error of the integrals falls with the fourth power of the cells; 16 a unit leave about 1e-6.
+    /// The error of the integrals falls with the fourth power of the cells; 16 per unit leave about 1e-6.
     pub(super) fn new(centre: f64, scale: f64, cells_per_unit: f64) -> Self {
         let v = |theta: f64| asinh((theta - centre) / scale);
         let ends = [v(-FRAC_PI_2), v(FRAC_PI_2)];

@@ -108,7 +108,7 @@ pub(super) struct PolarGrid {
 const LOWEST: isize = -(STENCIL as isize / 2);
 
 impl PolarGrid {
-    /// On panels between 0 and the given ends, nodes about `step` apart; at least [`STENCIL`] a panel.
+    /// On panels between 0 and the given ends, nodes about `step` apart; at least [`STENCIL`] per panel.
     pub(super) fn new(ends: &[f64], step: f64) -> Self {
         let mut grid =
             Self { theta: Vec::new(), weights: Vec::new(), ends: Vec::new(), scales: Vec::new() };
@@ -235,7 +235,7 @@ impl Stencil {
         Some(mean.min(top + 0.5))
     }
 
-    /// Adds a function's modes at this place to the sums of the nodes, `modes.len()` a node.
+    /// Adds a function's modes at this place to the sums of the nodes, `modes.len()` per node.
     pub(super) fn spread(&self, factor: f64, modes: &[f64], sums: &mut [f64]) {
         for (node, turned, weight) in self.iter() {
             // half a turn off, odd modes change their sign

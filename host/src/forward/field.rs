@@ -19,7 +19,7 @@ use super::polar::{Polar, Sizes};
 use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
 use super::triangles::{factorise, solve};
 
-/// What the inside of a plate does to light, whatever its incidence.
+/// The inside of a plate, for light of any incidence.
 #[derive(Debug)]
 pub(super) struct Inside<'a, B> {
     boundary: &'a B,
@@ -98,7 +98,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         Polar { kept: polar.kept / self.excess_at(theta), ..polar }
     }
 
-    /// What light from a polar angle is divided by; linear between nodes.
+    /// The divisor of light from a polar angle; linear between nodes.
     fn excess_at(&self, theta: f64) -> f64 {
         let (nodes, after) = (&self.grid.theta, self.grid.theta.partition_point(|t| *t < theta));
         let last = nodes.len() - 1;

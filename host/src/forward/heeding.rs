@@ -1,4 +1,4 @@
-//! A boundary that loses all light once the user has asked to stop.
+//! A boundary that loses all light once the user stops the work.
 
 use asperity_core::bsdf::{Scatter, Scattered};
 use asperity_core::direction::Direction;
@@ -6,7 +6,7 @@ use asperity_core::direction::Direction;
 use crate::watch::Watch;
 
 /// Looks at `stop` before every ray: on steep maps a ray takes a thousand times what it takes on others, so that no
-/// number of rays is a measure of time. To look costs a nanosecond. What was traced then is to be thrown away.
+/// number of rays is a measure of time. To look costs a nanosecond. Discard what was traced then.
 #[derive(Debug)]
 pub(crate) struct Heeding<'a, S> {
     /// The boundary.

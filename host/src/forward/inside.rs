@@ -1,4 +1,5 @@
-//! Readings' part of light that met the rough face more than once, where a rule over directions inside resolves it.
+//! The part of the readings from light that met the rough face more than once, where a rule over directions inside
+//! resolves it.
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
@@ -16,7 +17,7 @@ const RESOLVED: f64 = 0.015;
 /// Index over that of air from which on a plate keeps light inside.
 const DENSE: f64 = 1.02;
 
-/// What all incidences have in common.
+/// The common part of all incidences.
 #[derive(Debug)]
 pub(super) struct Shared<'a, B> {
     boundary: &'a B,

@@ -21,7 +21,7 @@ const NOTHING: f64 = 1e-4;
 /// Flux per solid angle, seen from each view, and what was left out.
 #[derive(Debug)]
 pub(super) struct Passes {
-    /// One value a view, for a beam of unit flux.
+    /// One value per view, for a beam of unit flux.
     pub(super) density: Vec<f64>,
     /// Flux that was not followed further, as a fraction of the beam's.
     pub(super) neglected: f64,

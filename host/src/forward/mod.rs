@@ -38,7 +38,7 @@ use asperity_core::quantity::RelativeIor;
 
 use crate::measurement::{Measurement, Quantity};
 
-/// What the beam falls on.
+/// The sample in the beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sample {
     /// A plate of relative index `eta` with one rough face.
@@ -52,10 +52,10 @@ pub enum Sample {
     Opaque,
 }
 
-/// A sample in the instrument, and what a reading means.
+/// A sample in the instrument, and the quantity of the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
-    /// What the beam falls on.
+    /// The sample in the beam.
     pub sample: Sample,
     /// Side of the detector.
     pub geometry: Geometry,

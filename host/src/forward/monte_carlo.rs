@@ -1,5 +1,5 @@
-//! Readings by Monte Carlo, with their own error: the only way for boundaries that cannot be
-//! evaluated, and the independent twin of the quadrature for those that can.
+//! Readings by Monte Carlo with standard errors: the only simulation of boundaries that cannot be evaluated, and an
+//! independent check of the quadrature for the others.
 
 use asperity_core::bsdf::Scatter;
 use asperity_core::direction::{Direction, Side};
@@ -16,11 +16,11 @@ use crate::watch::Watch;
 /// Readings of one incidence with their statistical error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonteCarlo {
-    /// One reading an angle of observation.
+    /// One reading per angle of observation.
     pub values: Vec<f64>,
     /// Standard error of each.
     pub std_errors: Vec<f64>,
-    /// Where the flux went.
+    /// Reflected, transmitted and lost flux.
     pub outcome: Outcome<f64>,
     /// Rays traced.
     pub rays: u64,
@@ -35,8 +35,8 @@ const GROUP: u64 = 64;
 /// `None` if it was stopped before the end. `watch` is told of more rays.
 /// The aperture of the setup must be larger than 0, or no ray is received.
 ///
-/// Errors are found from the differences of neighbouring rays; they are a little too large, for
-/// neighbours start in different places.
+/// Standard errors come from the differences of neighbouring rays. They are a little too large, because neighbours
+/// start in different places.
 pub fn monte_carlo<S: Scatter<f64> + Sync>(
     boundary: &S,
     setup: &Setup,
@@ -81,7 +81,7 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
     })
 }
 
-/// Where the flux of a beam from `wi` goes at a single boundary, averaged over rays.
+/// Reflected, transmitted and lost flux of a beam from `wi` at a single boundary, averaged over rays.
 pub fn count_flux<S: Scatter<f64> + Sync>(
     boundary: &S,
     wi: Direction<f64>,
@@ -132,7 +132,7 @@ fn scale(setup: &Setup, theta_deg: f64) -> f64 {
     }
 }
 
-/// What a tile of rays of unit flux gave, summed.
+/// The sums of a tile of rays of unit flux.
 struct Tile {
     /// Flux received at each angle.
     flux: Vec<f64>,

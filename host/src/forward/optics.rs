@@ -1,4 +1,4 @@
-//! The way in and the way out: from the beam to the rough face, and from it to the detector.
+//! The path in and the path out: from the beam to the rough face, and from it to the detector.
 
 use asperity_core::bsdf::Smooth;
 use asperity_core::direction::Direction;
@@ -8,7 +8,7 @@ use asperity_core::plate::RoughSide;
 
 use super::{Sample, Setup};
 
-/// How the beam arrives at the rough face for the first time.
+/// The beam as it arrives at the rough face for the first time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     /// Where it comes from, in the rough face's frame.
@@ -19,7 +19,7 @@ pub(super) struct Entry {
     pub(super) mirrored: f64,
 }
 
-/// A direction of observation, as the rough face sees it.
+/// A direction of observation in the frame of the rough face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
     /// Where scattered light must go, in the rough face's frame.
@@ -28,7 +28,7 @@ pub(super) struct View {
     pub(super) factor: f64,
 }
 
-/// The light's way to the rough face for an angle of incidence in radians.
+/// The path of the light to the rough face, for an angle of incidence in radians.
 pub(super) fn enter(setup: &Setup, sigma: f64) -> Entry {
     let wi = incidence(sigma);
     match setup.sample {
@@ -43,7 +43,7 @@ pub(super) fn enter(setup: &Setup, sigma: f64) -> Entry {
     }
 }
 
-/// The way from the rough face to a detector at `wo` (plate frame); `None` where no light can come from.
+/// The path from the rough face to a detector at `wo` (plate frame); `None` if no light arrives there.
 ///
 /// Through the smooth face: `T(theta) cos(theta) / (n^2 cos(theta_t))`, Fresnel's transmittance times the
 /// solid angle inside for one outside.

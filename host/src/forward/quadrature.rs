@@ -18,14 +18,14 @@ use crate::measurement::Quantity;
 /// Incidence, rad, from which on internal passes take more rays in transmission: 40 degrees.
 const OBLIQUE: f64 = 0.7;
 
-/// How much work a simulation may cost.
+/// The effort of a simulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
     /// First hits only, coarse: for the search of a fit.
     Draft,
     /// First hits only, as fine as in full.
     First,
-    /// Internal passes included: what a result is computed with.
+    /// Internal passes included, for results.
     Full,
     /// The same, where rays are followed inside with eight times as many: those of a table weigh unevenly.
     Fine,
@@ -45,16 +45,16 @@ impl Effort {
 pub struct Readings {
     /// The readings.
     pub values: Vec<f64>,
-    /// Light that was left inside the plate where the internal passes were cut off.
+    /// Light left inside the plate when the internal passes were cut off.
     pub neglected: Neglected,
     /// Standard errors of the readings, if they are from Monte Carlo.
     pub std_errors: Option<Vec<f64>>,
 }
 
-/// What the cut-off of the internal passes leaves out; the largest over the incidences.
+/// The light that the cut-off of the internal passes leaves out; the largest over the incidences.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Neglected {
-    /// As a fraction of the beam's flux: the sum of all that is missing from anywhere cannot be more.
+    /// As a fraction of the flux of the beam: an upper bound of all missing light together.
     pub flux: f64,
     /// Estimate of the part missing from a single reading, in the unit of the readings: the neglected
     /// flux times the highest density that the last hit followed gave, times the detector's solid angle.

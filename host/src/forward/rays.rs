@@ -1,19 +1,19 @@
-//! The random numbers of a simulation: a grid of strata, one stream a ray.
+//! The random numbers of a simulation: a grid of strata, one stream per ray.
 //!
 //! The first two numbers of a ray say where it starts (or which facet it meets first). They are spread evenly: the unit
 //! square is cut into as many squares as there are rays, and each ray starts somewhere in its own, so
-//! that every part of a height map gets its share of rays and only the rest of a ray's way is left to chance.
+//! that every part of a height map gets its share of rays and only the rest of its path is left to chance.
 //! Squares are visited tile by tile, which keeps neighbours together in memory. Each ray has its own
-//! stream, so one that takes more numbers than before does not disturb the others: simulations of
+//! stream, so that a ray that takes more numbers than before does not disturb the others: simulations of
 //! slightly different surfaces differ slightly.
 
 use asperity_core::math::Real;
 use rand_pcg::Pcg64Mcg;
 
-/// How many rays, from which seed.
+/// Number and seed of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rays {
-    /// Rays an incidence; rounded up to a square of whole tiles.
+    /// Rays per incidence; rounded up to a square of whole tiles.
     pub count: u64,
     /// The seed; every ray has a stream of its own.
     pub seed: u64,

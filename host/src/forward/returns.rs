@@ -13,14 +13,14 @@ use asperity_core::plate::RoughSide;
 use super::optics::{Entry, View};
 use super::{Sample, Setup};
 
-/// How often light passes by on its way between the faces, `G`, for a cosine inside and the share that the smooth face keeps.
+/// How often light passes between the faces, `G`, for a cosine inside and the reflectance of the smooth face.
 pub(super) fn passes_by<B: Bsdf<f64>>(boundary: &B, cos: f64, kept: f64) -> f64 {
     let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
     let steady = boundary.coherent_flux(Direction::from_unit(sin, 0.0, -cos)).reflected;
     1.0 / (1.0 - steady * kept).max(1e-6)
 }
 
-/// By which ways scattered light reaches a view.
+/// The paths of scattered light to a view.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
     /// Light scattered towards the view, over how often it passes by.
@@ -31,7 +31,7 @@ pub(super) struct Ways {
 }
 
 impl Ways {
-    /// What the view sees of unit flux from `w` when it is scattered, flux per solid angle.
+    /// Flux per solid angle that the view receives of unit flux from `w` when it is scattered.
     pub(super) fn seen<B: Bsdf<f64>>(&self, boundary: &B, w: Direction<f64>, view: &View) -> f64 {
         let direct = self.direct * boundary.ars(w, view.towards);
         direct + self.round.map_or(0.0, |(inside, share)| share * boundary.ars(w, inside))
@@ -90,7 +90,7 @@ impl<'a, B: Bsdf<f64>> Returns<'a, B> {
         Self { arriving: 0.0, ..self }
     }
 
-    /// The ways of scattered light to a view.
+    /// The paths of scattered light to a view.
     pub(super) fn ways(&self, view: &View) -> Ways {
         let [x, y, z] = view.towards.xyz();
         if !self.is_straight {

@@ -1,12 +1,12 @@
-//! One entrance to all engines: quadrature where the boundary can be evaluated, with what waves and the coherent
-//! light of a table add, else Monte Carlo.
+//! One entry to all engines: quadrature if the boundary can be evaluated, plus the coherent light of waves and
+//! tables; else Monte Carlo.
 
 use super::quadrature::Neglected;
 use super::{Angles, Effort, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave};
 use crate::boundary::{Boundary, with_boundary};
 use crate::watch::Watch;
 
-/// Simulates a scan; `rays` are for a boundary that must be traced.
+/// Simulates a scan; only a traced boundary uses `rays`.
 ///
 /// `None` if it was stopped before the end of a Monte Carlo simulation. Rays of the same seed are the
 /// same for every boundary: what two simulations differ by is the surface, not chance.

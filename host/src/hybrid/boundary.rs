@@ -125,7 +125,7 @@ impl HybridBoundary {
         (&self.map, self.edges)
     }
 
-    /// Where the map is split, and where the law of its short waves does not hold.
+    /// The split of the map, and where the law of its short waves does not hold.
     pub fn warnings(&self, incidences_deg: &[f64]) -> Vec<String> {
         let short = match &self.parts {
             Parts::Rays(_) => None,

@@ -1,4 +1,4 @@
-//! Where a map is split.
+//! The wavelength at which a map is split.
 //!
 //! A surface whose heights differ by the mean square `D(r)` over a distance `r` keeps the coherence `exp(-q_z^2 D(r) / 2)`
 //! between two of its points. Over the distance where that is lost the light is one wave; what is straight over this distance acts
@@ -27,13 +27,13 @@ pub(super) const DISTANCES: f64 = 3.0;
 pub struct Scales {
     /// Waves longer than this are traced, um; `None` if the whole map diffracts.
     pub cutoff_um: Option<f64>,
-    /// Rms height of what is traced, um.
+    /// Rms height of the traced part, um.
     pub long_um: f64,
-    /// Rms height of what diffracts, um.
+    /// Rms height of the diffracting part, um.
     pub short_um: f64,
 }
 
-/// The wavelength in um that splits a map for light; `None` if nothing is to be traced.
+/// The wavelength in um that splits a map for light; `None` if nothing is traced.
 ///
 /// Judged for the least momentum across a plate's face: of light that passes at normal incidence, or is mirrored
 /// at 60 degrees, whichever is less, and of the longest wavelength.

@@ -76,8 +76,8 @@ impl WaveBoundary {
         Ok(Self::new(Arc::new(map.clone()), edges, (spectra, 1.0), eta, options))
     }
 
-    /// All directions of a surface alike: its far field may be averaged over azimuths. Of a map too narrow to tell, a few rows
-    /// of grooves, only if it is flat.
+    /// Whether all directions of a surface are alike, so that its far field may be averaged over azimuths. A map too
+    /// narrow to tell, of a few rows of grooves, must be flat.
     pub fn may_average(map: &HeightMap, edges: Edges) -> bool {
         match Spectrum::of(map, edges).ok().and_then(|s| s.anisotropy()) {
             Some(found) => !found.is_directional(),
@@ -85,17 +85,17 @@ impl WaveBoundary {
         }
     }
 
-    /// The map as it scatters.
+    /// The scattering map, scaled and filtered.
     pub fn map(&self) -> &HeightMap {
         &self.map
     }
 
-    /// How it goes on.
+    /// Its continuation.
     pub fn edges(&self) -> Edges {
         self.edges
     }
 
-    /// What lies around it, where its own orders are meant.
+    /// The surroundings of the map, for its own orders.
     pub fn tiling(&self) -> Tiling {
         if self.speckle == Speckle::Patch { Tiling::Patch } else { self.edges.into() }
     }
@@ -110,7 +110,7 @@ impl WaveBoundary {
         &self.wavelengths
     }
 
-    /// What its readings are of.
+    /// Its speckle: this very map, or the mean law.
     pub fn speckle(&self) -> Speckle {
         self.speckle
     }
@@ -136,7 +136,7 @@ impl WaveBoundary {
     /// Where the approximation holds, for light of these incidences.
     ///
     /// # Errors
-    /// Angles that are none of incidence.
+    /// Angles that are not angles of incidence.
     pub fn validity(&self, incidences_deg: &[f64]) -> Result<Validity, ValidityError> {
         Validity::of(&self.map, self.edges, self.eta, &self.wavelengths, incidences_deg)
     }

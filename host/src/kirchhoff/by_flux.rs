@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::boundary::WaveBoundary;
 use super::optics::{Beam, Optics};
 
-/// Angles of incidence a side.
+/// Angles of incidence per side.
 const INCIDENCES: usize = 48;
 /// Rings about the specular direction.
 const RINGS: usize = 24;

@@ -1,4 +1,4 @@
-//! How much light stays coherent: what rays leave out.
+//! The coherent share of the light, which rays leave out.
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
@@ -9,10 +9,10 @@ use super::optics::{Beam, Optics};
 use super::wavelengths::Wavelengths;
 use crate::surface::{HeightMap, Incomplete, Roughness};
 
-/// Coherent share of a lobe that a method without coherent light may have before it is said, as a fraction.
+/// Coherent share of a lobe above which a method without coherent light causes a warning, as a fraction.
 const MOST: f64 = 1e-3;
 
-/// What has to be said of rays on a map under this light; nothing where they miss nothing.
+/// The warning about rays on a map under this light; `None` if they miss nothing.
 ///
 /// The coherent share of a lobe is `|<exp(-i q_z h)>|^2`, for Gaussian heights `exp(-(q_z Rq)^2)`.
 ///

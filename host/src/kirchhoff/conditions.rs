@@ -55,21 +55,21 @@ pub struct LobeValidity {
     pub undersampled_fraction: f64,
     /// `q_z Rq` in the specular direction: below about 2 light stays coherent and rays err.
     pub phase_rms: f64,
-    /// What facets that face away from the light would take of it, as a share of all: the excess of a model
-    /// without shadows.
+    /// The share of the light that facets which face away would receive: the excess of a model without shadows.
     pub turned_away_fraction: f64,
-    /// How far the approximation is from failing, in rms slopes of the map along the plane of incidence: for information.
+    /// The distance of the approximation from failure, in rms slopes of the map along the plane of incidence; for
+    /// information.
     #[serde(flatten)]
     pub margins: Margins,
-    /// Where it fails: the share of the facets that decides.
+    /// The shares of the facets that violate its conditions, which decide.
     #[serde(flatten)]
     pub violating: Violating,
     /// [`Validity::correlation_um`](super::validity::Validity::correlation_um) in vacuum wavelengths.
     pub correlation_wavelengths: Option<f64>,
-    /// What the diffuse light alone needs of it.
+    /// The least correlation length for the diffuse light alone, in the same unit.
     pub least_correlation_wavelengths: f64,
-    /// What of the light neither comes back nor goes through, of both lobes and of all wavelengths, as `check` finds it: below zero more
-    /// comes out than went in. `None` if nobody has looked.
+    /// The lost share of the light, of both lobes and of all wavelengths, as `check` finds it; negative if more comes
+    /// out than went in. `None` if it was not computed.
     pub lost: Option<f64>,
     /// Whether a reading of this lobe, its specular light included, may be trusted to 1 % of its peak.
     pub passes: bool,

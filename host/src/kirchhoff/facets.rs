@@ -1,5 +1,5 @@
-//! One pass over the points of a map: how curved they are for light of given directions, how high the steps
-//! between neighbours, and what faces away from the light.
+//! One pass over the points of a map: their curvature for light of given directions, the steps between neighbours,
+//! and the facets that face away from the light.
 
 use std::f64::consts::TAU;
 

@@ -34,7 +34,7 @@ pub struct GaussianVerdict {
     pub margins: Margins,
     /// `sqrt(2) Rq / slope`: the 1/e autocorrelation length, in vacuum wavelengths; infinite if the surface is flat.
     pub correlation_wavelengths: f64,
-    /// What the diffuse light alone needs of it.
+    /// The least correlation length for the diffuse light alone, in the same unit.
     pub least_correlation_wavelengths: f64,
     /// The reading with the specular light errs by less than 1 % of its peak: all margins are at least
     /// [`LEAST_MARGIN`].

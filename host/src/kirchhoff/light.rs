@@ -1,4 +1,4 @@
-//! Light of one wavelength on its way over the boundary: its media, its angles, its phases.
+//! The path of light of one wavelength over the boundary: its media, angles and phases.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,7 +12,7 @@ pub(super) const SIDES: [Side; 2] = [Side::Air, Side::Dielectric];
 /// Both lobes.
 pub(super) const LOBES: [Lobe; 2] = [Lobe::Reflection, Lobe::Transmission];
 
-/// Light of one wavelength that goes one way.
+/// Light of one wavelength on one path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Light {
     /// In vacuum.
@@ -94,7 +94,7 @@ impl Light {
         turned.to_degrees()
     }
 
-    /// All ways of all wavelengths: by wavelength, then side, then lobe.
+    /// All paths of all wavelengths: by wavelength, then side, then lobe.
     pub(super) fn all(wavelengths: &Wavelengths, eta: f64) -> Vec<Self> {
         wavelengths
             .iter()

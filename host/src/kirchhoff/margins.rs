@@ -1,4 +1,4 @@
-//! How far the light of a lobe is from where Kirchhoff's integral fails.
+//! The margins of a lobe: its distance from where Kirchhoff's integral fails.
 //!
 //! A facet whose slope is `p` along the plane of incidence and `q` across it turns the middle of a lobe by about `r p` along the
 //! plane and `r q cos theta_o` out of it, with `r = |n_i cos theta_i - n_o cos theta_o| / (n_o cos theta_o)` in

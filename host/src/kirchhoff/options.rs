@@ -1,4 +1,4 @@
-//! How waves are sent on a map.
+//! The options of waves on a map.
 
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -8,12 +8,11 @@ use super::wavelengths::Wavelengths;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Speckle {
-    /// The mean over the azimuths of the momentum: all directions of the surface must be alike.
+    /// The mean over the azimuths of the momentum; all directions of the surface must be alike.
     Averaged,
-    /// This very map, which goes on as its edges say, its speckle smoothed by the detector's cone and the wavelengths
-    /// alone.
+    /// This very map, continued at its edges; only the detector's cone and the wavelengths smooth its speckle.
     Kept,
-    /// The same, but the map is all that is lit: a beam as large as the map.
+    /// The same, but only the map is lit, by a beam as large as the map.
     Patch,
 }
 
@@ -22,7 +21,7 @@ pub enum Speckle {
 #[serde(rename_all = "lowercase")]
 pub enum Shadowing {
     /// For light reflected in air where the surface is steep and its heights are not small beside the wavelength: rms slope
-    /// at least 0.3, Rq at least 0.2 wavelengths. There it takes most of the error away; elsewhere it gains nothing.
+    /// at least 0.3, Rq at least 0.2 wavelengths. There it removes most of the error; elsewhere it gains nothing.
     Auto,
     /// For all light.
     On,
@@ -30,14 +29,14 @@ pub enum Shadowing {
     Off,
 }
 
-/// How waves are sent on a map.
+/// The options of waves on a map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WaveOptions {
     /// The light, vacuum wavelengths in nm with weights.
     #[serde(rename = "wavelengths_nm")]
     pub wavelengths: Wavelengths,
-    /// What readings are of.
+    /// The speckle of the readings.
     pub speckle: Speckle,
     /// Shadowing and masking; `false` and `true` in models of earlier versions are `Off` and `On`, absent is `Off`.
     #[serde(default = "Shadowing::before_it_was_written")]

@@ -1,7 +1,7 @@
-//! What is peculiar to a map that alone is lit: its rim, and its light's own diffraction.
+//! A map in a beam as large as the map: its rim, and the diffraction at it.
 //!
 //! The tangent plane at a point has the normal `N = (-grad h, 1)`, and sends `b h.N exp(-i q.r)`, with `b` of the pair of
-//! directions alone. Over a lit area `S` the slopes are got rid of by parts:
+//! directions alone. Integration by parts over a lit area `S` removes the slopes:
 //!
 //! `1/S int h.N exp(-i q.r) dS = (|h|^2 A - h_x^2 B_x - h_y^2 B_y) / h_z`
 //!
@@ -81,7 +81,7 @@ impl Rim {
         Self { size: [nx, ny], lines, plans, steps, slope }
     }
 
-    /// Its fields at a `q_z`, as phase turns an um.
+    /// Its fields at a `q_z`, as phase turns per um.
     pub(super) fn plane(&self, turns_per_um: f64) -> RimPlane<'_> {
         let field = |k: usize| {
             let (heights, weights) = &self.lines[k];

@@ -1,6 +1,6 @@
 //! Shadowing and masking on the stationary facet: Smith's factor for Gaussian slopes.
 //!
-//! Kirchhoff's integral lets light reach every facet. With slopes of rms `s` along the way of the light the visible share
+//! Kirchhoff's integral lets light reach every facet. With slopes of rms `s` along the path of the light the visible share
 //! is `G1 = 1 / (1 + L(a))`, `a = cot(theta) / (s sqrt 2)`, `L = (exp(-a^2) / (a sqrt pi) - erfc(a)) / 2`
 //! \[Smith 1967; Walter2007, eqs 22-26\]; light that arrives and leaves on the same side or on opposite sides
 //! has `G = G1(wi) G1(wo)`.

@@ -9,14 +9,14 @@ use super::screen::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};
 use crate::watch::Watch;
 
-/// What lies around a map.
+/// The surroundings of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tiling {
     /// The map again.
     Periodic,
     /// Its mirror images.
     Mirrored,
-    /// Nothing that is lit: the map is a patch, its orders half as far apart as those of a period, and its coherent
+    /// Nothing: only the map is lit, as a patch; its orders half as far apart as those of a period, and its coherent
     /// light as wide as diffraction at the patch makes it.
     Patch,
 }

@@ -23,9 +23,9 @@ use super::slopes::Slopes;
 use super::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Roughness};
 
-/// What ">>" means in eq. (9): `2 pi R cos^3` is to be larger than this many wavelengths.
+/// The meaning of ">>" in eq. (9): `2 pi R cos^3` must be larger than this many wavelengths.
 pub const CURVATURE_WAVELENGTHS: f64 = 10.0;
-/// What ">>" means in eq. (11): `cos theta` is to be larger than this many `Rq / l`.
+/// The meaning of ">>" in eq. (11): `cos theta` must be larger than this many `Rq / l`.
 pub const COS_RQ_OVER_ACL: f64 = 3.0;
 /// Correlation areas of a map at least.
 pub const FEWEST_AREAS: f64 = 100.0;
@@ -80,7 +80,7 @@ pub enum ValidityError {
     },
 }
 
-/// What of the light from one direction is lost.
+/// The lost light from one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
     /// Where the light comes from.
@@ -92,13 +92,13 @@ pub struct Loss {
 }
 
 impl Validity {
-    /// Incidences that are looked at if none are asked for, degrees.
+    /// The default incidences, degrees.
     pub const INCIDENCES_DEG: [f64; 3] = [0.0, 30.0, 60.0];
 
     /// The conditions for light of these angles of incidence in the plane x-z, from both sides.
     ///
     /// # Errors
-    /// Missing points, and angles that are none of incidence.
+    /// Missing points, and angles that are not angles of incidence.
     pub fn of(
         map: &HeightMap,
         edges: Edges,
@@ -199,7 +199,7 @@ impl Validity {
         Ok(validity)
     }
 
-    /// The verdicts once it is known what is lost: where more light comes out than went in nothing is valid.
+    /// The verdicts with the lost light: where more light comes out than went in, nothing is valid.
     #[must_use]
     pub fn balanced(mut self, losses: &[Loss]) -> Self {
         for lobe in &mut self.lobes {
@@ -212,7 +212,7 @@ impl Validity {
         self
     }
 
-    /// The one place where it is decided which lobes pass.
+    /// The only place that decides which lobes pass.
     fn decide(&mut self) {
         for k in 0..self.lobes.len() {
             let lobe = &self.lobes[k];
@@ -233,7 +233,7 @@ impl Validity {
         })
     }
 
-    /// What concerns one way of the light alone.
+    /// The part for one path of the light alone.
     pub fn of_lobe(mut self, side: Side, lobe: Lobe) -> Self {
         self.lobes.retain(|l| l.side == side && l.lobe == lobe);
         self.far_fields.retain(|f| f.side == side && f.lobe == lobe);
@@ -242,7 +242,7 @@ impl Validity {
 
     /// Whether the reading of a lobe may be trusted at this angle of incidence for all wavelengths.
     ///
-    /// Between two incidences that were looked at both must pass; beyond the largest the answer is no.
+    /// Between two examined incidences both must pass; beyond the largest the result is `false`.
     pub fn passes(&self, side: Side, lobe: Lobe, incidence_deg: f64) -> bool {
         self.all(side, lobe, incidence_deg, |l| l.passes)
     }

@@ -1,4 +1,4 @@
-//! What is wrong with waves on a map, in words, with figures and the remedy.
+//! Warnings about waves on a map, with figures and the remedy.
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -12,12 +12,12 @@ use super::validity::{
 const RAYS: f64 = 3.5;
 
 impl Validity {
-    /// Whether nothing at all is to be said against waves on this map, at any angle looked at.
+    /// Whether there is no objection to waves on this map, at any angle examined.
     pub fn holds(&self) -> bool {
         self.warnings().is_empty()
     }
 
-    /// One sentence or two for each condition that fails: where, by how much, and what to do.
+    /// One or two sentences for each condition that fails: where, by how much, and the remedy.
     pub fn warnings(&self) -> Vec<String> {
         let conditions = [
             self.facets(),
@@ -169,7 +169,7 @@ impl Validity {
         ))
     }
 
-    /// For each way of the light, the wavelength and the smallest incidence at which a condition fails.
+    /// For each path of the light, the wavelength and the smallest incidence at which a condition fails.
     fn first_failures(
         &self,
         holds: fn(&LobeValidity) -> bool,
@@ -186,12 +186,12 @@ impl Validity {
     }
 }
 
-/// All ways of the light.
+/// All paths of the light.
 fn ways() -> impl Iterator<Item = (Side, Lobe)> {
     SIDES.into_iter().flat_map(|side| LOBES.map(|lobe| (side, lobe)))
 }
 
-/// A way of the light in words.
+/// A path of the light in words.
 fn way(side: Side, lobe: Lobe) -> &'static str {
     match (side, lobe) {
         (Side::Air, Lobe::Reflection) => "reflection in air",
@@ -201,7 +201,7 @@ fn way(side: Side, lobe: Lobe) -> &'static str {
     }
 }
 
-/// Where a condition fails first, with what is said of each place; `None` if nowhere.
+/// Where a condition fails first, with the text for each place; `None` if nowhere.
 fn said(bad: &[&LobeValidity], what: impl Fn(&LobeValidity) -> String) -> Option<String> {
     let place = |l: &&LobeValidity| {
         format!(

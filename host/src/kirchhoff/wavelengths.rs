@@ -1,4 +1,4 @@
-//! The wavelengths of the light, each with its share: a laser has one, a lamp has many.
+//! The wavelengths of the light with their shares: a laser has one, a lamp has many.
 
 use std::fmt;
 use std::str::FromStr;
@@ -14,7 +14,7 @@ pub struct Wavelengths {
     lines: Vec<(f64, f64)>,
 }
 
-/// Why numbers or a text are no wavelengths.
+/// Why numbers or a text do not make wavelengths.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WavelengthsError {
     /// None, or more than [`Wavelengths::MOST`].

@@ -1,4 +1,4 @@
-//! Which column of a foreign CSV file is what, as flags say it.
+//! The columns of a foreign CSV file, from flags.
 //!
 //! ```text
 //! --columns sigma=theta_i_deg,theta=theta_o_deg,reading=brdf_per_sr --where "surface=brushed steel"
@@ -19,7 +19,7 @@ pub enum Column {
     Number(usize),
 }
 
-/// Which column of a foreign CSV file is what.
+/// The columns of a foreign CSV file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnMap {
     /// Angle of incidence in degrees.
@@ -28,7 +28,7 @@ pub struct ColumnMap {
     pub theta: Column,
     /// The reading.
     pub reading: Column,
-    /// Rows are used whose columns have these values; texts are equal, or equal as numbers.
+    /// Only rows whose columns have these values are used; values match as texts or as numbers.
     pub filters: Vec<(Column, String)>,
     /// The character between values, `,` unless said otherwise.
     pub delimiter: u8,

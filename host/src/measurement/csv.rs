@@ -26,7 +26,7 @@ pub const COLUMNS: [&str; 3] = ["sigma_deg", "theta_deg", "reading"];
 /// Reads a standard scan file.
 ///
 /// # Errors
-/// [`ScanError`] with the place and the remedy for everything that is not as the format asks.
+/// [`ScanError`] with the place and the remedy for every deviation from the format.
 pub fn read(path: impl AsRef<Path>) -> Result<Measurement, ScanError> {
     let path = path.as_ref();
     parse(&load(path)?, path)
@@ -52,7 +52,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Vec<u8>, ScanError> {
 /// Reads the content of a standard scan file; `name` is the path that errors show.
 ///
 /// # Errors
-/// [`ScanError`] with the place and the remedy for everything that is not as the format asks.
+/// [`ScanError`] with the place and the remedy for every deviation from the format.
 pub fn parse(bytes: impl AsRef<[u8]>, name: impl AsRef<Path>) -> Result<Measurement, ScanError> {
     let name = name.as_ref();
     let mut scan = Parser { name, ..Parser::default() };

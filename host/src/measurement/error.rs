@@ -1,4 +1,4 @@
-//! What can be wrong with a scan file, and where: what, where and remedy in one or two lines.
+//! Faults of a scan file: what, where, and the remedy, in one or two lines.
 
 use std::fmt::{self, Display};
 use std::io;
@@ -82,7 +82,7 @@ pub enum ScanFault {
     /// A number that is NaN or infinite, in a standard file.
     #[error("`{0}` is not finite; delete the row where nothing was measured")]
     NotFinite(String),
-    /// A header value that cannot be meant.
+    /// An impossible header value.
     #[error(transparent)]
     Header(#[from] HeaderFault),
     /// A header key given twice.
@@ -93,7 +93,7 @@ pub enum ScanFault {
         /// The line of the first of the two.
         first_line: u64,
     },
-    /// A header key below the names of the columns, where it might be overlooked.
+    /// A header key below the names of the columns, where it could be overlooked.
     #[error("the header key `{key}` stands among the readings; move it above the column names")]
     LateKey {
         /// The key.
@@ -120,7 +120,7 @@ pub enum ScanFault {
         "there is no column `{column}`; the columns are {available}: correct --columns or --where"
     )]
     NoColumn {
-        /// The column asked for.
+        /// The requested column.
         column: String,
         /// The columns there are.
         available: Names,
@@ -149,7 +149,7 @@ pub enum ScanFault {
     NoMatch {
         /// The column of the filter.
         column: String,
-        /// The value asked for.
+        /// The requested value.
         value: String,
         /// The values there are.
         available: Names,

@@ -1,7 +1,7 @@
 //! Reading any CSV file whose columns are named by a [`ColumnMap`].
 //!
-//! Lines that begin with `#` are comments: the header of such a file is not ours to interpret, what
-//! is needed of it is given by flags. A file without headings is read by column numbers alone.
+//! Lines that begin with `#` are comments: the program does not interpret the header of such a file; flags give what
+//! is needed of it. A file without headings is read by column numbers alone.
 
 use std::path::Path;
 
@@ -17,16 +17,16 @@ use super::{Measurement, Metadata, Quantity, Reading, Selection};
 pub struct Import {
     /// Which column is what.
     pub columns: ColumnMap,
-    /// What the reading is; a foreign file cannot say.
+    /// The quantity of the readings, which a foreign file cannot give.
     pub quantity: Quantity,
-    /// The angles used; rows outside are not even looked at.
+    /// The angles used; rows outside are not read.
     pub selection: Selection,
     /// Whether rows without a measured value (nothing, `nan`, `NA`, infinite) are left out; they
     /// are an error otherwise.
     pub skip_missing: bool,
 }
 
-/// What became of the rows of a foreign file.
+/// The counts of the rows of a foreign file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RowCounts {
     /// All rows below the headings.

@@ -15,7 +15,7 @@ use asperity_core::quantity::RelativeIor;
 const IOR: RangeInclusive<f64> = RelativeIor::<f64>::LEAST..=RelativeIor::<f64>::MOST;
 /// Full angles of a detector aperture that a header may give, in degrees; zero is excluded besides.
 const APERTURE_DEG: RangeInclusive<f64> = 0.0..=30.0;
-/// Wavelengths that a header may give, in nm: a number below 10 was meant in micrometres.
+/// Wavelengths that a header may give, in nm: a number below 10 is probably in micrometres.
 const WAVELENGTH_NM: RangeInclusive<f64> = 10.0..=1e6;
 
 /// What a reading is.
@@ -29,7 +29,7 @@ pub enum Quantity {
     Bsdf,
 }
 
-/// The header of a scan. What the file does not say is `None`: it is asked for, never guessed.
+/// The header of a scan. What the file does not contain is `None`: the program asks for it and never guesses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
     /// Name of the sample.
@@ -54,12 +54,12 @@ pub struct Metadata {
     pub quantity: Option<Quantity>,
     /// RMS noise over all readings / largest reading x 100, where it is known.
     pub noise_floor_percent: Option<f64>,
-    /// Keys that mean nothing to this program, in the order of the file; they are written back.
+    /// Keys unknown to this program, in the order of the file; they are written back.
     /// Filled by [`set`](Self::set), which keeps the known keys out of it.
     pub other: Vec<(String, String)>,
 }
 
-/// A header value that cannot be meant.
+/// An impossible header value.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum HeaderFault {
     /// Not one of the words allowed.

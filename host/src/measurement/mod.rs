@@ -17,9 +17,9 @@
 //! |---|---|
 //! | [`meta`] | the header of a scan |
 //! | [`select`] | ranges of angles |
-//! | [`error`] | what can be wrong with a scan file, and where |
+//! | [`error`] | faults of a scan file, and their places |
 //! | [`csv`] | reading the standard file |
-//! | [`columns`] | which column of a foreign CSV file is what |
+//! | [`columns`] | the columns of a foreign CSV file |
 //! | [`import`] | reading such a file |
 //! | [`write`](mod@write) | writing the standard file |
 //! | [`noise`] | the noise floor, from the readings alone |

@@ -1,11 +1,11 @@
-//! The noise floor of a measurement: from its readings alone, or from what a fit leaves of them.
+//! The noise floor of a measurement: from its readings alone, or from the residuals of a fit.
 //!
 //! In the sense of the error figure \[Sokolov2022, eq. 18\]: RMS noise over all readings / largest
 //! reading x 100. No reconstruction, however good, can have a smaller error than that.
 //!
 //! Two estimates, because "noise" has two meanings here:
 //!
-//! **Fluctuation**: what readings do that no smooth curve could follow. Within an incidence,
+//! **Fluctuation**: the part of the readings that no smooth curve could follow. Within an incidence,
 //! differences of order 3 to 8 remove whatever is locally a polynomial in theta; divided by the norm
 //! of their binomial coefficients they leave the RMS of the independent part. Neighbouring readings
 //! see nearly the same light where apertures overlap, and so does their noise: differences are taken
@@ -13,7 +13,7 @@
 //! counts, since what a too-low order leaves of the signal can only add. All differences enter, dark
 //! and bright, so that noise which grows with the signal counts as it does in eq. (18).
 //! Of the readings alone it *overestimates* where a lobe is as narrow as a few apertures, or steps are coarse against the
-//! lobe: what turns within one lag looks like noise. So once there is a fit its residuals are differenced
+//! lobe: what changes direction within one lag looks like noise. So once there is a fit its residuals are differenced
 //! instead ([`of_fit`]), which have no lobe; what a model misses within one lag still looks like noise, slower misfit does not. And it *includes* the sample's own grain
 //! (speckle, single facets and caustics under a narrow beam), which is repeatable: the floor for a
 //! model with a smooth BSDF, but not for one that follows the measured surface itself.
@@ -21,8 +21,8 @@
 //! whose apertures overlap.
 //!
 //! **Counting**: where readings are whole numbers of photons, or of traced rays, times a quantum,
-//! their variance is quantum x reading (Poisson), whatever the grain of the sample. That readings are
-//! counts is believed only if the readings bear it out: none is below zero, and where few counts are
+//! their variance is quantum x reading (Poisson), whatever the grain of the sample. Readings count as counts only if
+//! they behave so: none is below zero, and where few counts are
 //! expected they scatter as counts do. Grain hides neither.
 
 use super::{Incidence, Measurement, Reading};
@@ -31,7 +31,7 @@ use super::{Incidence, Measurement, Reading};
 const ORDERS: std::ops::RangeInclusive<usize> = 3..=8;
 /// Those of residuals, which have no lobe that low orders would leave.
 const OF_RESIDUALS: std::ops::RangeInclusive<usize> = 1..=8;
-/// Fewer differences than this say nothing.
+/// With fewer differences there is no estimate.
 const MIN_DIFFERENCES: usize = 30;
 /// Positions are equidistant up to this fraction of a step.
 const STEP_TOLERANCE: f64 = 0.02;
@@ -80,14 +80,14 @@ pub fn estimate(scan: &Measurement) -> Option<NoiseEstimate> {
     })
 }
 
-/// The noise floor without a fit, %: as the header says, else an upper bound from the readings ([`estimate`]).
+/// The noise floor without a fit, %: from the header, else an upper bound from the readings ([`estimate`]).
 pub fn before_fit(scan: &Measurement) -> Option<f64> {
     let estimate = || estimate(scan).map(|noise| noise.floor_percent());
     scan.meta.noise_floor_percent.or_else(estimate)
 }
 
-/// The noise floor of a measurement beside a fit, % in the sense of eq. (18): as the header says, else the least of what the
-/// readings ([`estimate`]) and the residuals say; never above the error of the fit itself.
+/// The noise floor of a measurement beside a fit, % in the sense of eq. (18): from the header, else the least of the
+/// estimates from the readings ([`estimate`]) and the residuals; never above the error of the fit itself.
 ///
 /// `simulated` are the fitted readings in the order of the scan's, `rays_percent` their own noise where they come from
 /// rays, which is taken off the residuals'. `None` where nothing is known.

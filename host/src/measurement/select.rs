@@ -1,4 +1,4 @@
-//! Ranges of angles: which part of a measurement is used.
+//! Ranges of angles: the part of a measurement in use.
 
 use std::fmt::{self, Display};
 use std::str::FromStr;
@@ -97,7 +97,7 @@ pub struct Selection {
     pub theta: AngleRange,
 }
 
-/// A selection that leaves nothing to work with.
+/// A selection that leaves nothing to use.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SelectionFault {
     /// No reading inside.

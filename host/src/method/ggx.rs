@@ -32,7 +32,7 @@ const LAMBERT: Parameter =
 static CLEAR: [Parameter; 1] = [ALPHA];
 static OPAQUE: [Parameter; 3] = [ALPHA, GAIN, LAMBERT];
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "ggx",
     summary: "Walter's microfacets with the GGX law, closed form",

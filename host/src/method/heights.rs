@@ -1,7 +1,7 @@
 //! Method `heights`: random heights on a grid, traced with all bounces \[Sokolov section 2.3, eqs 6-8\].
 //!
 //! `delta` shapes the law; the exponent `n`, the largest height `h_max` and the most frequent one `z0`
-//! have usual values unless asked for. Lengths are in steps of the grid. It needs no measured map and has
+//! have default values unless requested. Lengths are in steps of the grid. It needs no measured map and has
 //! shadows, masks and interreflections.
 
 use std::borrow::Cow;
@@ -40,7 +40,7 @@ const Z0: Parameter = Parameter {
 };
 
 impl HeightsMethod {
-    /// Parameters that are fixed to their usual values unless they are asked for.
+    /// Parameters that keep their default values unless requested.
     pub const OPTIONAL: [&'static str; 3] = ["n", "h_max", "z0"];
 
     /// With a law, and the optional parameters that `asked` names.
@@ -75,7 +75,7 @@ impl HeightsMethod {
     }
 }
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "heights",
     summary: "random heights on a grid, traced with all bounces",

@@ -1,4 +1,4 @@
-//! What a method is before it is made, and what it takes to make it.
+//! The description of a method, and the choices that make it.
 
 use std::fmt;
 
@@ -9,13 +9,13 @@ use crate::kirchhoff::WaveOptions;
 use crate::message::excerpt;
 use crate::surface::{Edges, HeightMap};
 
-/// A method that is not made yet.
+/// The description of a method.
 #[derive(Clone, Copy)]
 #[allow(clippy::struct_excessive_bools, reason = "each says whether it needs or has a thing")]
 pub struct Kind {
     /// Name in files and on the command line.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// A summary in one line.
     pub summary: &'static str,
     /// Where it comes from.
     pub origin: Origin,
@@ -29,7 +29,7 @@ pub struct Kind {
     pub waves: Waves,
     /// Whether it describes an opaque body too.
     pub takes_opaque: bool,
-    /// Parameters that are there only if they are asked for.
+    /// Optional parameters, present only on request.
     pub optional: &'static [&'static str],
     /// Makes it.
     pub(super) make: fn(&Choice<'_>) -> Result<Box<dyn Method>, Lack>,
@@ -38,13 +38,13 @@ pub struct Kind {
 /// Where a method comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// One of the five of the paper: what `compare` tries unless told otherwise.
+    /// One of the five of the paper; `compare` tries these by default.
     Paper,
     /// Not in the paper.
     Beyond,
 }
 
-/// How a method sends waves.
+/// The use of waves by a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Waves {
     /// Not at all.
@@ -62,13 +62,13 @@ impl fmt::Debug for Kind {
 }
 
 impl Kind {
-    /// Whether it sends waves, and needs their length.
+    /// Whether it uses waves and needs their wavelengths.
     pub fn is_wave(&self) -> bool {
         self.waves != Waves::None
     }
 }
 
-/// What it takes to make a method.
+/// The choices that make a method.
 #[derive(Clone, Copy)]
 pub struct Choice<'a> {
     /// Its name.
@@ -81,7 +81,7 @@ pub struct Choice<'a> {
     pub asked: &'a dyn Fn(&str) -> bool,
     /// The measured map and how it goes on, for methods that need one.
     pub map: Option<(&'a HeightMap, Edges)>,
-    /// How waves are sent, for methods that do.
+    /// The options of waves, for methods that use them.
     pub wave: Option<&'a WaveOptions>,
     /// Seed of the heights, for methods that draw them.
     pub seed: u64,
@@ -119,13 +119,13 @@ impl<'a> Choice<'a> {
     }
 }
 
-/// Why a method cannot be made. A front end says by which flag or argument the missing thing is given.
+/// Why a method cannot be made. A front end adds the flag or argument that supplies what is missing.
 #[derive(Debug, thiserror::Error)]
 pub enum Lack {
     /// There is no method of this name.
     #[error("method `{}` is unknown; the methods are {known}", excerpt(name))]
     Method {
-        /// What was asked for.
+        /// The request.
         name: String,
         /// The names that there are.
         known: String,

@@ -1,7 +1,7 @@
-//! What the methods with a measured map share: its two knobs, vertical scale and cut-off wavelength.
+//! The common part of the methods with a measured map: two parameters, vertical scale and cut-off wavelength.
 //!
-//! The map is scaled vertically by `scale` and its waves shorter than `cutoff_um` are damped, as far as the
-//! scan asks for it: profilometers err in height, and their noise makes slopes that are not there.
+//! The fit scales the map vertically by `scale` and damps its waves shorter than `cutoff_um` as far as the scan
+//! requires: profilometers err in height, and their noise adds false slopes.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -17,11 +17,11 @@ pub(super) struct MeasuredMap {
     low_pass: Arc<LowPass>,
     /// How the map goes on.
     pub(super) edges: Edges,
-    /// The scale, and the cut-off if it is asked for.
+    /// The scale, and the cut-off if requested.
     pub(super) parameters: Vec<Parameter>,
 }
 
-/// The two knobs.
+/// The two parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Knobs {
     /// Factor on the heights.
@@ -59,7 +59,7 @@ impl MeasuredMap {
         Ok(Self { low_pass, edges, parameters })
     }
 
-    /// The values of the knobs.
+    /// The values of the two parameters.
     pub(super) fn knobs(&self, values: &[f64]) -> Result<Knobs, BuildError> {
         let scale = *values.first().ok_or(BuildError::Missing("scale"))?;
         let cutoff_um = match (self.parameters.get(1), values.get(1)) {
@@ -74,7 +74,7 @@ impl MeasuredMap {
         }
     }
 
-    /// The map as the knobs make it.
+    /// The scaled and filtered map.
     pub(super) fn modified(&self, knobs: Knobs) -> Result<HeightMap, BuildError> {
         self.low_pass.apply(knobs.scale, knobs.cutoff_um).map_err(|e| match e {
             ModifyError::Cutoff(value) => out_of_domain("cutoff_um", value, (0.0, 1e9), "um"),

@@ -8,7 +8,7 @@ use crate::hybrid::HybridBoundary;
 use crate::kirchhoff::WaveOptions;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
-/// The method with its map. The scale acts on both parts; where the map is split moves steadily with it.
+/// The method with its map. The scale acts on both parts; the split of the map moves steadily with it.
 #[derive(Clone, Debug)]
 pub struct MeasuredHybridMethod {
     measured: MeasuredMap,
@@ -30,7 +30,7 @@ impl MeasuredHybridMethod {
     }
 }
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "measured-hybrid",
     summary: "the measured map, long waves of it traced, short ones diffracting",

@@ -25,7 +25,7 @@ impl MeasuredRayMethod {
     }
 }
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "measured-ray",
     summary: "the measured map, traced with all bounces",

@@ -17,7 +17,7 @@ pub struct MeasuredWaveMethod {
     spectra: Mutex<Vec<(Option<f64>, Arc<MeanSpectra>)>>,
 }
 
-/// Cut-offs whose spectra are kept: a fit comes back to few of them. The scale needs no new ones.
+/// Cut-offs whose spectra are kept: a fit returns to a few of them. The scale needs no new ones.
 const KEPT: usize = 4;
 
 impl MeasuredWaveMethod {
@@ -54,7 +54,7 @@ impl MeasuredWaveMethod {
     }
 }
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "measured-wave",
     summary: "the measured map, waves by Kirchhoff",

@@ -37,7 +37,7 @@ use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};
 use crate::boundary::Boundary;
 use crate::kirchhoff::WaveOptions;
 
-/// Why parameters do not make a boundary. The text says what is allowed.
+/// Why parameters do not make a boundary. The text gives the domain.
 #[derive(Debug, thiserror::Error)]
 pub enum BuildError {
     /// A parameter is missing.
@@ -117,7 +117,7 @@ pub trait Method: Send + Sync {
     fn is_traced(&self) -> bool {
         false
     }
-    /// How it sends waves, for methods that do; their forward model costs seconds.
+    /// The options of its waves, for methods that use them; their forward model costs seconds.
     fn wave(&self) -> Option<&WaveOptions> {
         None
     }

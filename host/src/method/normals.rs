@@ -1,8 +1,8 @@
 //! Method `normals`: a fitted density of facet normals, one facet at each hit \[Sokolov section 2.2\].
 //!
 //! `delta` and the exponent `n` shape the law, `theta0` (0 unless asked) puts its maximum off the normal.
-//! It fits more shapes of lobe than `ggx`, but has no masking, no shadowing and no interreflection, so it
-//! is not reciprocal and grows wrong towards grazing incidence.
+//! It fits more shapes of lobes than `ggx`, but has no masking, no shadowing and no interreflection: it is not
+//! reciprocal, and its error grows towards grazing incidence.
 
 use asperity_core::bsdf::Normals;
 use asperity_core::ndf::law::{Law, LawError, Profile};
@@ -30,7 +30,7 @@ const THETA0: Parameter =
 static PLAIN: [Parameter; 2] = [DELTA, N];
 static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];
 
-/// What it is and needs.
+/// Its description and needs.
 pub(super) const KIND: Kind = Kind {
     name: "normals",
     summary: "a fitted density of facet normals, one facet at each hit",

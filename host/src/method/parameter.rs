@@ -1,4 +1,4 @@
-//! A parameter of a method, and its way to the optimiser and back.
+//! A parameter of a method, and its mapping to the optimiser and back.
 
 use std::borrow::Cow;
 
@@ -18,14 +18,14 @@ pub struct Parameter {
     pub name: &'static str,
     /// Unit in files and on the command line; empty if dimensionless.
     pub unit: &'static str,
-    /// A fit stays within; a model from the command line need not.
+    /// The bounds of a fit; a model from the command line may lie outside.
     pub bounds: (f64, f64),
     /// Spacing.
     pub scale: Scale,
     /// Values to start a search from.
     pub starts: Cow<'static, [f64]>,
-    /// The value, below the others, that stands for `nothing`: no filter, no floor. A fit tries it alone, and keeps it
-    /// unless the data speak against it; one that ends at the lower bound was not cut short.
+    /// The value, below the others, that means nothing is there: no filter, no floor. A fit tries it and keeps it
+    /// unless the data contradict it; a fit that ends at the lower bound is not cut short.
     pub none: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ impl Parameter {
         Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), none: None }
     }
 
-    /// The same with zero as the value that stands for nothing.
+    /// The same with zero as the value that means nothing is there.
     pub const fn or_zero(mut self) -> Self {
         self.none = Some(0.0);
         self

@@ -1,7 +1,7 @@
 //! The registry of methods.
 //!
-//! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and what
-//! comparisons try come from here.
+//! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and
+//! the methods of comparisons come from here.
 
 use super::kind::{Choice, Kind, Lack, Origin};
 use super::{Body, Method, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals};
@@ -20,7 +20,7 @@ impl Kind {
     /// The method of a name.
     ///
     /// # Errors
-    /// [`Lack::Method`], which says what names there are.
+    /// [`Lack::Method`], which lists the names.
     pub fn named(name: &str) -> Result<&'static Self, Lack> {
         static ALL: [Kind; KINDS.len()] = KINDS;
         let unknown =
@@ -28,7 +28,7 @@ impl Kind {
         ALL.iter().find(|kind| kind.name == name).ok_or_else(unknown)
     }
 
-    /// The names of all methods of which something is true.
+    /// The names of all methods that satisfy a condition.
     pub fn names(of: impl Fn(&Self) -> bool) -> Vec<&'static str> {
         KINDS.iter().filter(|kind| of(kind)).map(|kind| kind.name).collect()
     }

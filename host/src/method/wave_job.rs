@@ -1,4 +1,4 @@
-//! How much a map asks of the transforms of waves: what no computer ends is refused before it begins.
+//! The work of a map for the transforms of waves; a job that no computer could finish is refused before it begins.
 
 use asperity_core::quantity::RelativeIor;
 

@@ -59,7 +59,7 @@ pub struct Value {
     /// none can be stated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub std_error_sides: Option<[Option<f64>; 2]>,
-    /// What has to be said of the value: that it stands for nothing, or that its error is not to be relied on.
+    /// A note about the value: that it is `none`, or that its error is unreliable.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -82,7 +82,7 @@ pub enum BodyKind {
     Opaque,
 }
 
-/// How a fit went.
+/// The error of a fit at one incidence.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IncidenceRecord {
@@ -106,13 +106,13 @@ pub struct Model {
     /// The measured map, for methods that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapRecord>,
-    /// How waves are sent, for methods that do.
+    /// The options of waves, for methods that use them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wave: Option<WaveOptions>,
     /// Seed of the heights, for methods that draw them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface_seed: Option<u64>,
-    /// What the surface bounds.
+    /// The body that has the surface.
     #[serde(default)]
     pub body: BodyKind,
     /// Refractive index over that of air; null for an opaque body.
@@ -157,10 +157,10 @@ pub struct Model {
     /// Who made the file, from what.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<Provenance>,
-    /// How long it took: all that differs between two runs.
+    /// The duration, the only part that differs between two runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
-    /// The same in files of before there was `timing`; not written.
+    /// The same in older files, before `timing`; not written.
     #[serde(default, skip_serializing, rename = "seconds")]
     old_seconds: Option<f64>,
 }

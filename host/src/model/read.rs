@@ -16,7 +16,7 @@ use crate::message::excerpt;
 /// Largest model file that is read.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// A model file that cannot be used: where, what, and what to do.
+/// A model file that cannot be used: where, what, and the remedy.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {what}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
 pub struct ModelError {
@@ -102,7 +102,7 @@ impl Model {
     }
 }
 
-/// The parameters, each given once: JSON itself lets the last of two win.
+/// The parameters, each given once; JSON itself would accept a repetition.
 pub(super) fn distinct<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<BTreeMap<String, Value>, D::Error> {

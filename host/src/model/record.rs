@@ -13,12 +13,12 @@ use crate::surface::{Preparation, Prepared, Purpose};
 pub struct MapRecord {
     /// The file; a path that is not absolute counts from the working directory, else from the model's folder.
     pub file: InputFile,
-    /// What was done to its map.
+    /// The preparation of its map.
     pub preparation: Preparation,
 }
 
 impl MapRecord {
-    /// Reads the map again, and makes sure that it is the same.
+    /// Reads the map again and checks that it is the same.
     pub(super) fn load(&self, folder: Option<&Path>) -> Result<Prepared, String> {
         let given = PathBuf::from(&self.file.path);
         let path = match folder.map(|f| f.join(&given)) {

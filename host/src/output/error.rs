@@ -11,13 +11,13 @@ pub enum OutputError {
     /// The path is a folder, or ends in `/` or `..`.
     #[error("{}: is a folder, not a file; add a file name", path.display())]
     Folder {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
     },
     /// The folder that should hold the file is missing.
     #[error("{}: there is no folder {}; create it or choose another place", path.display(), folder.display())]
     NoFolder {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
         /// The missing folder.
         folder: PathBuf,
@@ -25,13 +25,13 @@ pub enum OutputError {
     /// The file exists and is write-protected.
     #[error("{}: exists and is write-protected; choose another name or lift the protection", path.display())]
     WriteProtected {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
     },
     /// The operating system refuses to create the file.
     #[error("{}: cannot be created: {source}; check the permissions of the folder", path.display())]
     Create {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
         /// The operating system's answer.
         source: io::Error,
@@ -39,7 +39,7 @@ pub enum OutputError {
     /// The content could not be written, or the finished file not renamed.
     #[error("{}: cannot be written: {source}; check the free space and the permissions", path.display())]
     Write {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
         /// The operating system's answer.
         source: io::Error,
@@ -47,7 +47,7 @@ pub enum OutputError {
     /// The file is an input of this run.
     #[error("{}: is an input ({}) and would be overwritten; choose another file or choose another folder", path.display(), input.display())]
     Input {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
         /// The input, as it was named.
         input: PathBuf,
@@ -55,7 +55,7 @@ pub enum OutputError {
     /// The file is another output of this run.
     #[error("{}: is written by this run already ({}); choose another name for one of the two", path.display(), other.display())]
     Twice {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
         /// The other output, as it was named.
         other: PathBuf,
@@ -71,7 +71,7 @@ pub enum OutputError {
 }
 
 impl OutputError {
-    /// Whether the system failed, such as for want of space, and nothing was asked for that cannot be.
+    /// Whether the system failed, for example for lack of space, although the request was valid.
     pub fn is_trouble(&self) -> bool {
         match self {
             Self::Write { .. } => true,

@@ -1,8 +1,8 @@
-//! Output files that exist complete or not at all, and never in place of what was read.
+//! Output files that are complete or absent, and that never replace an input.
 //!
-//! A run of an hour must not end in "permission denied", nor leave half a file behind, nor overwrite its input: an
-//! [`AtomicFile`] is opened before the work starts, and takes its name only when it is complete. Files that belong together
-//! take their names together ([`finish_all`]).
+//! A run of an hour must not end in "permission denied", leave half a file, or overwrite its input. An [`AtomicFile`]
+//! is therefore opened before the work starts and renamed only when it is complete. Files that belong together are
+//! renamed together ([`finish_all`]).
 
 mod error;
 
@@ -19,8 +19,8 @@ use crate::scratch::{MadeFolders, Scratch, persist_all};
 
 /// A file under construction: written beside its destination under a temporary name.
 ///
-/// [`commit`](AtomicFile::commit) gives it its name; dropping it without leaves the destination as
-/// it was and no temporary file. A destination that is not a regular file (a device, a named
+/// [`commit`](AtomicFile::commit) renames it; without it, dropping leaves the destination as it was and no temporary
+/// file. A destination that is not a regular file (a device, a named
 /// pipe) is written in place; `-` and `/dev/stdout` are stdout. Writes are buffered.
 ///
 /// ```
@@ -48,7 +48,7 @@ enum Sink {
         target: PathBuf,
     },
     InPlace(BufWriter<File>),
-    /// Without a file once its reader has gone away, which is no failure.
+    /// `None` once its reader has gone away, which is not a failure.
     Stdout(Option<BufWriter<Stdout>>),
 }
 
@@ -134,7 +134,7 @@ impl AtomicFile {
         self.write_all(content).map_err(|source| self.failed(source))
     }
 
-    /// The destination, as it was asked for.
+    /// The destination, as requested.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -152,7 +152,7 @@ impl AtomicFile {
         matches!(self.sink, Sink::Stdout(_))
     }
 
-    /// Whether this is stdout and nobody reads it any more.
+    /// Whether this is stdout without a reader.
     pub fn is_in_vain(&self) -> bool {
         matches!(self.sink, Sink::Stdout(None))
     }
@@ -192,7 +192,7 @@ impl Write for AtomicFile {
     }
 }
 
-/// Writes to stdout; `done` if nobody reads it.
+/// Writes to stdout; `done` if it has no reader.
 fn unless_gone<T>(
     stdout: &mut Option<BufWriter<Stdout>>,
     done: T,
@@ -262,7 +262,7 @@ pub fn write_text(path: impl AsRef<Path>, text: &str) -> Result<(), OutputError>
     AtomicFile::create(path)?.finish(text.as_bytes())
 }
 
-/// Makes sure, before the long work, that all these can be written later, and that none is another or an input.
+/// Checks before the long work that all these can be written later, and that none is another output or an input.
 ///
 /// # Errors
 /// Those of [`AtomicFile::create`].

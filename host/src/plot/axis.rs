@@ -1,4 +1,4 @@
-//! Axes: where a value lies along one, and which values are worth a tick.
+//! Axes: the place of a value, and the values of the ticks.
 
 /// A linear or logarithmic axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
-//! What a plot shows: panels of curves under one title. Plain data, checked when it is drawn.
+//! The content of a plot: panels of curves under one title. Plain data, checked when drawn.
 
 /// The most panels one figure holds; more would be too small to read.
 pub const MAX_PANELS: usize = 9;
 
-/// What a curve stands for, which decides how it is drawn.
+/// The meaning of a curve, which decides its style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveStyle {
     /// Data: a broad grey line under everything else, or circles when the points are few.
@@ -96,7 +96,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Refuses what cannot be drawn.
+    /// Refuses a figure that cannot be drawn.
     pub(super) fn check(&self) -> Result<(), PlotError> {
         let (lo, hi) = self.x_range;
         let placed = self.across != Across::Log || lo > 0.0;
@@ -179,9 +179,9 @@ pub enum PlotError {
     /// logarithmic one.
     #[error("the horizontal axis cannot run from {lo} to {hi}")]
     BadRange {
-        /// Left end asked for.
+        /// Requested left end.
         lo: f64,
-        /// Right end asked for.
+        /// Requested right end.
         hi: f64,
     },
     /// The number of decades is not from 1 to 15.

@@ -1,4 +1,4 @@
-//! Where everything goes: the grid of panels, the legend above it, the labels around it, in pixels.
+//! The layout in pixels: the grid of panels, the legend above it, the labels around it.
 
 use super::polyline::{Frame, Pixel};
 

@@ -102,7 +102,7 @@ pub(super) fn baseline(middle: f64, letters: u32) -> f64 {
     middle + 0.36 * f64::from(letters)
 }
 
-/// Measured points a curve that are still drawn one by one.
+/// Measured points of a curve that are still drawn one by one.
 const MOST_MARKERS: usize = 60;
 
 /// Pixels a name may take in the legend.

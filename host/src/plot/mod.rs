@@ -1,6 +1,6 @@
 //! Plots of measured against fitted readings and of maps, as SVG and as PNG.
 //!
-//! [`sigma_panels`] turns readings into a [`Figure`], one panel an incidence; [`svg`] and [`png()`] draw it:
+//! [`sigma_panels`] turns readings into a [`Figure`], one panel per incidence; [`svg`] and [`png()`] draw it:
 //!
 //! ```
 //! use asperity::plot::{Scale, sigma_panels, svg};
@@ -12,8 +12,7 @@
 //! # Ok::<(), asperity::plot::PlotError>(())
 //! ```
 //!
-//! The layout is ours and fixed, so that a reading is in the same place in both formats; the plotting
-//! library is known to one file, `canvas.rs`.
+//! The layout is fixed, so that a reading is in the same place in both formats; only `canvas.rs` uses the plotting library.
 
 mod figure;
 mod palette;

@@ -1,4 +1,4 @@
-//! Colours and dashes. Every curve is told apart twice, so prints without colour stay readable.
+//! Colours and dashes. Curves differ in both, so that prints without colour stay readable.
 
 /// Red, green and blue, 0 to 255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! The figure of a reconstruction: measured and fitted readings over the observation angle, one panel an incidence.
+//! The figure of a reconstruction: measured and fitted readings over the observation angle, one panel per incidence.
 
 use super::figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, Scale};
 

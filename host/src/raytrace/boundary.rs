@@ -1,7 +1,7 @@
-//! A rough boundary whose scatter is traced: every facet turns a ray, all bounces.
+//! A rough boundary whose scatter is traced with all bounces.
 //!
-//! What a facet does is a [`Facet`]: the smooth one of [`TracedBoundary`] refracts and reflects by Fresnel's and
-//! Snell's laws; others may scatter.
+//! A [`Facet`] says what a facet does to light: the smooth one of [`TracedBoundary`] refracts and reflects by
+//! Fresnel's and Snell's laws; others may scatter.
 
 use std::sync::Arc;
 
@@ -23,9 +23,9 @@ pub struct TracedBoundary {
     pub eta: RelativeIor<f64>,
 }
 
-/// What the facets of a surface do to light.
+/// The effect of the facets of a surface on light.
 pub trait Facet {
-    /// Where the light goes that comes from `from` to a facet of unit normal `m`, upward; `above` if it comes from
+    /// The light that leaves a facet of unit normal `m` (upward) for light from `from`; `above` if that comes from
     /// the air. `None` if it is lost.
     fn turn(
         &self,

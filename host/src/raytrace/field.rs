@@ -2,7 +2,7 @@
 
 use crate::surface::{Edges, HeightMap, HeightMapError};
 
-/// A height map made ready for rays: single precision, with bounds of ever larger blocks.
+/// A height map prepared for rays: single precision, with bounds of blocks of increasing size.
 ///
 /// Nodes are the points of the map; each cell is cut from (x, y) to (x + 1, y + 1) into two triangles. A
 /// periodic map of `n` points has `n` cells, the last of which leads back to the first point; a finite one
@@ -38,7 +38,7 @@ pub struct Field {
 pub(super) struct Slab {
     /// Height of the plane at the block's first node.
     pub(super) base: f32,
-    /// Its rise a cell along x and along y.
+    /// Its rise per cell along x and along y.
     pub(super) slope: [f32; 2],
     /// How far the nodes lie above it, at least and at most, with a margin for rounding.
     pub(super) low: f32,

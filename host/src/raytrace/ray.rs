@@ -1,11 +1,11 @@
-//! Rays and what becomes of them.
+//! Rays and their fates.
 
 /// A ray; lengths in units of the pitch along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// A point of it: x and y in cells within the grid, z from the middle of the heights.
     pub origin: [f32; 3],
-    /// The way it goes, of unit length.
+    /// Its direction, of unit length.
     pub direction: [f32; 3],
     /// Whether it is above the surface.
     pub above: bool,
@@ -50,13 +50,13 @@ impl Hit {
 /// map itself, with its direction mirrored: what it meets must be turned with the mirrored direction.
 pub type Mirrored = [bool; 2];
 
-/// What became of a ray.
+/// The fate of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
     /// It crosses the surface.
     Hits(Hit),
     /// It leaves for good, on its own side.
     Escapes,
-    /// It ran level for so long that it was given up.
+    /// It ran level for too long and was given up.
     Lost,
 }

@@ -6,8 +6,8 @@
 //! the wrong side cannot hide a crossing, an edge between two triangles cannot let a ray through, and
 //! the triangle a ray leaves is not asked. Blocks of the pyramid whose slab the ray passes on its own side
 //! are skipped whole; the larger, the longer it has met nothing; within the smallest it goes
-//! from cell to cell, beginning where it enters the slab. Which way it goes on is computed without branches, for no branch predictor can
-//! know it.
+//! from cell to cell, beginning where it enters the slab. The next step is computed without branches, because no
+//! predictor could foresee it.
 
 use multiversion::multiversion;
 

@@ -1,4 +1,4 @@
-//! The body and the instrument of a scan, from its header and from what the user says.
+//! The body and the instrument of a scan, from its header and from the user.
 
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -8,7 +8,7 @@ use crate::forward::{Sample, Setup};
 use crate::measurement::{Measurement, Quantity};
 use crate::method::{Body, BuildError};
 
-/// What the user says; it goes before the header of the scan.
+/// Values from the user; they override the header of the scan.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Said {
     /// On which side of the plate the detector moved.
@@ -32,7 +32,7 @@ pub struct Situation {
     pub setup: Setup,
 }
 
-/// What keeps a scan from being understood. A front end says by which flag or argument it is told.
+/// Missing or contradictory information about a scan. A front end adds the flag or argument that supplies it.
 #[derive(Debug, thiserror::Error)]
 pub enum Unclear {
     /// Neither says on which side the detector moved.
@@ -71,7 +71,7 @@ impl Said {
     /// The body and the instrument of a scan.
     ///
     /// # Errors
-    /// [`Unclear`], the first thing that neither the user nor the header says, or that cannot be.
+    /// [`Unclear`], the first thing that neither the user nor the header gives, or that is impossible.
     pub fn about(&self, scan: &Measurement) -> Result<Situation, Unclear> {
         let meta = &scan.meta;
         if self.opaque && self.ior.is_some() {
@@ -105,7 +105,7 @@ impl Said {
     }
 }
 
-/// Refuses a plate that is not there.
+/// Refuses a plate with the index of air.
 ///
 /// # Errors
 /// [`Unclear::NoPlate`].

@@ -46,7 +46,7 @@ impl SampleResult {
 }
 
 impl Comparison {
-    /// What the tables show.
+    /// The content of the tables.
     pub(super) const LEGEND: &'static str = "Error of eq. (18): rms deviation over all angles, in % of the \
          largest reading. The lowest one of those that describe the sample is marked; (no): does not \
          describe it; -: no fit.";
@@ -68,7 +68,7 @@ impl Comparison {
         Grid { head: head.collect(), rows: self.samples.iter().map(row).collect() }
     }
 
-    /// How long the fits took, if it is to be said: one row each.
+    /// The durations of the fits, one row each, if they are shown.
     pub(super) fn times(&self) -> Option<Grid> {
         let row = |sample: &SampleResult, attempt: &Attempt| {
             let seconds = format!("{:.2}", attempt.entry()?.fit.seconds);

@@ -18,7 +18,7 @@ pub enum FigureError {
     Output(#[from] OutputError),
 }
 
-/// The figure of a measurement and its fits, one panel an incidence.
+/// The figure of a measurement and its fits, one panel per incidence.
 pub fn figure(title: &str, measurement: &Measurement, entries: &[&Entry], scale: Scale) -> Figure {
     drawn(title, measurement, entries, scale, &|_| true)
 }
@@ -63,7 +63,7 @@ fn drawn(
     sigma_panels(title, &measured, &fits, scale)
 }
 
-/// The files `stem-linear` and `stem-log`, each as SVG and PNG, opened before there is what to draw.
+/// The files `stem-linear` and `stem-log`, each as SVG and PNG, opened before the work.
 #[derive(Debug)]
 pub struct FigureFiles(Vec<AtomicFile>);
 

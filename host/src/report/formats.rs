@@ -28,7 +28,7 @@ impl Comparison {
         format!("# {}\n\n{}{samples}{times}", self.title, parts.join("\n\n"))
     }
 
-    /// One row a sample and method.
+    /// One row per sample and method.
     pub fn csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let mut rows = vec![HEAD.map(String::from)];
@@ -64,7 +64,7 @@ const HEAD: [&str; 11] = [
     "seconds",
 ];
 
-/// The time is the last column, empty if it is not to be said.
+/// The time is the last column, empty if it is not shown.
 fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
     let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
     let fit = attempt.entry().map(|e| &e.fit);

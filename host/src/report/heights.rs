@@ -8,7 +8,7 @@ use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Across, Curve, CurveStyle, Figure, MapPicture, Panel, Scale};
 use crate::surface::{HeightMap, Roughness, Spectrum};
 
-/// What is drawn.
+/// The content of the plots.
 #[derive(Clone, Copy, Debug)]
 pub struct MapFigures<'a> {
     /// Line above each.
@@ -19,8 +19,7 @@ pub struct MapFigures<'a> {
     pub spectrum: Option<&'a Spectrum>,
 }
 
-/// The files `STEM-map`, `STEM-histogram` and `STEM-spectrum`, each as SVG and PNG, opened before there is what to
-/// draw.
+/// The files `STEM-map`, `STEM-histogram` and `STEM-spectrum`, each as SVG and PNG, opened before the work.
 #[derive(Debug)]
 pub struct MapFigureFiles([[AtomicFile; 2]; 3]);
 

@@ -1,4 +1,4 @@
-//! What people read: the tables of results, the plots, the HTML page.
+//! Reports for people: tables of results, plots, the HTML page.
 
 mod grid;
 mod comparison;
@@ -28,7 +28,7 @@ pub fn with_error(value: f64, std_error: Option<f64>) -> String {
     }
 }
 
-/// A fitted value with its error and unit; `none` where it stands for nothing.
+/// A fitted value with its error and unit; `none` if it means nothing is there.
 pub fn value_text(p: &crate::fit::Fitted) -> String {
     if p.is_none {
         return "none".into();

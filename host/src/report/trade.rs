@@ -15,7 +15,7 @@ pub struct TradeReport {
     pub by_scan: bool,
     /// The rows.
     pub rows: Vec<Row>,
-    /// What could not be measured, and why.
+    /// The measurements that failed, and why.
     pub notes: Vec<String>,
 }
 
@@ -44,7 +44,7 @@ const COSTS: [Column; 7] = [
 ];
 
 impl TradeReport {
-    /// What the columns are.
+    /// The meaning of the columns.
     const LEGEND: &str = "Errors. fit: eq. (18) of the model against the scan; scan: of this evaluator; from model: of a scan of the model; \
          max, rms: of f |cos| in % of the peak of its beam (side, R or T, incidence); energy: flux of a lobe, % of the light. Tables are \
          evaluated in fast f32.";
@@ -90,7 +90,7 @@ impl TradeReport {
         Grid { head, rows: self.rows.iter().map(row).collect() }
     }
 
-    /// One row an evaluator, every column; empty where nothing was measured.
+    /// One row per evaluator, every column; empty where nothing was measured.
     pub fn csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let columns = || ERRORS.iter().chain(&COSTS);
@@ -134,7 +134,7 @@ impl TradeReport {
         })
     }
 
-    /// Error against cost, both logarithmic, a panel an axis that was measured; the front is a line, chosen points are ringed.
+    /// Error against cost, both logarithmic, one panel per measured axis; the front is a line, chosen points are ringed.
     pub fn figure(&self) -> Figure {
         let points = |axis: Axis, wanted: &dyn Fn(&Row) -> bool| {
             let rows = self.rows.iter().filter(|row| wanted(row));

@@ -1,4 +1,4 @@
-//! Azimuths of the light: a table has none, so a surface has to look alike from all of them.
+//! Azimuths of the light: a table has none, so a surface must look alike from all of them.
 //!
 //! A map is one piece of its surface, and its few facets differ by azimuth even where the surface does not. What tells the two
 //! apart is the spectrum of the map: its harmonics over the directions are held against what chance alone would give them
@@ -21,7 +21,7 @@ const UNSEEN: f64 = 1e-4;
 /// Most rays that tell it, per incidence.
 const MOST_RAYS: u64 = 250_000;
 
-/// What direction the surface of a boundary has, if it has one.
+/// The direction of the surface of a boundary, if it has one.
 fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
     let of = |map: &HeightMap, edges: Edges| Spectrum::of(map, edges).ok()?.pattern();
     let found = match boundary {

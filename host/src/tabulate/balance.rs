@@ -1,4 +1,4 @@
-//! Flux: what the model has, what the table has, and never more than there is.
+//! Flux of the model and of the table; a table never gives more than it receives.
 
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Place, Storage, cells, incidence_cosine, incidence_place};

@@ -1,4 +1,4 @@
-//! How far a table is from its model: eq. (18) of a scan, and the flux.
+//! The distance of a table from its model: eq. (18) of a scan, and the flux.
 
 use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
 use asperity_core::direction::Side;
@@ -17,7 +17,7 @@ use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, mix, monte_ca
 use crate::measurement::Quantity;
 use crate::watch::Watch;
 
-/// How far a table is from its model: eq. (18) of a scan, percent of the largest reading.
+/// The distance of a table from its model: eq. (18) of a scan, percent of the largest reading.
 ///
 /// Scans are in the plane of incidence at several azimuths of the surface, of which the first is that of a scan of the model. A law
 /// has no azimuth: the last two say something of sampled models only.
@@ -146,7 +146,7 @@ fn sampled_distance(
 }
 
 /// Largest difference of the flux of a table's lobes and the model's, absolute, over incidences 0 to 80 degrees. A model that must be
-/// sampled is counted with `rays` an incidence.
+/// sampled is counted with `rays` per incidence.
 ///
 /// Incidences at which the model itself gives more than it receives, as waves may, are left out: no table follows it there.
 /// `None` if there are no others. Once it is stopped rays are lost, and the difference means nothing.

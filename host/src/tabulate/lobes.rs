@@ -1,4 +1,4 @@
-//! How far each lobe of a table is from its model, at incidences up to grazing: of the peak of each incidence.
+//! The distance of each lobe of a table from its model, at incidences up to grazing, in terms of the peak of each incidence.
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
@@ -18,10 +18,10 @@ const ANGLES: [f64; 15] =
 const DIRECTIONS: u32 = 256;
 /// Share of the light below which a beam is left out.
 const LEAST_FLUX: f64 = 1e-3;
-/// Most rays an incidence of a boundary that must be sampled.
+/// Most rays per incidence of a boundary that must be sampled.
 const MOST_RAYS: u64 = 400_000;
 
-/// How far a lobe is from its model: root mean squares, in percent of the peak of each incidence.
+/// The distance of a lobe from its model: root mean squares, in percent of the peak of each incidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LobeDistance {
     /// The side the light comes from.

@@ -58,7 +58,7 @@ use crate::surface::spectrum::Anisotropy;
 use crate::watch::{Progress, Watch};
 use grid::LobeGrid;
 
-/// How numbers are kept.
+/// The storage of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kept {
     /// 8 bits.
@@ -69,16 +69,16 @@ pub enum Kept {
     F32,
 }
 
-/// What a table is to hold, and how large it may be.
+/// The content of a table, and its largest size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
     /// The lobes that are wanted.
     pub lobes: LobeSet,
     /// Bytes of all arrays together, at most.
     pub bytes: usize,
-    /// How values are kept; by the number of bytes without it.
+    /// The storage of values; without it the number of bytes decides.
     pub kept: Option<Kept>,
-    /// Rays an incidence, for a boundary that must be sampled.
+    /// Rays per incidence, for a boundary that must be sampled.
     pub rays: Rays,
 }
 

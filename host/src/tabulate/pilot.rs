@@ -23,7 +23,7 @@ const MASKING: [f64; 2] = [0.7, 20.0];
 /// Shapes that are tried have as many radii as fit, but no more than these.
 const AZIMUTHS: [u16; 4] = [4, 5, 7, 9];
 const MOST_RADII: u16 = 48;
-/// Most rays an incidence, of either set.
+/// Most rays per incidence, of either set.
 const MOST_RAYS: u64 = 120_000;
 /// Cosines below which an incidence does not count.
 const LEAST_COS: f64 = 0.25;

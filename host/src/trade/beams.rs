@@ -1,10 +1,10 @@
-//! The directions on which evaluators are held against their model.
+//! The directions at which evaluators are compared with their model.
 //!
 //! A beam is a side of the boundary, a lobe, and an incidence of 0, 5 .. 85 degrees in the medium of the light. In each there are 256
 //! directions that the model itself sends light to (its own sampling, over a lattice), and 256 spread evenly over the hemisphere.
 //! Errors are in percent of the largest value the model has in the beam; beams of less than 1 % of the light are left out.
 //! Components are rounded to single precision first, for all
-//! evaluators alike: what is measured is the evaluator, not the rounding of its input.
+//! evaluators alike: this measures the evaluator, not the rounding of its input.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -87,7 +87,7 @@ impl Beams {
         Self(all.collect())
     }
 
-    /// How far another law is from the model; infinite where it gives no number.
+    /// The distance of another law from the model; infinite where it gives no number.
     pub(super) fn accuracy<B: Bsdf<f64> + Sync>(&self, law: &B) -> Accuracy {
         let parts: Vec<(f64, f64, usize)> = self
             .0

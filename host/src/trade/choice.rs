@@ -1,4 +1,4 @@
-//! Marks the rows that no other beats, the knee, and the cheapest that is near enough.
+//! Marks the rows on the Pareto front, the knee, and the cheapest row that is accurate enough.
 
 use super::pareto::{cheapest, front, knee};
 use super::row::Row;
@@ -6,7 +6,7 @@ use super::row::Row;
 /// Errors count in steps of this, %: no goniophotometer tells less apart.
 const STEP: f64 = 1e-3;
 
-/// What a value costs.
+/// The cost of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Nanoseconds here.

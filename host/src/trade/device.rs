@@ -17,13 +17,13 @@ use crate::watch::Watch;
 const EMULATOR: &str = "qemu-system-arm";
 /// Largest program that is read.
 const MOST_BYTES: u64 = 64 << 20;
-/// A program that hangs must not hang the measurement.
+/// Limit for a program that hangs.
 const TIME_LIMIT: Duration = Duration::from_mins(2);
 
-/// Why there is no device.
+/// Why the device is missing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoDevice {
-    /// The program is none; bad input.
+    /// The file is not such a program; bad input.
     #[error("{}: {what}; give the program made by {}", path.display(), Device::HOW)]
     Program {
         /// The file.

@@ -39,11 +39,11 @@ pub struct Subject<'a> {
     pub scan: Option<&'a Scan>,
 }
 
-/// What is to be measured, and with what.
+/// The measurements to make, and their means.
 pub struct Work<'a> {
     /// Sizes of the tables, KiB.
     pub table_kib: &'a [usize],
-    /// Rays an incidence for the table of a model that is traced.
+    /// Rays per incidence for the table of a model that is traced.
     pub rays: Rays,
     /// The device.
     pub device: Option<&'a Device>,
@@ -57,7 +57,7 @@ impl std::fmt::Debug for Work<'_> {
     }
 }
 
-/// All rows of a model, and notes on what could not be measured. What was finished when the user stopped is kept.
+/// All rows of a model, and notes on what could not be measured. Finished rows are kept when the user stops.
 pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
     let boundary = subject.boundary;
     let pairs = Pairs::of(boundary, boundary.eta().is_none());

@@ -1,8 +1,9 @@
-//! The trade of an evaluator: its error against what it costs, in time, in instructions, in bytes.
+//! The trade of an evaluator: its error against its cost in time, instructions and bytes.
 //!
-//! [`rows`] makes one [`Row`] for each way to evaluate a model: a closed form in every tier, tables of several sizes, the traced or
-//! waved model itself. All are held against the model in double precision on the same directions (`beams`), timed here, and, if a
-//! [`Device`] is at hand, counted on a Cortex-M4F in QEMU. [`choose`] marks the rows that no other beats.
+//! [`rows`] makes one [`Row`] for each way to evaluate a model: a closed form in every tier, tables of several sizes,
+//! the model itself with rays or waves. All are compared with the model in double precision on the same directions
+//! (`beams`), timed on this machine, and, with a [`Device`], counted on a Cortex-M4F in QEMU. [`choose`] marks the
+//! Pareto front.
 
 mod pareto;
 mod tier;

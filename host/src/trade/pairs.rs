@@ -1,4 +1,4 @@
-//! The calls that are timed and counted: directions as a renderer of this model asks for them.
+//! The calls that are timed and counted: directions as a renderer of this model would request them.
 
 use asperity_core::bsdf::{Bsdf, Scatter};
 use asperity_core::direction::Direction;

@@ -1,8 +1,8 @@
-//! Which points of (cost, error) no other beats, and which of them to take.
+//! The Pareto front of (cost, error), and the choice among its points.
 
 /// Whether each point is on the front: no other is as cheap and as near, and better in one of the two.
 ///
-/// Equal points stand or fall together. A point with a NaN is never on it and beats nobody.
+/// Equal points are all on it or all off it. A point with a NaN is never on it and beats no other.
 pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
     let sound = |p: &(f64, f64)| !p.0.is_nan() && !p.1.is_nan();
     let beats =

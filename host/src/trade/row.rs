@@ -24,19 +24,19 @@ pub enum Evaluator {
         kib: usize,
         /// Bytes it has.
         bytes: usize,
-        /// How values are kept.
+        /// The storage of values.
         storage: &'static str,
     },
     /// The model itself: rays on a map, or waves.
     Model,
 }
 
-/// What a row was chosen for.
+/// The marks of a row.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Marks {
-    /// No other row is as near and as quick here.
+    /// On the Pareto front of error and time on this machine.
     pub front_ns: bool,
-    /// No other row is as near with as few instructions on the device.
+    /// On the Pareto front of error and instructions on the device.
     pub front_instructions: bool,
     /// `knee` or `cheapest`, and of which axis.
     pub chosen: Vec<String>,
@@ -85,7 +85,7 @@ pub struct Row {
     pub fit_seconds: Option<f64>,
     /// Seconds in which the table was made.
     pub table_seconds: Option<f64>,
-    /// What it was chosen for.
+    /// Its marks.
     pub marks: Marks,
 }
 

@@ -1,4 +1,4 @@
-//! The scan that an evaluator is judged by: the measured one, and one of its own model.
+//! The scans that judge an evaluator: the measured one, and one of its own model.
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::gonio::{Geometry, gp200};

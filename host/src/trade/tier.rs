@@ -1,4 +1,4 @@
-//! A law of any number type as one of double precision, so that all can be held against the same reference.
+//! A law of any number type as one of double precision, so that all can be compared with the same reference.
 
 use std::marker::PhantomData;
 

@@ -1,4 +1,4 @@
-//! Nanoseconds a call on this machine, one thread.
+//! Nanoseconds per call on this machine, one thread.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -1,10 +1,10 @@
-//! What is beyond the border of a map: the map again, or its mirror image.
+//! The continuation of a map beyond its border: the map again, or its mirror image.
 
 use asperity_fourier::Ends;
 
 use crate::heightmap::HeightMap;
 
-/// How a map goes on beyond its borders.
+/// The continuation of a map beyond its borders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Edges {
@@ -28,8 +28,8 @@ impl Edges {
     ///
     /// It fits if steps across the seam are at most 1.5 times as large as those inside, and second differences
     /// that reach over the seam at most twice as large as those inside; all are root mean squares in units of
-    /// the inside of their direction, over both directions. Maps of fewer than 8 points in a direction are
-    /// mirrored: they say too little. Missing points are left out.
+    /// the inside of their direction, over both directions. Maps of fewer than 8 points in a direction are mirrored:
+    /// they allow no decision. Missing points are left out.
     pub fn of(map: &HeightMap) -> Self {
         if map.nx() < 8 || map.ny() < 8 {
             return Self::Mirrored;

@@ -1,4 +1,4 @@
-//! Missing points: with what they are filled.
+//! Missing points and their filling.
 
 use crate::form::Form;
 use crate::heightmap::HeightMap;
@@ -6,7 +6,7 @@ use crate::heightmap::HeightMapError;
 use crate::membrane::Membrane;
 use crate::nearest::nearest;
 
-/// With what missing points are filled.
+/// The filling of missing points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fill {

@@ -1,4 +1,4 @@
-//! Form removal: what is subtracted from a map before its roughness is looked at.
+//! Form removal: the form that is subtracted from a map before its roughness is computed.
 
 use crate::heightmap::HeightMap;
 use crate::linear::inverse;
@@ -95,7 +95,7 @@ pub struct FittedForm {
     nx: usize,
     ny: usize,
     terms: Vec<(i32, i32)>,
-    /// One a term, um.
+    /// One per term, um.
     coefficients_um: Vec<f64>,
 }
 

@@ -23,7 +23,7 @@ pub struct GaussianSurface {
     pub rq_um: f64,
     /// Lags at which the autocorrelation is 1/e, along x and y, um.
     pub lengths_um: (f64, f64),
-    /// What the heights depend on.
+    /// The seed of the heights.
     pub seed: u64,
 }
 

@@ -10,7 +10,7 @@ pub struct HeightMap {
     dx_um: f64,
     dy_um: f64,
     heights_um: Vec<f64>,
-    /// Empty if no point is missing, else one flag a point.
+    /// Empty if no point is missing, else one flag per point.
     missing: Vec<bool>,
 }
 

@@ -1,4 +1,4 @@
-//! Input without surprise: never more bytes than were asked for, from files, pipes and devices alike.
+//! Bounded input: never more bytes than allowed, from files, pipes and devices alike.
 
 use std::fmt::Write as _;
 use std::fs::{File, Metadata};
@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// Bytes that a device gives before it is taken for endless.
+/// Bytes that a device may give before it counts as endless.
 const MOST_OF_A_DEVICE: u64 = 16 << 20;
 
 /// All bytes of a file, `most` of them at most.

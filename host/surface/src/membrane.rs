@@ -1,4 +1,4 @@
-//! Laplace's equation over the gaps of a grid, by conjugate gradients with a multigrid preconditioner.
+//! Laplace's equation over the gaps of a grid, solved by conjugate gradients with a multigrid preconditioner.
 //!
 //! The unknowns are the points of the gaps, joined to their neighbours by springs of strength 1/dx^2 and
 //! 1/dy^2; springs to known points hold them. Coarser grids lump 2 x 2 unknowns and add up their springs

@@ -1,4 +1,4 @@
-//! Vertical scale and areal Gaussian low-pass filter, the two knobs of the methods with measured heights.
+//! Vertical scale and areal Gaussian low-pass filter, the two parameters of the methods with measured heights.
 
 use crate::edges::Edges;
 use crate::heightmap::{HeightMap, Incomplete};

@@ -1,4 +1,4 @@
-//! From a file to the map that is used: pixel size, crop, filling, form, edges, in this order.
+//! From a file to the map in use: pixel size, crop, filling, form, edges, in this order.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::input::InputFile;
 use crate::io::{LengthUnit, OpenOptions, Source, open};
 use crate::sanity::Sanity;
 
-/// What is done to the map of a file. What is not said is chosen by the map.
+/// The preparation of the map of a file. What is not given follows from the map.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preparation {
@@ -32,19 +32,19 @@ pub struct Preparation {
     /// Whether the checksum of the description of an x3p file does not matter.
     #[serde(default, skip_serializing_if = "is_false")]
     pub ignore_checksum: bool,
-    /// Whether slopes that no surface has are taken for right.
+    /// Whether implausible slopes are accepted.
     #[serde(default, skip_serializing_if = "is_false")]
     pub allow_steep: bool,
-    /// The rectangle that is used.
+    /// The rectangle in use.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crop: Option<Crop>,
-    /// With what missing points are filled.
+    /// The filling of missing points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fill: Option<Fill>,
-    /// What is subtracted; the mean plane if not said, and for light on a periodic map the mean.
+    /// The form to subtract; by default the mean plane, and for light on a periodic map the mean.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub form: Option<Form>,
-    /// How the map goes on; found out if not said.
+    /// The continuation of the map; by default found from the map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edges: Option<Edges>,
 }
@@ -54,7 +54,7 @@ fn is_false(flag: &bool) -> bool {
     !flag
 }
 
-/// What a map is prepared for.
+/// The purpose of a preparation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
     /// Its figures: missing points may stay missing.
@@ -70,9 +70,9 @@ pub struct Prepared {
     pub map: HeightMap,
     /// The same before the form was subtracted.
     pub with_form: HeightMap,
-    /// How it goes on.
+    /// Its continuation.
     pub edges: Edges,
-    /// What was done, nothing left to choose.
+    /// The preparation with every choice made.
     pub preparation: Preparation,
     /// The file.
     pub input: InputFile,
@@ -84,13 +84,13 @@ pub struct Prepared {
     pub has_pixel_size: bool,
     /// Fraction of the points that were missing before they were filled.
     pub missing_fraction: f64,
-    /// What the user should know of the file or should doubt.
+    /// Warnings about the file.
     pub warnings: Vec<String>,
 }
 
 /// How far two pixel sizes of the same map may differ, as a share: the user's is rounded.
 const SAME_PIXEL: f64 = 0.01;
-/// Share of filled points above which it is said.
+/// Share of filled points above which there is a warning.
 const MOST_FILLED: f64 = 0.5;
 
 impl Preparation {

@@ -1,4 +1,4 @@
-//! Random heights: every node of a grid of step 1 draws its own \[Sokolov eqs 6-8, signs corrected\].
+//! Random heights, one for every node of a grid of step 1 \[Sokolov eqs 6-8, signs corrected\].
 //!
 //! Gauss: `F(z) = exp(-|z - z0|^n / (2 delta^n))`; Cauchy: `F(z) = delta^n / (|z - z0|^n + delta^n)`; both on
 //! `0 <= z <= h_max`, lengths in units of the step. The uniform number of a node depends on the seed and its
@@ -97,7 +97,7 @@ impl HeightLaw {
 pub struct RandomHeights {
     /// Nodes along a side; the grid is periodic.
     pub side: usize,
-    /// What the numbers depend on.
+    /// The seed of the numbers.
     pub seed: u64,
 }
 

@@ -1,9 +1,9 @@
-//! Whether a map can be one: heights in the wrong unit give slopes that no surface has.
+//! Whether a map is plausible: heights in the wrong unit give slopes that no surface has.
 
 use crate::heightmap::HeightMap;
 use crate::roughness::rms_slopes;
 
-/// What is looked at.
+/// The examined figures of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sanity {
     /// The larger rms slope between neighbours along x or y; 0 without neighbours.
@@ -16,7 +16,7 @@ pub struct Sanity {
     finite: bool,
 }
 
-/// Rms slope from which a map is doubted: facets of 72 degrees on average.
+/// Rms slope above which a map causes a warning: facets of 72 degrees on average.
 const DOUBTED_SLOPE: f64 = 3.0;
 /// Rms slope from which a map is refused: facets of 88 degrees on average. Heights of a real surface taken as um where
 /// they are nm have a thousand times its slope, which is 0.05 to 1.
@@ -40,7 +40,7 @@ pub enum Insane {
          (--z-unit, --pixel-um), or give --allow-steep if they are right"
     )]
     Steep(f64),
-    /// Heights over one line say nothing of what is beside it.
+    /// Heights over one line do not describe the surface beside it.
     #[error("this is a profile, not a map: its points are one line; give heights over x and y")]
     Profile,
     /// No map for light has such pixels.
@@ -49,7 +49,7 @@ pub enum Insane {
 }
 
 impl Sanity {
-    /// Looks at a map.
+    /// Examines a map.
     pub fn of(map: &HeightMap) -> Self {
         let slopes = rms_slopes(map);
         let rms_slope = slopes.into_iter().flatten().fold(0.0, f64::max);
@@ -63,7 +63,7 @@ impl Sanity {
         Self { rms_slope, pitch_um: [map.dx_um(), map.dy_um()], profile, finite }
     }
 
-    /// Refuses what cannot be right, for `light` or for figures only.
+    /// Refuses an implausible map, for `light` or for figures only.
     ///
     /// # Errors
     /// [`Insane`] as its variants say; slopes only where steep ones are not allowed.
@@ -85,7 +85,7 @@ impl Sanity {
         Ok(())
     }
 
-    /// What is to be doubted.
+    /// The warning about a doubtful map.
     pub fn warnings(&self) -> Option<String> {
         (self.rms_slope > DOUBTED_SLOPE).then(|| {
             let degrees = self.rms_slope.atan().to_degrees();

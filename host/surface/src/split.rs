@@ -1,10 +1,10 @@
-//! A map in two by the length of its waves: what is long keeps the shape, what is short is its texture.
+//! A map split in two by wavelength: the long waves keep the shape, the short ones are its texture.
 //!
 //! Both filters are complementary in power: a wave of length `l` keeps the amplitude `H` in the long map and
 //! `sqrt(1 - H^2)` in the short one, `H^2 = exp(-ln 2 (lc / l)^4)`, so that the variances of heights and of slopes, and the
 //! structure functions, of the two add up to those of the map. (The residual of a filter, `1 - H`, would lose half the
-//! power of the waves at the cut-off.) The heights themselves do not add up: the short map is meant for laws
-//! that know a surface by its statistics.
+//! power of the waves at the cut-off.) The heights themselves do not add up: the short map serves laws that use the
+//! statistics of a surface only.
 
 use crate::edges::Edges;
 use crate::heightmap::{HeightMap, Incomplete};

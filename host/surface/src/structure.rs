@@ -1,4 +1,4 @@
-//! The structure function of a surface: how much heights differ over a distance.
+//! The structure function of a surface: the mean square difference of heights over a distance.
 
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ pub struct StructureFunction {
     along: [Vec<(f64, f64)>; 2],
 }
 
-/// Lags an octave.
+/// Lags per octave.
 const FINENESS: f64 = 4.0;
 
 impl StructureFunction {

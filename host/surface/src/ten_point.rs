@@ -3,7 +3,7 @@
 //! Over one sampling length: the mean height of the five highest profile peaks plus the mean depth of the five deepest
 //! profile valleys. A peak is a portion above the mean line between two crossings of it, portions at the ends of the
 //! sampling length included; a valley is one below (ISO 4287:1997, 3.2.4 to 3.2.7). The mean line is the mean of the
-//! sampling length. No filter is applied and no small peak is left out: filter the map before if a cut-off is asked for.
+//! sampling length. No filter is applied and no small peak is left out: filter the map first if you need a cut-off.
 //!
 //! For a map: the mean over the sampling lengths of all its rows, and that of all its columns, whichever is larger; a
 //! standard measures across the lay. A line holds five sampling lengths, the usual evaluation length. Where less than

@@ -1,6 +1,6 @@
-//! What has been measured, safe on the disk before more is asked for.
+//! The journal: the next points are requested only after the previous ones are on disk.
 //!
-//! A text file beside the scan file, one record a line, each with a CRC-32C of the checksum of the line
+//! A text file beside the scan file, one record per line, each with a CRC-32C of the checksum of the line
 //! before it (8 hexadecimal digits; none in the first line) and its text:
 //!
 //! ```text
@@ -9,11 +9,11 @@
 //! calibration <number> <incidence> <id> <range> <reference> <six dark currents> ~<crc>
 //! point <incidence> <index> <theta> <signal> <dark> <range> <flags> <calibration> ~<crc>
 //! ```
-//! Currents are the bits of their `f32`, hexadecimal; `theta` is microdegrees by the encoder. It comes
-//! into being complete with its header. Points are appended in order and synchronised with the disk
-//! before the instrument may forget them. A last line that was not finished is cut off on opening; any
-//! other fault is an error with the line. Journals of version 1, where a checksum is of its own line alone
-//! and no number is drawn, are read, and go on as what they are.
+//! Currents are the bits of their `f32`, hexadecimal; `theta` is microdegrees by the encoder. The file is created
+//! complete with its header. Points are appended in order and synchronised with the disk before the instrument may
+//! discard them. An incomplete last line is cut off on opening; any other fault is an error that names the line.
+//! Journals of version 1, where a checksum is of its own line alone
+//! and no number is drawn, are read and continued in their version.
 
 mod record;
 mod read;
@@ -72,7 +72,7 @@ pub enum JournalError {
         line: usize,
         /// What is wrong.
         what: String,
-        /// Lines at its beginning that are good and enough to go on with; 0 if none are.
+        /// Number of good lines at its beginning, enough to continue with; 0 if there are none.
         good: usize,
     },
     /// A folder, a pipe or a device.
@@ -102,7 +102,7 @@ fn remedy(good: usize) -> String {
     }
 }
 
-/// An open journal, locked against other programs, and all that it holds.
+/// An open journal, locked against other programs, with its content.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -124,7 +124,7 @@ impl Journal {
         PathBuf::from(name)
     }
 
-    /// A new journal, safe on the disk with its header.
+    /// A new journal, on disk with its header.
     ///
     /// # Errors
     /// [`JournalError::Exists`], [`JournalError::Io`].
@@ -228,7 +228,7 @@ impl Journal {
         Some((sigma, self.points(sigma).len() as u16))
     }
 
-    /// Adds a calibration, made before that incidence; it is safe on the disk afterwards.
+    /// Adds a calibration, made before that incidence; it is on disk afterwards.
     ///
     /// # Errors
     /// [`JournalError::Io`].
@@ -245,7 +245,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Adds points that follow on those of an incidence; they are safe on the disk afterwards.
+    /// Adds points that follow those of an incidence; they are on disk afterwards.
     ///
     /// # Errors
     /// [`JournalError::Io`].
@@ -291,7 +291,7 @@ fn io_error(path: &Path, what: &'static str, source: io::Error) -> JournalError 
     JournalError::Io { path: path.to_owned(), what, source }
 }
 
-/// Tries for a second: whoever has just ended, or is just starting a program, lets go at once.
+/// Tries for a second: a program that has just ended, or is just starting another, releases the lock soon.
 fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
     const TRIES: u32 = 20;
     for k in 0..TRIES {

@@ -1,4 +1,4 @@
-//! An instrument inside this process, on a clock of its own: hours of scanning in no time.
+//! An instrument inside this process, with its own clock: it scans for hours in an instant.
 
 use std::io;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use super::{Transport, broken};
 const BYTE: Duration = Duration::from_nanos(86_806);
 /// The clock goes on by this much where the peer wants to be asked again at once and says nothing.
 const LEAST_JUMP: Duration = Duration::from_micros(100);
-/// What a line holds that nobody reads; more is lost.
+/// Capacity of a line without a reader; more is lost.
 const MOST_PENDING: usize = 1 << 20;
 
 /// The other end of a line.
@@ -32,8 +32,8 @@ pub trait Peer {
     }
 }
 
-/// A line to a [`Peer`]. Its clock stands still but for waiting and for bytes, which take the time they
-/// would take at 115200 baud: so even a peer that never stops talking cannot stop the clock.
+/// A line to a [`Peer`]. Its clock advances only for waits and for bytes, which take their time at 115200 baud. Even
+/// a peer that never stops sending cannot stop the clock.
 #[derive(Clone, Debug)]
 pub struct InProcess<P> {
     peer: P,
@@ -52,7 +52,7 @@ impl<P: Peer> InProcess<P> {
         &self.peer
     }
 
-    /// The other end, to be meddled with.
+    /// The other end, mutable.
     pub fn peer_mut(&mut self) -> &mut P {
         &mut self.peer
     }

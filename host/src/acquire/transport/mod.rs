@@ -1,4 +1,4 @@
-//! Bytes to and from an instrument, and the clock by which is waited for them.
+//! Bytes to and from an instrument, and the clock of the waits.
 
 #[cfg(feature = "serial")]
 mod serial;
@@ -20,13 +20,13 @@ pub trait Transport {
     /// Sends all bytes.
     ///
     /// # Errors
-    /// The line is broken; [`reconnect`](Self::reconnect) may mend it.
+    /// The line is broken; [`reconnect`](Self::reconnect) may restore it.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
     /// Takes what has come, at most the buffer full; waits for the first byte. 0: nothing within `wait`.
     ///
     /// # Errors
-    /// The line is broken; [`reconnect`](Self::reconnect) may mend it.
+    /// The line is broken; [`reconnect`](Self::reconnect) may restore it.
     fn receive(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize>;
 
     /// Time since some fixed moment, never going back.
@@ -41,7 +41,7 @@ pub trait Transport {
     /// It cannot be opened now.
     fn reconnect(&mut self) -> io::Result<()>;
 
-    /// What the user calls it.
+    /// The name that the user gave it.
     fn name(&self) -> String;
 }
 
@@ -73,7 +73,7 @@ macro_rules! pass_on {
 pass_on!(Box<T>);
 pass_on!(&mut T);
 
-/// Opens `tcp:HOST:PORT`, or the serial port of that name with `baud` bits a second.
+/// Opens `tcp:HOST:PORT`, or the serial port of that name with `baud` bits per second.
 ///
 /// # Errors
 /// [`Trouble::BadPort`], [`Trouble::Locked`], [`Trouble::Open`].

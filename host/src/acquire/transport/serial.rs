@@ -24,7 +24,7 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// Opens the port with `baud` bits a second.
+    /// Opens the port with `baud` bits per second.
     ///
     /// # Errors
     /// The operating system's; [`io::ErrorKind::ResourceBusy`] if another program has it.

@@ -1,4 +1,4 @@
-//! What every binary reader checks: the end of the bytes, the number of points, the pixel size.
+//! The checks of every binary reader: the end of the bytes, the number of points, the pixel size.
 
 use super::{MapFault, error::MOST_POINTS};
 

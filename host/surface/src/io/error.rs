@@ -1,4 +1,4 @@
-//! What can be wrong with a height-map file.
+//! Faults of a height-map file.
 
 use std::path::PathBuf;
 
@@ -52,7 +52,7 @@ pub enum MapFault {
         /// What to do instead.
         remedy: &'static str,
     },
-    /// More points than are sensible.
+    /// More points than allowed.
     #[error("{format}: {nx} x {ny} points are more than {} million; crop the map", MOST_POINTS / 1_000_000)]
     TooLarge {
         /// The format.
@@ -62,7 +62,7 @@ pub enum MapFault {
         /// Rows.
         ny: u64,
     },
-    /// A few bytes that would become very many.
+    /// Compressed content that would inflate too much.
     #[error(
         "{format}: {what} inflates to more than {most} bytes; if this is a map, save it unpacked"
     )]
@@ -96,7 +96,7 @@ pub enum MapFault {
         /// How it shows.
         what: String,
     },
-    /// Nobody says in which units the numbers are.
+    /// The units of the numbers are unknown.
     #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(*xy, *z, *pixel))]
     NoUnits {
         /// The format.
@@ -113,7 +113,7 @@ pub enum MapFault {
     Contradicts {
         /// The format.
         format: &'static str,
-        /// What is said already.
+        /// The unit already given.
         says: String,
         /// The flag.
         flag: String,

@@ -7,7 +7,7 @@
 //! # Value units: m
 //! 1.5e-9    1.6e-9
 //! ```
-//! Gwyddion translates the words into the user's language, so only their places count. Width and
+//! Gwyddion translates the words into the user's language, so only their positions count. Width and
 //! height are those of all pixels. Without the comments the file is a plain matrix.
 
 use super::bytes::pitch;

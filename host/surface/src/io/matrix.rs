@@ -1,7 +1,7 @@
-//! A plain matrix of heights: a line a row, separated by blanks, tabs, commas or semicolons.
+//! A plain matrix of heights: one line per row, separated by blanks, tabs, commas or semicolons.
 //!
 //! Comments, which begin with `#`, `%` or `//`, and lines of words in front of the numbers may say the unit of the
-//! heights and the pixel size (`said.rs`); what they do not say the user must. The text files of digital holographic
+//! heights and the pixel size (`said.rs`); the user must give the rest. The text files of digital holographic
 //! microscopes (Koala) have this header:
 //! ```text
 //! h=305 w=75

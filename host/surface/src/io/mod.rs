@@ -1,4 +1,4 @@
-//! Files of profilometers, one reader a format, told apart by content and never by name.
+//! Files of profilometers, one reader per format, told apart by content and never by name.
 
 mod error;
 mod unit;

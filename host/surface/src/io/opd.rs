@@ -2,7 +2,7 @@
 //!
 //! After `01 00` the directory: entries of 24 bytes, name (16), type i16, length i32, attribute
 //! u16; the first entry is the directory itself and the blocks follow it in its order. The height
-//! block holds columns, rows and bytes a point as u16, then the points column by column from the
+//! block holds columns, rows and bytes per point as u16, then the points column by column from the
 //! bottom up. Heights are multiples of `Wavelength` (nm), divided by `Mult` if there is one;
 //! `Pixel_size` is in mm along x, and `Aspect` times it along y.
 

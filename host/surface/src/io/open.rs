@@ -1,4 +1,4 @@
-//! Opening a file of any known format: the first reader that knows its content reads it.
+//! Opening a file of any known format: the first reader that recognises its content reads it.
 
 use std::path::Path;
 
@@ -40,7 +40,7 @@ impl Format {
     }
 }
 
-/// Told apart by content, in this order: those with a signature first, plain numbers last.
+/// The formats in the order of detection: those with a signature first, plain numbers last.
 pub const FORMATS: [Format; 13] = [
     Format {
         name: "x3p",

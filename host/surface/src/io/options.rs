@@ -1,10 +1,10 @@
-//! What a file may not say and the user can: units first of all. They are never guessed.
+//! Information that a file may lack and the user can give, above all units. They are never guessed.
 
 use super::unit::LengthUnit;
 use super::{MapFault, RawMap};
 
-/// What the user adds to a file. Limits are no options: 2^28 points, files of 4 GiB, and
-/// of what is packed 64 MiB and 256 times the file.
+/// Information from the user about a file. Limits are not options: 2^28 points, files of 4 GiB, and for compressed
+/// content 64 MiB and 256 times the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OpenOptions {
     /// Pixel size in um, for files that give none.
@@ -19,7 +19,7 @@ pub struct OpenOptions {
     pub ignore_checksum: bool,
 }
 
-/// Who says the units of the lateral numbers or of the heights of a map.
+/// The source of the units of the lateral numbers or of the heights of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Source {
     /// The file, or the standard of its format.
@@ -31,7 +31,7 @@ pub enum Source {
     Documentation,
 }
 
-/// Who says the units of a map.
+/// The sources of the units of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sources {
     /// Of the pixel size, if there is one.
@@ -40,7 +40,7 @@ pub struct Sources {
     pub z: Source,
 }
 
-/// What a file says of its units; `None` where it says nothing.
+/// The units that a file gives; `None` where it gives none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stated {
     pub(super) x: Option<LengthUnit>,
@@ -48,7 +48,7 @@ pub(super) struct Stated {
     pub(super) z: Option<LengthUnit>,
 }
 
-/// Micrometres of one, and who says so.
+/// Micrometres per unit, and their source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scale {
     pub(super) um: f64,

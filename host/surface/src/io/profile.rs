@@ -1,4 +1,4 @@
-//! Heights along one line: what a stylus writes is no map.
+//! Heights along one line: a stylus profile is not a map.
 
 use super::MapFault;
 use super::text::{Layout, comment, head, lines};
@@ -22,7 +22,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
     head(bytes).is_some_and(|text| looks_like_a_profile(&text).unwrap_or(false))
 }
 
-/// What is said of it.
+/// The message about it.
 pub(super) fn fault() -> MapFault {
     of("text", "its numbers are one line of heights")
 }

@@ -1,4 +1,4 @@
-//! What the words of a text file say of its units and its pixel size.
+//! Units and pixel size from the words of a text file.
 //!
 //! Comments, lines of names and lines of words are read alike. A unit belongs to what is named in front of it:
 //! ```text
@@ -7,15 +7,15 @@
 //! # pixel size: 0.5 um              # dx [um] = 0.5, dy [um] = 0.25 # 0.5 um/pixel
 //! ```
 //! A unit between brackets belongs to the one name before it, any other to all that are listed. A unit behind a
-//! number is that of a quantity, and counts for a pixel size alone: `wavelength 550 nm` says nothing of the map. What
-//! is not understood is not said.
+//! number is that of a quantity, and counts for a pixel size alone: `wavelength 550 nm` says nothing of the map.
+//! Words that are not understood are ignored.
 
 use super::MapFault;
 use super::options::Stated;
 use super::unit::LengthUnit;
 use super::vocabulary::Name;
 
-/// What was found so far.
+/// The findings so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Said {
     x: Place,

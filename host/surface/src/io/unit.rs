@@ -33,7 +33,7 @@ pub enum LengthUnit {
     Microinch,
 }
 
-/// What the user wrote is no unit of length.
+/// The text is not a unit of length.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no unit of length; give one of um, nm, mm, m, cm, pm, angstrom, inch, uin")]
 pub struct NoLengthUnit(String);

@@ -1,4 +1,4 @@
-//! The words by which text files speak of their units and pixels, English first.
+//! The words of text files for units and pixels, English first.
 
 /// What a word names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
-//! Points `x y z`, one a line, on a rectangular grid.
+//! Points `x y z`, one per line, on a rectangular grid.
 //!
-//! Comments and lines of names say the units (`said.rs`); what they do not say the user must. The points may come in
+//! Comments and lines of names say the units (`said.rs`); the user must give the rest. The points may come in
 //! any order, rows run to larger y, and points of the grid that are not in the file are missing.
 
 use std::collections::HashSet;

@@ -196,7 +196,7 @@ impl Shape {
     }
 }
 
-/// The numbers of the points, one a point; x and y are empty if they follow from the order.
+/// The numbers of the points, one per point; x and y are empty if they follow from the order.
 struct Stored {
     x: Vec<f64>,
     y: Vec<f64>,
