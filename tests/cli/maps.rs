@@ -1,5 +1,6 @@
 //! `stats` on height maps: filling, cropping, direction, plots, refusals.
 
+use asperity_tests::golden;
 use serde_json::Value;
 
 use crate::program::Folder;
@@ -73,6 +74,16 @@ fn grooves_and_periods_are_noticed() {
     assert_eq!(edges(""), "periodic");
     assert_eq!(edges("--edges auto"), "periodic");
     assert_eq!(edges("--edges mirrored"), "mirrored");
+}
+
+#[test]
+fn a_seeded_surface_without_grooves_has_no_direction() {
+    let folder = Folder::new();
+    let path = golden::path("traced_map.npy");
+    let line = ["stats", path.to_str().unwrap(), "--pixel-um", "1", "--json"];
+    let found = folder.run_args(line).json();
+    assert_eq!((&found["directional"], &found["edges"]), (&false.into(), &"periodic".into()));
+    close(&found["rq_um"], 1.2, 1e-6);
 }
 
 #[test]

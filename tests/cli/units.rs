@@ -1,5 +1,6 @@
 //! Units of height maps: read where the file says them, asked for where it does not.
 
+use asperity_tests::golden;
 use serde_json::Value;
 
 use crate::map_files::{array, npy};
@@ -243,24 +244,24 @@ fn a_model_remembers_the_units_of_its_map() {
     assert_eq!(of_model.json()["energy"], of_map.json()["energy"]);
 }
 
-/// A shared case: file, flags, its distances of columns and its rms height over the mean plane, um.
+/// A file that goes wrong where units are guessed: file, flags, its distances of columns and its rms height over the mean plane, um.
 type Case = (&'static str, &'static str, f64, f64);
 
 #[test]
-fn the_shared_cases_have_their_right_answers() {
+fn files_of_others_have_their_right_answers() {
     let folder = Folder::new();
     let right: [Case; 8] = [
-        ("matrix-nm/matrix_nm.txt", "", 1.634, 0.5065),
-        ("matrix-nm/matrix_nm.txt", "--pixel-um 1.634 --z-um 0.001", 1.634, 0.5065),
-        ("nanoscope-ec-file-list/ec.spm", "", 0.125, 0.025_048),
-        ("text-utf16/xyz16.txt", "--xy-unit um --z-unit um", 1.0, 0.3260),
-        ("x3p-stale-md5-of-xml/stale.x3p", "--ignore-checksum", 1.5, 1.394_433),
-        ("xyz-metres-no-header/gwy_noheader.xyz", "--xy-unit m --z-unit m", 1.634_241, 0.506_486),
-        ("xyz-um-comment-header/um_c.xyz", "", 1.634_241, 0.506_486),
-        ("xyz-um-no-header/um.xyz", "--xy-unit um --z-unit um", 1.634_241, 0.506_486),
+        ("matrix_nm.txt", "", 1.634, 0.5065),
+        ("matrix_nm.txt", "--pixel-um 1.634 --z-um 0.001", 1.634, 0.5065),
+        ("ec.spm", "", 0.125, 0.025_048),
+        ("xyz16.txt", "--xy-unit um --z-unit um", 1.0, 0.3260),
+        ("stale.x3p", "--ignore-checksum", 1.5, 1.394_433),
+        ("gwy_noheader.xyz", "--xy-unit m --z-unit m", 1.634_241, 0.506_486),
+        ("um_c.xyz", "", 1.634_241, 0.506_486),
+        ("um.xyz", "--xy-unit um --z-unit um", 1.634_241, 0.506_486),
     ];
     for (name, flags, dx, rq) in right {
-        let Some(path) = asperity_tests::data::find(&format!("cases/{name}")) else { continue };
+        let path = golden::path(&format!("cases/{name}"));
         let line = ["stats", path.to_str().unwrap(), "--json"];
         let figures = |form| {
             folder.run_args(line.into_iter().chain(flags.split_whitespace()).chain(form)).json()
@@ -272,14 +273,14 @@ fn the_shared_cases_have_their_right_answers() {
         assert!((found / dx - 1.0).abs() < 1e-4, "{name}: {found} is not {dx}");
     }
     for (name, flags, says) in [
-        ("xyz-metres-no-header/gwy_noheader.xyz", "", "--xy-unit and --z-unit"),
-        ("xyz-um-no-header/um.xyz", "", "--xy-unit and --z-unit"),
-        ("xyz-um-no-header/um.xyz", "--pixel-um 1.634", "--z-unit"),
-        ("x3p-stale-md5-of-xml/stale.x3p", "", "--ignore-checksum"),
-        ("profile-two-columns/profile.txt", "--pixel-um 1", "this is a profile, not a map"),
-        ("matrix-nm/matrix_nm.txt", "--z-um 1", "contradicts"),
+        ("gwy_noheader.xyz", "", "--xy-unit and --z-unit"),
+        ("um.xyz", "", "--xy-unit and --z-unit"),
+        ("um.xyz", "--pixel-um 1.634", "--z-unit"),
+        ("stale.x3p", "", "--ignore-checksum"),
+        ("profile.txt", "--pixel-um 1", "this is a profile, not a map"),
+        ("matrix_nm.txt", "--z-um 1", "contradicts"),
     ] {
-        let Some(path) = asperity_tests::data::find(&format!("cases/{name}")) else { continue };
+        let path = golden::path(&format!("cases/{name}"));
         let line = ["stats", path.to_str().unwrap()];
         let done = folder.run_args(line.into_iter().chain(flags.split_whitespace())).with_code(2);
         assert!(done.err.contains(says), "{name}: {}", done.err);

@@ -1,5 +1,6 @@
 //! Short spellings for the tests of this target.
 
+use asperity::surface::{GaussianSurface, HeightMap};
 use asperity_core::bsdf::{Ggx, Normals};
 use asperity_core::direction::Direction;
 use asperity_core::math::Real;
@@ -27,6 +28,12 @@ pub(crate) fn law<T: Real>(profile: Profile, delta: f64, n: f64) -> Law<T> {
 
 pub(crate) fn normals<T: Real>(profile: Profile, delta: f64, exponent: f64, n: f64) -> Normals<T> {
     Normals::new(NormalDensity::new(law(profile, delta, exponent)), ior(n))
+}
+
+/// A periodic Gaussian surface of the rms height and slope of the virtual sample 5, um.
+pub(crate) fn like_sample_5() -> HeightMap {
+    let (size, pitches_um, lengths_um) = ((512, 512), (0.5, 0.5), (14.0, 14.0));
+    GaussianSurface { size, pitches_um, rq_um: 1.466, lengths_um, seed: 5 }.map().unwrap()
 }
 
 /// A vector as a direction, each component rounded once.

@@ -11,7 +11,7 @@ use asperity::kirchhoff::{
     MeanSpectra, Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths,
 };
 use asperity::raytrace::{Field, TracedBoundary};
-use asperity::surface::{Edges, HeightMap, Preparation, Prepared, Purpose};
+use asperity::surface::{Edges, HeightMap};
 use asperity::tabulate::{Budget, distance, energy_error, tabulate};
 use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, LobeSet, Scatter};
@@ -19,9 +19,9 @@ use asperity_core::direction::Side;
 use asperity_core::math::Fast;
 use asperity_core::ndf::law::Profile;
 use asperity_tests::chi2::{Bins, sidak};
-use asperity_tests::{count, data, tolerance};
+use asperity_tests::{count, tolerance};
 
-use crate::common::{Random, dir, ggx, incidence, ior, normals, wide};
+use crate::common::{Random, dir, ggx, incidence, ior, like_sample_5, normals, wide};
 
 const RAYS: Rays = Rays { count: 1_000_000, seed: 5 };
 
@@ -134,13 +134,11 @@ fn a_table_of_a_traced_map_gives_the_readings_and_the_flux_of_the_map() {
     assert!(bad.is_empty(), "{bad:?}");
 }
 
-/// Sample 5, whose light is all scattered, and a tenth of its heights, of whose light much stays coherent. Kirchhoff's integral
+/// A surface as rough as sample 5, whose light is all scattered, and a tenth of its heights, of whose light much stays coherent. Kirchhoff's integral
 /// gives up to twice what it receives where light grazes the surface: there the table gives what it receives.
 #[test]
 fn a_table_of_waves_gives_the_readings_and_the_flux_of_the_mean_law() {
-    let Some(path) = data::find("samples/sample5.npy") else { return };
-    let preparation = Preparation { pixel_um: Some(0.361), ..Preparation::default() };
-    let Prepared { map, edges, .. } = preparation.load(&path, Purpose::Light).unwrap();
+    let (map, edges) = (like_sample_5(), Edges::Periodic);
     let wavelengths = Wavelengths::single(550.0).unwrap();
     let options =
         WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off };

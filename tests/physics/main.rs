@@ -8,6 +8,7 @@
 
 mod common;
 mod harness;
+mod golden;
 mod fresnel;
 mod ggx;
 mod tiers;

@@ -14,6 +14,7 @@ mod common;
 mod student;
 mod real_scans;
 mod traced_samples;
+mod own_map;
 mod wave_samples;
 mod kirchhoff_validity;
 mod kirchhoff_atlas;

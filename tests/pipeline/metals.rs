@@ -1,12 +1,15 @@
-//! Measured in-plane BRDF of metals and paints: two fit one lobe, three do not and are refused.
+//! In-plane BRDF of metals and paints, measured and made: some fit one lobe, the others are refused.
 
 use asperity::fit::{Fit, FitOptions, MISFIT_PERCENT, Objective};
 use asperity::forward::{Sample, Setup};
-use asperity::measurement::{Import, Measurement, Quantity, Selection};
+use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection};
 use asperity::method::{Body, GgxMethod};
 use asperity_core::gonio::Geometry;
+use asperity_core::math::Real;
 use asperity_tests::data;
-use asperity_tests::tolerance::{METAL_ALPHA, METAL_ERROR, near};
+use asperity_tests::oracle::{TextbookGgx, combine, unit};
+use asperity_tests::tolerance::{METAL_ALPHA, METAL_ERROR, PULL, near};
+use rand_pcg::Pcg64Mcg;
 
 use crate::common::{fitted, options};
 
@@ -67,6 +70,62 @@ fn sandblasted_metals_are_described_as_by_an_independent_fit() {
         let most = error * (1.0 + METAL_ERROR.allowed);
         assert!(fit.objective.1 <= most, "{surface} {objective}: {} > {most}", fit.objective.1);
         assert_eq!(fit.refusal(MISFIT_PERCENT), None, "{surface} {objective}");
+    }
+}
+
+/// The angles of the measured scans: 71 incidences, 7 observations each, and a law at them with noise of a part of each reading.
+fn made(law: impl Fn(f64, f64) -> f64, noise: f64) -> Measurement {
+    let mut generator = Pcg64Mcg::new(0x5eed_0001);
+    let mut normal = || (0..12).map(|_| f64::uniform(&mut generator)).sum::<f64>() - 6.0;
+    let mut readings = Vec::new();
+    for sigma in 5..=75 {
+        for theta in [-60.0, -45.0, -30.0, -10.0, 15.0, 40.0, 60.0] {
+            let value = law(f64::from(sigma), theta) * (1.0 + noise * normal());
+            readings.push(Reading { sigma_deg: f64::from(sigma), theta_deg: theta, value });
+        }
+    }
+    let meta = Metadata { quantity: Some(Quantity::Bsdf), ..Metadata::default() };
+    Measurement::new(meta, readings).unwrap()
+}
+
+/// A lobe of facets by the textbook, in the plane of incidence, Fresnel's factor one \[Walter2007, eqs 20, 33, 34\].
+fn lobe(alpha: f64, sigma_deg: f64, theta_deg: f64) -> f64 {
+    let law = TextbookGgx { alpha, n: 1.0 };
+    let at = |deg: f64| [deg.to_radians().sin(), 0.0, deg.to_radians().cos()];
+    // the mirror direction is at theta = +sigma
+    let (wi, wo) = (at(-sigma_deg), at(theta_deg));
+    let m = unit(combine(1.0, wi, 1.0, wo));
+    law.d(m) * law.g1(wi, m) * law.g1(wo, m) / (4.0 * wi[2] * wo[2])
+}
+
+#[test]
+fn a_made_metal_is_recovered() {
+    let truth = [0.455, 0.472, 0.0304];
+    let law = |s, t| truth[1] * lobe(truth[0], s, t) + truth[2];
+    let scan = made(law, 0.02);
+    assert_eq!(scan.readings().len(), 497);
+    for objective in [Objective::Rmsd, Objective::Relative] {
+        let fit = fit_of("made", &scan, objective);
+        for (p, truth) in fit.parameters.iter().zip(truth) {
+            let pull = (p.value - truth) / p.std_error.unwrap();
+            assert!(pull.abs() < PULL.allowed, "{objective} {}: {} {truth}", p.name, p.value);
+            assert!((p.value / truth - 1.0).abs() < 0.05, "{objective} {}: {}", p.name, p.value);
+        }
+        assert!(fit.objective.1 < 2.2, "{objective} {}", fit.objective.1);
+        assert_eq!(fit.refusal(MISFIT_PERCENT), None, "{objective}");
+    }
+}
+
+/// A narrow lobe on a wide one of the same height, and a lobe that one side alone sends back.
+#[test]
+fn made_surfaces_with_more_than_one_lobe_are_refused() {
+    let coated = |s, t| 0.02 * lobe(0.1, s, t) + 0.6 * lobe(0.7, s, t);
+    let backwards = |s: f64, t: f64| 0.3 * lobe(0.2, s, t) + 0.3 * lobe(0.2, -s, t);
+    for (name, scan) in [("coated", made(coated, 0.02)), ("backwards", made(backwards, 0.02))] {
+        for objective in [Objective::Rmsd, Objective::Relative] {
+            let fit = fit_of(name, &scan, objective);
+            assert!(fit.refusal(MISFIT_PERCENT).is_some(), "{name} {objective}");
+        }
     }
 }
 

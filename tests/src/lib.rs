@@ -3,6 +3,7 @@
 pub mod chi2;
 pub mod code;
 pub mod data;
+pub mod golden;
 pub mod oracle;
 pub mod kirchhoff;
 pub mod plate_scan;

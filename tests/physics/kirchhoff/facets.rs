@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use asperity::surface::Edges;
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
-use asperity_tests::{data, extensive, tolerance};
+use asperity_tests::{extensive, golden, tolerance};
 
 use super::surfaces::{ETA, Gaussian, K, Ring, Slopes, boundary, index, momentum};
 use crate::common::{dir, incidence};
@@ -26,7 +26,7 @@ fn facets(wi: Direction<f64>, wo: Direction<f64>) -> f64 {
 
 #[test]
 fn short_waves_meet_single_facets() {
-    let Some(rows) = data::numbers("reference/facet_gauss_slope_s0.1_n1.49.csv") else { return };
+    let rows = golden::numbers("facets.csv");
     let reflecting = Gaussian { sigma_um: 0.7, length_um: 14.0 };
     let transmitting = Gaussian { sigma_um: 2.0, length_um: 40.0 };
     let cases = [(reflecting, 256, 0.4, [0, 2], 80), (transmitting, 256, 1.5, [1, 3], 32)];
@@ -47,7 +47,7 @@ fn short_waves_meet_single_facets() {
                 let mine: Vec<(f64, f64)> = rows
                     .iter()
                     .filter(|r| (r[0] - f64::from(kind)).abs() + (r[1] - degrees).abs() < 1e-9)
-                    .map(|r| (r[2], r[4]))
+                    .map(|r| (r[2], r[3]))
                     .collect();
                 let peak = mine.iter().map(|r| r.1).fold(0.0, f64::max);
                 let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0);

@@ -1,5 +1,5 @@
 //! Gaussian surfaces: coherent part and diffuse density of both engines against the closed form, which is first checked
-//! against the reference file.
+//! against quadrature by an independent program, `golden/kirchhoff_gaussian.py`.
 //!
 //! A map is one sample, so densities are summed over a ring of a thousand orders or more about a row's momentum and
 //! over all maps, and compared with the closed form summed over the same momenta. Rows are left out where the
@@ -14,13 +14,13 @@ use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
 use asperity_tests::oracle::fresnel;
-use asperity_tests::{data, extensive, tolerance};
+use asperity_tests::{extensive, golden, tolerance};
 
 use super::surfaces::{ETA, Gaussian, K, Ring, Slopes, all, beam, boundary, index, momentum};
 use crate::common::Random;
 use asperity_tests::kirchhoff::obliquity;
 
-/// A row of the reference file.
+/// A row of a reference file.
 #[derive(Clone, Debug)]
 struct Row {
     name: String,
@@ -31,9 +31,8 @@ struct Row {
     density: f64,
 }
 
-fn rows() -> Option<Vec<Row>> {
-    let path = data::find("reference/kirchhoff_gaussian_scalar.csv")?;
-    let text = std::fs::read_to_string(path).unwrap();
+fn rows() -> Vec<Row> {
+    let text = golden::text("kirchhoff_gaussian.csv");
     let row = |line: &str| {
         let (geometry, rest) = line.split_once(',')?;
         let v: Vec<f64> = rest.split(',').filter_map(|x| x.parse().ok()).collect();
@@ -54,7 +53,7 @@ fn rows() -> Option<Vec<Row>> {
     };
     let rows: Vec<Row> = text.lines().filter(|l| !l.starts_with('#')).filter_map(row).collect();
     assert!(rows.len() == 441, "{}", rows.len());
-    Some(rows)
+    rows
 }
 
 /// `|q_z|` of the specular direction of a beam.
@@ -70,8 +69,8 @@ fn specular(beam: &Beam) -> f64 {
 }
 
 #[test]
-fn the_closed_form_is_the_files() {
-    let Some(rows) = rows() else { return };
+fn the_closed_form_is_that_of_quadrature() {
+    let rows = rows();
     let (mut coherent, mut density) = (0.0_f64, 0.0_f64);
     for row in &rows {
         let expected = row.surface.coherent(specular(&row.beam));
@@ -123,7 +122,7 @@ fn normal_heights(size: usize, sigma_um: f64) -> HeightMap {
 /// The mean field depends on the law of the heights alone, so a map of normal quantiles has no noise to speak of.
 #[test]
 fn the_coherent_part_is_that_of_normal_heights() {
-    let Some(rows) = rows() else { return };
+    let rows = rows();
     let (mut worst, mut dark, mut count) = ([0.0_f64; 2], [0.0_f64; 2], [0, 0]);
     let mut done: Option<(Gaussian, HeightMap)> = None;
     // one row of each beam
@@ -282,7 +281,7 @@ fn shown(rows: &[Row], Case { surface, size, pitch, .. }: Case) -> (Vec<(&Row, R
 
 #[test]
 fn orders_have_the_density_of_the_closed_form() {
-    let Some(rows) = rows() else { return };
+    let rows = rows();
     for case in cases() {
         let Case { surface, size, pitch, maps } = case;
         let (seen, left_out) = shown(&rows, case);
@@ -311,7 +310,7 @@ fn orders_have_the_density_of_the_closed_form() {
 
 #[test]
 fn the_mean_law_has_the_density_of_the_closed_form() {
-    let Some(rows) = rows() else { return };
+    let rows = rows();
     for case in cases() {
         let Case { surface, size, pitch, maps } = case;
         let (seen, left_out) = shown(&rows, case);

@@ -4,7 +4,7 @@ use asperity::surface::{Edges, HeightMap};
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
 use asperity_tests::oracle::{fluxes, fresnel};
-use asperity_tests::{data, tolerance};
+use asperity_tests::{golden, tolerance};
 
 use super::surfaces::{ETA, Gaussian, K, LOBES, Ring, all, beam, boundary, index, momentum};
 use crate::common::{dir, incidence, wide};
@@ -72,8 +72,7 @@ fn closed_form(wi: Direction<f64>, wo: Direction<f64>) -> f64 {
 
 #[test]
 fn near_the_specular_direction_it_is_first_order_perturbation() {
-    let file = "reference/rayleigh_rice_sigma0.01_L2_n1.49_lam0.55.csv";
-    let Some(rows) = data::numbers(file) else { return };
+    let rows = golden::numbers("perturbation.csv");
     let laws: Vec<_> = SURFACE
         .maps(SIZE, PITCH_UM, 4, 2)
         .iter()

@@ -1,7 +1,7 @@
 //! Maps that alone are lit, where `q_z` goes to zero and elsewhere; and surfaces whose number of rows says nothing.
 
 use asperity::kirchhoff::{Beam, BeamOrders, Tiling, orders};
-use asperity::surface::{Edges, Fill, HeightMap, Preparation, Purpose};
+use asperity::surface::{Crop, Edges, Fill, Form, HeightMap, Preparation, Purpose};
 use asperity::watch::Watch;
 use asperity_core::bsdf::Lobe;
 use asperity_tests::kirchhoff::{intensity, lit_order, obliquity};
@@ -132,6 +132,15 @@ fn balance(name: &str, map: &HeightMap, edges: Edges, angles: &[f64]) {
 fn a_patch_scatters_as_much_light_as_falls_on_it() {
     let map = &Gaussian { sigma_um: 0.25, length_um: 7.0 }.maps(160, 0.44, 1, 21)[0];
     balance("Gaussian", map, Edges::Periodic, &[0.0, 45.0, 60.0, 75.0]);
+    // a part of it has a rim that does not meet itself
+    let part = Crop::new(10..130, 30..150).unwrap().of(map).unwrap();
+    let part = Form::Plane.removed(&part);
+    assert_eq!(Edges::of(&part), Edges::Mirrored);
+    balance("part", &part, Edges::Mirrored, &[0.0, 30.0, 60.0]);
+}
+
+#[test]
+fn a_measured_patch_scatters_as_much_light_as_falls_on_it() {
     let files =
         [("al3d-1.al3d", &[0.0, 15.0, 30.0, 45.0, 60.0, 75.0][..]), ("opd-1.opd", &[45.0, 75.0])];
     for (name, angles) in files {

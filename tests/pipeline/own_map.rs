@@ -1,0 +1,145 @@
+//! Methods with a surface on data of the tree: a map of 96 x 96 points and its scan by an independent ray tracer
+//! (`golden/traced.py`), and scans of random heights.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use asperity::boundary::Boundary;
+use asperity::fit::{Fit, FitOptions, FitRays};
+use asperity::forward::{Angles, Rays, Sample, Setup, monte_carlo};
+use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
+use asperity::measurement::{Measurement, Quantity, csv};
+use asperity::method::{Body, Choice, Kind};
+use asperity::raytrace::{Field, TracedBoundary};
+use asperity::surface::{Edges, Preparation, Prepared, Purpose};
+use asperity::watch::Watch;
+use asperity_core::gonio::Geometry;
+use asperity_core::metric::rmsd_percent;
+use asperity_core::plate::RoughSide;
+use asperity_tests::tolerance::{
+    RECOVERED_HEIGHTS, SCALE_OF_SMALL_MAP, TRACED_FLUX, TRACED_SMALL_MAP,
+};
+use asperity_tests::{extensive, golden};
+
+use crate::common::{angles, fitted, grid, measurement, options, value};
+use crate::real_scans::setup;
+
+const CLEAR: Body = Body::Dielectric { ior: 1.49 };
+
+/// Transmitted flux of the independent tracer at 0, 20, 45 and 65 degrees.
+const TRANSMITTED: [f64; 4] = [0.925485, 0.924276, 0.880204, 0.519451];
+
+fn sample() -> (Measurement, Prepared) {
+    let preparation = Preparation { pixel_um: Some(1.0), ..Preparation::default() };
+    let prepared = preparation.load(&golden::path("traced_map.npy"), Purpose::Light).unwrap();
+    assert_eq!(prepared.edges, Edges::Periodic);
+    (csv::read(golden::path("traced_scan.csv")).unwrap(), prepared)
+}
+
+fn light() -> WaveOptions {
+    let wavelengths = Wavelengths::single(550.0).unwrap();
+    WaveOptions { wavelengths, speckle: Speckle::Averaged, shadowing: Shadowing::Off }
+}
+
+/// Few rays, and not more evaluations than bring the widths near.
+fn quick() -> FitOptions {
+    let rays = FitRays { draft: 10_000, fit: Some(40_000), last: Some(200_000), seed: 3 };
+    FitOptions { rays, max_evaluations: 24, ..options(CLEAR) }
+}
+
+/// A fit of the scan of the tree.
+fn fit_of(name: &str) -> Fit {
+    let (scan, prepared) = sample();
+    let (wave, kind) = (light(), Kind::named(name).unwrap());
+    let choice = Choice {
+        map: kind.needs_map.then_some((&prepared.map, prepared.edges)),
+        wave: kind.is_wave().then_some(&wave),
+        ..Choice::new(name, CLEAR)
+    };
+    let fit = fitted(&*choice.method().unwrap(), &scan, &setup(&scan), &quick()).unwrap();
+    println!(
+        "{name}: {:?}, RMSD {:.3} %, ray noise {:?} %, {} evaluations",
+        fit.parameters, fit.rmsd_percent, fit.simulation_noise_percent, fit.evaluations
+    );
+    fit
+}
+
+#[test]
+fn a_scan_of_a_small_map_is_that_of_the_independent_tracer() {
+    let (scan, prepared) = sample();
+    let field = Arc::new(Field::new(&prepared.map, prepared.edges).unwrap());
+    let boundary = TracedBoundary { field, eta: CLEAR.eta().unwrap() };
+    let (setup, plan, stop) = (setup(&scan), Angles::of(&scan), AtomicBool::new(false));
+    let mut values = Vec::new();
+    for (angles, expected) in plan.incidences.iter().zip(TRANSMITTED) {
+        let rays = Rays { count: 500_000, seed: 11 };
+        let done = monte_carlo(&boundary, &setup, angles, rays, Watch::nobody()).unwrap();
+        let found = done.outcome.transmitted;
+        println!("sigma {}: T {found:.5}, {expected:.5}", angles.sigma_deg);
+        assert!((found - expected).abs() < TRACED_FLUX.allowed, "{found} {expected}");
+        assert!(done.outcome.lost.abs() < 1e-9, "{:?}", done.outcome);
+        values.extend(done.values);
+    }
+    let measured: Vec<f64> = scan.readings().iter().map(|r| r.value).collect();
+    let error = rmsd_percent(&measured, &values).unwrap();
+    println!("eq. (18) {error:.3} %");
+    assert!(error <= TRACED_SMALL_MAP.allowed, "{error} %");
+}
+
+#[test]
+fn a_small_map_is_found_at_its_own_scale_by_rays_and_by_both() {
+    let ray = fit_of("measured-ray");
+    assert!(ray.refusal(15.0).is_none());
+    assert!((ray.parameters[0].value - 1.0).abs() < SCALE_OF_SMALL_MAP.allowed);
+    assert!(ray.rmsd_percent <= 2.0 * TRACED_SMALL_MAP.allowed, "{}", ray.rmsd_percent);
+    let hybrid = fit_of("measured-hybrid");
+    assert!((hybrid.parameters[0].value - 1.0).abs() < SCALE_OF_SMALL_MAP.allowed);
+    let wave = fit_of("measured-wave");
+    println!("wave {:?}", wave.refusal(15.0));
+    let (_, prepared) = sample();
+    let wave = WaveBoundary::of_map(&prepared.map, prepared.edges, CLEAR.eta().unwrap(), &light());
+    println!(
+        "{}",
+        Boundary::Wave(Box::new(wave.unwrap())).warnings(&[0.0, 20.0, 45.0, 65.0]).join("\n")
+    );
+}
+
+#[test]
+fn closed_forms_describe_the_light_of_a_small_map_less_well_than_the_map() {
+    for name in ["ggx", "normals"] {
+        let fit = fit_of(name);
+        let worse = 2.0 * TRACED_SMALL_MAP.allowed;
+        assert!(fit.rmsd_percent > worse, "{name} {}", fit.rmsd_percent);
+    }
+}
+
+#[test]
+fn the_width_of_random_heights_is_found_with_other_random_heights() {
+    let sample = Sample::Plate { eta: CLEAR.eta().unwrap(), rough_side: RoughSide::Source };
+    let setup = Setup {
+        sample,
+        geometry: Geometry::Transmission,
+        aperture_deg: 2.0,
+        quantity: Quantity::Flux,
+    };
+    let laws = [("gauss", 0.2), ("cauchy", 0.05)];
+    for (law, delta) in &laws[..if extensive() { 2 } else { 1 }] {
+        let method =
+            |seed| Choice { law: Some(*law), seed, ..Choice::new("heights", CLEAR) }.method();
+        let boundary = method(1).unwrap().boundary(&[*delta], CLEAR).unwrap();
+        let (sigmas, grid, stop) = ([0.0, 40.0], grid(1), AtomicBool::new(false));
+        let plan = Angles::product(&sigmas, &angles(&grid));
+        let (rays_of, effort) = (Rays { count: 200_000, seed: 1 }, asperity::forward::Effort::Full);
+        let readings =
+            asperity::forward::simulate(&boundary, &setup, &plan, effort, rays_of, &stop).unwrap();
+        let scan = measurement(&sigmas, &grid, &readings.values);
+        let fit = fitted(&*method(2).unwrap(), &scan, &setup, &quick()).unwrap();
+        let (found, error) = value(&fit, "delta");
+        println!(
+            "{law}: delta {found:.4} +- {error:.4}, true {delta}, RMSD {:.3} %",
+            fit.rmsd_percent
+        );
+        assert!(fit.refusal(15.0).is_none());
+        assert!((found / delta - 1.0).abs() < RECOVERED_HEIGHTS.allowed, "{found} {delta}");
+    }
+}
