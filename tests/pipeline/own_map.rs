@@ -2,7 +2,6 @@
 //! (`golden/traced.py`), and scans of random heights.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use asperity::boundary::Boundary;
 use asperity::fit::{Fit, FitOptions, FitRays};
@@ -69,7 +68,7 @@ fn a_scan_of_a_small_map_is_that_of_the_independent_tracer() {
     let (scan, prepared) = sample();
     let field = Arc::new(Field::new(&prepared.map, prepared.edges).unwrap());
     let boundary = TracedBoundary { field, eta: CLEAR.eta().unwrap() };
-    let (setup, plan, stop) = (setup(&scan), Angles::of(&scan), AtomicBool::new(false));
+    let (setup, plan) = (setup(&scan), Angles::of(&scan));
     let mut values = Vec::new();
     for (angles, expected) in plan.incidences.iter().zip(TRANSMITTED) {
         let rays = Rays { count: 500_000, seed: 11 };
@@ -125,13 +124,14 @@ fn the_width_of_random_heights_is_found_with_other_random_heights() {
     let laws = [("gauss", 0.2), ("cauchy", 0.05)];
     for (law, delta) in &laws[..if extensive() { 2 } else { 1 }] {
         let method =
-            |seed| Choice { law: Some(*law), seed, ..Choice::new("heights", CLEAR) }.method();
+            |seed| Choice { profile: Some(*law), seed, ..Choice::new("heights", CLEAR) }.method();
         let boundary = method(1).unwrap().boundary(&[*delta], CLEAR).unwrap();
-        let (sigmas, grid, stop) = ([0.0, 40.0], grid(1), AtomicBool::new(false));
+        let (sigmas, grid) = ([0.0, 40.0], grid(1));
         let plan = Angles::product(&sigmas, &angles(&grid));
         let (rays_of, effort) = (Rays { count: 200_000, seed: 1 }, asperity::forward::Effort::Full);
         let readings =
-            asperity::forward::simulate(&boundary, &setup, &plan, effort, rays_of, &stop).unwrap();
+            asperity::forward::simulate(&boundary, &setup, &plan, effort, rays_of, Watch::nobody())
+                .unwrap();
         let scan = measurement(&sigmas, &grid, &readings.values);
         let fit = fitted(&*method(2).unwrap(), &scan, &setup, &quick()).unwrap();
         let (found, error) = value(&fit, "delta");

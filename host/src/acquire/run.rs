@@ -10,7 +10,6 @@ use super::job::{Job, Progress};
 use super::journal::{Journal, JournalError};
 use super::result::{AboveBeam, Finished, scan_file};
 use super::run_error::AcquireError;
-use super::schedule::Schedule;
 use super::session::Session;
 use super::transport::Transport;
 use crate::output::AtomicFile;

@@ -9,11 +9,8 @@ use asperity_core::protocol::{Ident, MAX_POINTS};
 use super::error::Failure;
 use super::flags::port::PortFlags;
 use super::flags::schedule::ScheduleFlags;
-use super::interrupt;
 use super::last_words::LastWords;
-use super::print;
-use super::progress;
-use super::say;
+use super::{interrupt, print, progress, say};
 use crate::acquire::transport::list;
 use crate::acquire::{
     AboveBeam, Job, Patience, Progress, Schedule, Summary, estimate, run as acquire,

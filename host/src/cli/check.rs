@@ -8,9 +8,8 @@ use clap::ValueEnum;
 use super::error::Failure;
 use super::flags::rays::RayFlags;
 use super::flags::subject::{SubjectFlags, lacking};
-use super::flags::waves as validity;
-use super::print;
-use super::progress;
+use super::flags::waves;
+use super::{print, progress};
 use crate::boundary::Boundary;
 use crate::energy::side_name;
 use crate::kirchhoff::Speckle;
@@ -80,7 +79,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let table = subject.table.as_ref().map(|said| format!("table {said}\n"));
         let mut text = table.unwrap_or_default();
         text += &human(verdict(&subject, check.reciprocal), &check);
-        text += &check.validity.as_ref().map(validity::table).unwrap_or_default();
+        text += &check.validity.as_ref().map(waves::table).unwrap_or_default();
         for warning in &check.warnings {
             text.push_str("warning: ");
             text.push_str(warning);

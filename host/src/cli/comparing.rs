@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::{Failure, all};
 use super::fitted::{trials, warn_of_failed};
-use super::interrupt;
-use super::progress;
-use super::say;
+use super::{interrupt, progress, say};
 use crate::measurement::noise;
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::plot::{self, Scale};

@@ -2,9 +2,8 @@
 
 use clap_complete::Shell;
 
-use super::command;
 use super::error::Failure;
-use super::print;
+use super::{command, print};
 
 /// Write tab completions for a shell to stdout
 ///

@@ -4,16 +4,14 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use asperity_core::gonio::Geometry;
+use asperity_core::gonio::{Geometry, gp200};
 use asperity_core::plate::RoughSide;
 
 use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::flags::sample::methods;
 use super::flags::scan::parse_rays;
-use super::print;
-use super::progress;
-use super::say;
+use super::{print, progress, say};
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, FitRays};
 use crate::forward::{self, Setup};

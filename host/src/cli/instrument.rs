@@ -5,9 +5,8 @@ use clap::Subcommand;
 
 use super::error::Failure;
 use super::flags::port::PortFlags;
-use super::interrupt;
 use super::last_words::LastWords;
-use super::print;
+use super::{interrupt, print};
 use crate::acquire::transport::Transport;
 use crate::acquire::{Client, Patience, Trouble};
 

@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::interrupt;
-use super::say;
+use super::{interrupt, say};
 use crate::watch::{Progress, Watch};
 
 /// A bar that knows its end, or learns it from the work; it goes when it is dropped.

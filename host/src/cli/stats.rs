@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use super::error::Failure;
 use super::flags::map::MapFlags;
 use super::flags::waves::{self, KirchhoffFlags};
-use super::print;
-use super::say;
+use super::{print, say};
 use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures};
 use crate::surface::sanity::Insane;
@@ -112,7 +111,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         print(&format!("{answer:#}\n"))?;
     } else {
-        let waves = verdict.as_ref().map(validity::human).unwrap_or_default();
+        let waves = verdict.as_ref().map(waves::human).unwrap_or_default();
         print(&format!("{}{waves}", human(&loaded, &figures, anisotropy)))?;
     }
     files.map_or(Ok(()), |files| draw(files, &args.map, &loaded, spectrum.as_ref()))
