@@ -84,6 +84,10 @@ enum asperity_status
    The checksum of a table is another: a bit of its numbers or arrays is not what it was.
    */
   ASPERITY_STATUS_TABLE_CHECKSUM = 13,
+  /*
+   A table of an opaque body that does more than reflect light from the air.
+   */
+  ASPERITY_STATUS_TABLE_OPAQUE = 14,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -252,9 +256,13 @@ typedef struct asperity_table {
  */
 typedef struct asperity_table_source {
   /*
-   Index of the dielectric over that of air.
+   Index of the dielectric over that of air; of an opaque body a number of the format, and no index of anything.
    */
   const float *eta;
+  /*
+   1 for an opaque body, which reflects light from the air and does nothing else; 0, or null, for a dielectric.
+   */
+  const uint8_t *opaque;
   /*
    Typical slope of the facets.
    */
@@ -552,6 +560,11 @@ asperity_status asperity_table_init_payload(struct asperity_table *table,
                                             uint32_t tier);
 
 /*
+ 1 for the table of an opaque body, which has no index and no inside; 0 for that of a dielectric.
+ */
+asperity_status asperity_table_is_opaque(const struct asperity_table *table, uint32_t *out);
+
+/*
  Diffusely reflected fraction of the flux at a cosine of incidence, from an `asperity_side`.
  */
 asperity_status asperity_table_reflectance(const struct asperity_table *table,
@@ -586,9 +599,9 @@ const char *asperity_status_text(int32_t status);
 /* An `asperity_table_source` of the arrays in a header made by `asperity tabulate --c`; `name` is the prefix
    of its names, such as bsdf_example. Make it `static const`: then nothing is copied at start-up. */
 #define ASPERITY_TABLE_SOURCE(name)                                                                 \
-  { &name##_eta, &name##_slope, &name##_lobes[0][0], &name##_scales[0][0], name##_flux_incidences,  \
-    name##_flux_grazing, name##_gains, name##_values, name##_quantiles, name##_leans, name##_fluxes, \
-    &name##_checksum,                                                                               \
+  { &name##_eta, &name##_opaque, &name##_slope, &name##_lobes[0][0], &name##_scales[0][0],          \
+    name##_flux_incidences, name##_flux_grazing, name##_gains, name##_values, name##_quantiles,     \
+    name##_leans, name##_fluxes, &name##_checksum,                                                  \
     sizeof name##_gains / sizeof name##_gains[0], sizeof name##_values / sizeof name##_values[0],   \
     sizeof name##_quantiles / sizeof name##_quantiles[0],                                           \
     sizeof name##_leans / sizeof name##_leans[0], sizeof name##_fluxes / sizeof name##_fluxes[0],   \

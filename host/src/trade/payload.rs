@@ -134,7 +134,7 @@ mod tests {
     /// A file with an empty slot after some bytes, as the linker writes it.
     fn program(lengths: [u32; 8]) -> Vec<u8> {
         let head = Slot::MAGIC.into_iter().chain(lengths).flat_map(u32::to_le_bytes);
-        let mut file: Vec<u8> = b"\x7fELF.......".iter().copied().chain(head).collect();
+        let mut file: Vec<u8> = b"\x7fELF........".iter().copied().chain(head).collect();
         file.resize(12 + size_of::<Slot>(), 0);
         file
     }
