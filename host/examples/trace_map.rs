@@ -1,4 +1,4 @@
-//! Traces light on a height map: cargo run --release -p asperity --example trace_map [MAP.x3p]
+//! Traces light on a height map: `cargo run --release -p asperity --example trace_map [MAP.x3p]`
 #![allow(clippy::print_stdout, reason = "an example says what it found")]
 
 use std::error::Error;
@@ -11,16 +11,13 @@ use asperity::{boundary::Boundary, energy, forward::Rays};
 use asperity_core::{direction::Side, quantity::RelativeIor};
 
 fn trace_map(path: Option<String>) -> Result<(), Box<dyn Error>> {
-    let (map, edges) = match path {
-        Some(path) => {
-            let made = Preparation::default().load(Path::new(&path), Purpose::Light)?;
-            (made.map, made.edges)
-        }
-        None => {
-            let (size, pitches_um, lengths_um) = ((256, 256), (0.5, 0.5), (8.0, 8.0));
-            let made = GaussianSurface { size, pitches_um, rq_um: 1.0, lengths_um, seed: 7 };
-            (made.map().ok_or("no surface")?, Edges::Periodic)
-        }
+    let (map, edges) = if let Some(path) = path {
+        let made = Preparation::default().load(Path::new(&path), Purpose::Light)?;
+        (made.map, made.edges)
+    } else {
+        let (size, pitches_um, lengths_um) = ((256, 256), (0.5, 0.5), (8.0, 8.0));
+        let made = GaussianSurface { size, pitches_um, rq_um: 1.0, lengths_um, seed: 7 };
+        (made.map().ok_or("no surface")?, Edges::Periodic)
     };
     println!("Rq = {:.3} um", Roughness::of(&map).rq_um);
     let field = Arc::new(Field::new(&map, edges)?);

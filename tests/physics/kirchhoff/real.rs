@@ -84,10 +84,9 @@ impl Figures {
         let [c, d] = angles(mean.clone(), shares);
         let [e, f] = angles(inside(&orders), shares);
         println!(
-            "{}: Rq {rq:.4} um; coherent {coherent:.4} (mean law), {specular:.4} (orders); 50 % and 90 % of the \
+            "{name}: Rq {rq:.4} um; coherent {coherent:.4} (mean law), {specular:.4} (orders); 50 % and 90 % of the \
              diffuse within {a:.2}, {b:.2} deg in air (orders), {c:.2}, {d:.2} (mean law); in the material \
-             {e:.2}, {f:.2}",
-            name
+             {e:.2}, {f:.2}"
         );
         let [plain, windowed] = [false, true].map(|hann| mean_field(map, hann));
         println!("direct sums: {plain:.4}, under Hann's window {windowed:.4}");
