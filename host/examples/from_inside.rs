@@ -1,5 +1,5 @@
 //! Evaluates a rough face where no instrument can look, from inside the material:
-//! cargo run --release -p asperity --example from_inside
+//! `cargo run --release -p asperity --example from_inside`
 #![allow(clippy::print_stdout, reason = "an example says what it found")]
 
 use std::error::Error;

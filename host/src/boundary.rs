@@ -1,6 +1,6 @@
 //! The rough boundary of a model, made by any method.
 
-use asperity_core::bsdf::{Ggx, Normals, OpaqueGgx, Scatter, Scattered};
+use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 
 use crate::embedded::EmbeddedTable;
@@ -68,6 +68,14 @@ impl Boundary {
             Self::Table(t) => t.eta(),
             Self::Opaque(_) => None,
         }
+    }
+
+    /// The BSDF f(wi, wo), 1/sr, without cosine; `None` for a boundary that can only be sampled ([`crate::binned::Asked`] gives
+    /// values of those). Coherent light has none.
+    ///
+    /// In a loop over many pairs match on the kind of boundary first: each call here looks for it.
+    pub fn eval(&self, wi: Direction<f64>, wo: Direction<f64>) -> Option<f64> {
+        with_boundary!(self, b => Some(b.eval(wi, wo)), traced _t => None)
     }
 
     /// Whether it can only be sampled: its readings are a Monte Carlo simulation.

@@ -7,30 +7,28 @@
 //! # Example
 //! A scan becomes a model, and the model gives values that no instrument can measure:
 //! ```
-//! use std::path::Path;
-//!
-//! use asperity::fit::{FitOptions, fit};
-//! use asperity::{measurement::csv, method::Choice, reconstruct::Said, watch::Watch};
-//! use asperity_core::{bsdf::Bsdf, direction::Direction};
+//! use asperity::reconstruct::fit_scan;
+//! use asperity_core::direction::Direction;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let text = b"# geometry: transmission\n# ior: 1.49\n# rough_side: source\n# aperture_deg: 0.6\n\
-//!     sigma_deg,theta_deg,reading\n0,-10,0.00013\n0,-5,0.00061\n0,0,0.00113\n0,5,0.00061\n0,10,0.00013\n";
-//! let scan = csv::parse(text, Path::new("scan.csv"))?; // of a file: csv::load
-//! let plate = Said::default().about(&scan)?; // all is in the header
-//! let method = Choice::new("ggx", plate.body).method()?;
-//! let options = FitOptions::new(plate.body);
-//! let found = fit(&*method, &scan, &plate.setup, &options, Watch::nobody())?;
-//! let alpha = &found.parameters[0];
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("scan.csv");
+//! std::fs::write(
+//!     &path,
+//!     "# geometry: transmission\n# ior: 1.49\n# rough_side: source\n# aperture_deg: 0.6\n\
+//!     sigma_deg,theta_deg,reading\n0,-10,0.00013\n0,-5,0.00061\n0,0,0.00113\n0,5,0.00061\n0,10,0.00013\n",
+//! )?;
+//! let fit = fit_scan(&path, "ggx")?.entry.fit;
+//! let alpha = &fit.parameters[0];
 //! assert!(alpha.value > 0.05 && alpha.value < 0.5, "{}", alpha.value);
 //! // f from inside the material, towards the air
 //! let (inside, air) = (Direction::new(0.0, 0.0, -1.0), Direction::new(0.1, 0.0, 0.995));
-//! if let asperity::boundary::Boundary::Ggx(rough_face) = &found.boundary {
-//!     assert!(rough_face.eval(inside.ok_or("zero")?, air.ok_or("zero")?) > 0.0);
-//! }
+//! let f = fit.boundary.eval(inside.ok_or("zero")?, air.ok_or("zero")?);
+//! assert!(f > Some(0.0));
 //! # Ok(())
 //! # }
 //! ```
+//! What the header does not say is said by [`reconstruct::Said`]; [`reconstruct::Task`] takes maps, light and options.
 //!
 //! # Architecture
 //! Each stage reads the immutable result of the stage before and makes its own; nothing flows back.
@@ -38,11 +36,11 @@
 //! 1. **Data.** [`measurement`] reads scans, [`acquire`] measures them on an instrument. [`surface`] reads height maps and prepares them.
 //! 2. **Light on a map.** [`raytrace`] follows rays, [`kirchhoff`] computes waves, [`hybrid`] combines both.
 //! 3. **Boundary.** [`boundary::Boundary`] is the rough face that any method makes: a closed form of [`asperity_core::bsdf`], a map with rays or
-//!    waves, or a table from a file ([`embedded`]). A boundary that can only be sampled gets values from the bins of [`table`].
+//!    waves, or a table from a file ([`embedded`]). A boundary that can only be sampled gets values from [`binned`] rays.
 //! 4. **Forward model.** [`forward`] puts the boundary into a plate and an instrument and predicts readings: by quadrature if the boundary has
 //!    values, else by Monte Carlo with common random numbers.
-//! 5. **Reconstruction.** A [`method`] turns a few parameters into a boundary; [`mod@reconstruct`] finds body and instrument in the header of a scan;
-//!    [`mod@fit`] searches the parameters, with standard errors and a verdict.
+//! 5. **Reconstruction.** A [`method`] turns a few parameters into a boundary; [`mod@fit`] searches the parameters, with standard errors and a verdict; [`mod@reconstruct`]
+//!    finds body and instrument in the header of a scan, tries what a method allows, and keeps the best.
 //! 6. **Results.** [`model`] is the file of parameters, [`law_file`] reads models and tables alike, [`energy`] sums fluxes, [`mod@tabulate`]
 //!    makes tables for a device, [`trade`] compares evaluators. `report` and `plot` are for people; the command line is the last layer.
 //!
