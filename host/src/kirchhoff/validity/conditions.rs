@@ -64,7 +64,7 @@ pub struct LobeValidity {
     /// Where it fails: the share of the facets that decides.
     #[serde(flatten)]
     pub violating: Violating,
-    /// [`Validity::correlation_um`](super::validity::Validity::correlation_um) in vacuum wavelengths.
+    /// [`Validity::correlation_um`](super::limits::Validity::correlation_um) in vacuum wavelengths.
     pub correlation_wavelengths: Option<f64>,
     /// What the diffuse light alone needs of it.
     pub least_correlation_wavelengths: f64,

@@ -16,9 +16,9 @@ use rustfft::num_complex::Complex;
 
 use super::horizon::{ALONG, mean_secant};
 use super::kernel::WIDTH;
-use super::optics::{Beam, Optics};
 use super::patch::{Aperture, incident_share, shares};
 use super::stack::{Plane, Stack, Tiling};
+use crate::kirchhoff::optics::{Beam, Optics};
 use crate::surface::{HeightMap, Incomplete};
 
 /// Amplitudes that are in memory at once; more beams are worked on in turns.
