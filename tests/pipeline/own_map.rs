@@ -76,8 +76,8 @@ fn fit_of(name: &str) -> Fit {
 /// Errors at three values of the only parameter, the middle one of equal ratios the truth, and where a parabola through their squares
 /// is least, as a ratio to the truth. A fit would say the same after forty evaluations.
 fn least(method: &dyn Method, scan: &Measurement, setup: &Setup, truth: f64) -> ([f64; 3], f64) {
-    let (step, stop) = (1.12_f64, AtomicBool::new(false));
-    let cost = |value| cost_at(method, scan, setup, &quick(), &[value], &stop).unwrap();
+    let step = 1.12_f64;
+    let cost = |value| cost_at(method, scan, setup, &quick(), &[value], Watch::nobody()).unwrap();
     let errors = [truth / step, truth, truth * step].map(cost);
     let [a, b, c] = errors.map(|e| e * e);
     (errors, step.powf(0.5 * (a - c) / (a - 2.0 * b + c)))

@@ -10,7 +10,7 @@ use crate::surface::HeightMap;
 const MOST_POINTS: f64 = 134_217_728.0;
 /// Most points times transforms: some hours of a core, at 9 ns each.
 const MOST_WORK: f64 = 1e12;
-/// Planes over `q_z` for each half wave that heights and `q_z` have between them (`kirchhoff/kernel.rs`).
+/// Planes over `q_z` for each half wave that heights and `q_z` have between them (`kirchhoff/field/kernel.rs`).
 const OVERSAMPLING: f64 = 1.5;
 
 /// Refuses a map that is too large or too high.

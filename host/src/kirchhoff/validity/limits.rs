@@ -19,8 +19,8 @@ use super::facets::{Facets, Question};
 use super::light::{LOBES, Light, SIDES};
 use super::margins::{Angles, correlation_um};
 pub use super::margins::{LEAST_LENGTH, LEAST_MARGIN, Margins};
-use super::slopes::Slopes;
-use super::wavelengths::Wavelengths;
+use crate::kirchhoff::slopes::Slopes;
+use crate::kirchhoff::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Roughness};
 
 /// The meaning of ">>" in eq. (9): `2 pi R cos^3` must be larger than this many wavelengths.

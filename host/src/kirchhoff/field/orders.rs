@@ -14,9 +14,9 @@ use rustfft::num_complex::Complex;
 
 use super::horizon::{ALONG, mean_secant};
 use super::kernel::WIDTH;
-use super::optics::{Beam, Optics};
 use super::patch::{Aperture, incident_share, shares};
 use super::stack::{Plane, Stack, Tiling};
+use crate::kirchhoff::optics::{Beam, Optics};
 use crate::surface::{HeightMap, Incomplete};
 use crate::watch::Watch;
 

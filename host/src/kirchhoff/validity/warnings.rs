@@ -4,7 +4,7 @@ use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 
 use super::light::{LOBES, SIDES};
-use super::validity::{
+use super::limits::{
     FEWEST_AREAS, FarField, LobeValidity, MOST_EXCESS, MOST_SHARE, MOST_VIOLATING, Validity,
 };
 

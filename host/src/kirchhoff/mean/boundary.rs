@@ -9,15 +9,15 @@ use asperity_core::quantity::RelativeIor;
 
 use super::aim::{Aim, WIDE};
 use super::density::Density;
-use super::mean::MeanSpectra;
-use super::optics::{Beam, Optics};
-use super::options::{Speckle, WaveOptions};
-use super::orders::Order;
-use super::shadowing::Smith;
-use super::slopes::Slopes;
-use super::stack::Tiling;
-use super::validity::{Validity, ValidityError};
-use super::wavelengths::Wavelengths;
+use super::spectra::MeanSpectra;
+use crate::kirchhoff::field::Order;
+use crate::kirchhoff::field::Tiling;
+use crate::kirchhoff::optics::{Beam, Optics};
+use crate::kirchhoff::options::{Speckle, WaveOptions};
+use crate::kirchhoff::shadowing::Smith;
+use crate::kirchhoff::slopes::Slopes;
+use crate::kirchhoff::validity::{Validity, ValidityError};
+use crate::kirchhoff::wavelengths::Wavelengths;
 use crate::surface::{Edges, HeightMap, Incomplete, Spectrum};
 
 /// Fluxes of the light that stays coherent, as fractions of the incident flux.

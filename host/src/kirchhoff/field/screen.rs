@@ -11,7 +11,7 @@ const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
 
 /// `weight * exp(-2 pi i t)` for `t = turns_per_um * height_um`, point by point.
 #[multiversion(targets("x86_64+avx2+fma", "x86_64+avx+sse4.1"))]
-pub(super) fn phase(
+pub(in crate::kirchhoff) fn phase(
     heights_um: &[f64],
     weights: &[f32],
     turns_per_um: f64,

@@ -3,8 +3,8 @@
 use asperity_core::direction::Direction;
 
 use super::density::Density;
-use super::mean::MeanSpectra;
-use super::optics::Optics;
+use super::spectra::MeanSpectra;
+use crate::kirchhoff::optics::Optics;
 
 /// Share of the rays that are drawn in all directions alike. The tails of the law about the specular direction are
 /// lower than those of the lobe; without these rays one in a million would weigh a million.

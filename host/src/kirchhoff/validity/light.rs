@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 
-use super::wavelengths::Wavelengths;
+use crate::kirchhoff::wavelengths::Wavelengths;
 
 /// Both sides.
 pub(super) const SIDES: [Side; 2] = [Side::Air, Side::Dielectric];

@@ -299,8 +299,8 @@ mod tests {
     use asperity_core::bsdf::Lobe;
     use asperity_core::direction::Side;
 
+    use super::super::light::Light;
     use super::{Angles, Facets, Grid, Question};
-    use crate::kirchhoff::light::Light;
     use crate::surface::{Edges, HeightMap};
 
     fn lobe(lobe: Lobe, deg: f64) -> Angles {

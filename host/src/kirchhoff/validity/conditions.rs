@@ -64,7 +64,7 @@ pub struct LobeValidity {
     /// The shares of the facets that violate its conditions, which decide.
     #[serde(flatten)]
     pub violating: Violating,
-    /// [`Validity::correlation_um`](super::validity::Validity::correlation_um) in vacuum wavelengths.
+    /// [`Validity::correlation_um`](super::limits::Validity::correlation_um) in vacuum wavelengths.
     pub correlation_wavelengths: Option<f64>,
     /// The least correlation length for the diffuse light alone, in the same unit.
     pub least_correlation_wavelengths: f64,

@@ -1,7 +1,14 @@
 //! The coherent part: the mean field `<exp(-i q_z h)>`, the characteristic function of the heights.
 
+use asperity_core::bsdf::Lobe;
+use asperity_core::direction::Direction;
+use asperity_core::quantity::RelativeIor;
 use asperity_fourier::Precision as _;
 use rustfft::num_complex::Complex;
+
+use crate::kirchhoff::optics::{Beam, Optics};
+use crate::kirchhoff::wavelengths::Wavelengths;
+use crate::surface::{HeightMap, Incomplete, Roughness};
 
 /// Bins of the histogram of heights.
 const BINS: usize = 1 << 13;
@@ -66,6 +73,46 @@ impl Coherent {
         let sinc = if half.abs() < 1e-6 { 1.0 } else { half.sin() / half };
         (field.norm_sqr() / sinc.powi(4)).min(1.0)
     }
+}
+
+/// Coherent share of a lobe that a method without coherent light may have before it is said, as a fraction.
+const MOST: f64 = 1e-3;
+
+/// What has to be said of rays on a map under this light; nothing where they miss nothing.
+///
+/// The coherent share of a lobe is `|<exp(-i q_z h)>|^2`, for Gaussian heights `exp(-(q_z Rq)^2)`.
+///
+/// # Errors
+/// [`Incomplete`] if points are missing.
+pub fn warning_for_rays(
+    map: &HeightMap,
+    eta: RelativeIor<f64>,
+    wavelengths: &Wavelengths,
+    lobe: Lobe,
+    incidences_deg: &[f64],
+) -> Result<Option<String>, Incomplete> {
+    let coherent = Coherent::new(map.need_complete()?, |_| 1.0);
+    let share = |deg: f64| {
+        let (s, c) = deg.to_radians().sin_cos();
+        let wi = Direction::from_unit(-s, 0.0, c);
+        let one = |(wavelength_um, weight)| {
+            let q_z = Optics::new(eta, &Beam { wi, lobe, wavelength_um })?.specular()?.1;
+            Some(weight * coherent.intensity(q_z))
+        };
+        wavelengths.iter().filter_map(one).sum::<f64>()
+    };
+    let largest = incidences_deg.iter().map(|deg| (share(*deg), *deg));
+    let largest = largest.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share > MOST);
+    let word = if lobe == Lobe::Transmission { "transmitted" } else { "reflected" };
+    Ok(largest.map(|(share, deg)| {
+        format!(
+            "rays: {:.2} % of the light {word} at {deg} deg stays coherent at {wavelengths} nm, in the direction of a \
+             smooth surface, for heights of Rq {:.3} um are small beside the wavelength; rays know nothing of \
+             it, nor of diffraction; trust measured-wave",
+            100.0 * share,
+            Roughness::of(map).rq_um
+        )
+    }))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use asperity_core::quadrature::gauss_legendre;
 use rayon::prelude::*;
 
 use super::boundary::WaveBoundary;
-use super::optics::{Beam, Optics};
+use crate::kirchhoff::optics::{Beam, Optics};
 
 /// Angles of incidence per side.
 const INCIDENCES: usize = 48;

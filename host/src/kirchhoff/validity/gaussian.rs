@@ -5,8 +5,8 @@ use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 
 use super::light::Light;
+use super::limits::ValidityError;
 use super::margins::{Angles, LEAST_MARGIN, Margins, correlation_um};
-use super::validity::ValidityError;
 
 /// A lobe of light on a Gaussian surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

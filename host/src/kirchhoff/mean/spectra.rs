@@ -16,7 +16,7 @@ use rustfft::num_complex::Complex;
 use super::coherent::Coherent;
 use super::density::{Density, STEP};
 use super::rings::{Node, Rings};
-use super::screen::phase;
+use crate::kirchhoff::field::phase;
 use crate::surface::{Edges, HeightMap, Incomplete};
 
 /// A map ready to be averaged at any `q_z`; what was computed is kept.

@@ -6,7 +6,7 @@ use asperity_core::fresnel;
 
 use super::aim::WIDE;
 use super::boundary::WaveBoundary;
-use super::optics::{Beam, Optics};
+use crate::kirchhoff::optics::{Beam, Optics};
 
 impl WaveBoundary {
     /// Draws light of a lobe, a share `wide` of the diffuse in all directions alike.

@@ -14,7 +14,7 @@ use asperity_core::direction::Direction;
 use asperity_core::quadrature::gauss_legendre;
 
 use super::boundary::WaveBoundary;
-use super::optics::{Beam, Optics};
+use crate::kirchhoff::optics::{Beam, Optics};
 
 /// Points of a ring across.
 const ACROSS: usize = 6;
