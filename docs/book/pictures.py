@@ -175,7 +175,7 @@ def ggx(program):
 
 def normals(program):
     def one(profile, n):
-        return f"{profile}, n = {n}", ("normals", "--law", profile, "--set", "delta=8", f"n={n}", *PLATE)
+        return f"{profile}, n = {n}", ("normals", "--profile", profile, "--set", "delta=8", f"n={n}", *PLATE)
 
     lobes(program, "normals", "three densities of normals", [one("gauss", 2), one("gauss", 4), one("cauchy", 3)])
 
