@@ -1,7 +1,7 @@
 //! Short spellings for the tests of this target: a virtual goniophotometer and fits of its scans.
 
 use asperity::boundary::Boundary;
-use asperity::fit::{Fit, FitError, FitOptions, FitRays, Objective, fit};
+use asperity::fit::{Fit, FitError, FitOptions, FitRays, Objective, cost_at, fit};
 use asperity::forward::{
     Angles, Effort, Incidence, MonteCarlo, Rays, Readings, Sample, Setup, monte_carlo, simulate,
 };
@@ -177,4 +177,20 @@ pub(crate) fn fitted(
 pub(crate) fn value(fit: &Fit, name: &str) -> (f64, f64) {
     let found = fit.parameters.iter().find(|p| p.name == name).expect("a fitted parameter");
     (found.value, found.std_error.unwrap_or(f64::NAN))
+}
+
+/// Errors at three values of the only parameter, the middle one of equal ratios the truth, and where a parabola through their squares
+/// is least, as a ratio to the truth. A fit would say the same after forty evaluations.
+pub(crate) fn least(
+    method: &dyn Method,
+    scan: &Measurement,
+    setup: &Setup,
+    options: &FitOptions,
+    truth: f64,
+) -> ([f64; 3], f64) {
+    let (step, stop) = (1.12_f64, AtomicBool::new(false));
+    let cost = |value| cost_at(method, scan, setup, options, &[value], &stop).unwrap();
+    let errors = [truth / step, truth, truth * step].map(cost);
+    let [a, b, c] = errors.map(|e| e * e);
+    (errors, step.powf(0.5 * (a - c) / (a - 2.0 * b + c)))
 }

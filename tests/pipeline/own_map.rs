@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use asperity::boundary::Boundary;
-use asperity::fit::{Fit, FitOptions, FitRays, cost_at};
+use asperity::fit::{Fit, FitOptions, FitRays};
 use asperity::forward::{Angles, Effort, Rays, Sample, Setup, monte_carlo, simulate};
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::{Measurement, Quantity, csv};
@@ -20,7 +20,7 @@ use asperity_tests::tolerance::{
 };
 use asperity_tests::{extensive, golden};
 
-use crate::common::{angles, fitted, grid, measurement, options, value};
+use crate::common::{angles, fitted, grid, least, measurement, options, value};
 use crate::real_scans::setup;
 
 const CLEAR: Body = Body::Dielectric { ior: 1.49 };
@@ -73,16 +73,6 @@ fn fit_of(name: &str) -> Fit {
     fit
 }
 
-/// Errors at three values of the only parameter, the middle one of equal ratios the truth, and where a parabola through their squares
-/// is least, as a ratio to the truth. A fit would say the same after forty evaluations.
-fn least(method: &dyn Method, scan: &Measurement, setup: &Setup, truth: f64) -> ([f64; 3], f64) {
-    let step = 1.12_f64;
-    let cost = |value| cost_at(method, scan, setup, &quick(), &[value], Watch::nobody()).unwrap();
-    let errors = [truth / step, truth, truth * step].map(cost);
-    let [a, b, c] = errors.map(|e| e * e);
-    (errors, step.powf(0.5 * (a - c) / (a - 2.0 * b + c)))
-}
-
 #[test]
 fn a_scan_of_a_small_map_is_that_of_the_independent_tracer() {
     let (scan, prepared) = sample();
@@ -113,17 +103,6 @@ fn the_heights_of_a_small_map_are_found_by_rays() {
     assert!((scale - 1.0).abs() < SCALE_OF_SMALL_MAP.allowed, "{scale}");
     assert!(fit.refusal(15.0).is_none());
     assert!(fit.rmsd_percent <= 2.0 * TRACED_SMALL_MAP.allowed, "{}", fit.rmsd_percent);
-}
-
-/// Heights of a dozen phases: the map is traced, and what diffracts on its facets hardly shows.
-#[test]
-fn the_heights_of_a_small_map_are_found_by_rays_and_waves_together() {
-    let (scan, _) = sample();
-    let hybrid = method("measured-hybrid");
-    let (errors, at) = least(&*hybrid, &scan, &setup(&scan), 1.0 / FLATTER);
-    println!("measured-hybrid: errors {errors:.3?} %, least at {at:.4} of the heights");
-    assert!((at - 1.0).abs() < SCALE_OF_SMALL_MAP.allowed, "{at}");
-    assert!(errors[1] <= 2.0 * TRACED_SMALL_MAP.allowed, "{errors:?}");
 }
 
 /// Slopes of 0.28 at pixels of 1 um: Kirchhoff's integral is no way to trace them, and says so.
@@ -169,7 +148,7 @@ fn the_width_of_random_heights_is_found_with_other_random_heights() {
         let (rays, watch) = (Rays { count: 200_000, seed: 1 }, Watch::nobody());
         let readings = simulate(&boundary, &setup, &plan, Effort::Full, rays, watch).unwrap();
         let scan = measurement(&sigmas, &grid, &readings.values);
-        let (errors, at) = least(&*method(2), &scan, &setup, truth);
+        let (errors, at) = least(&*method(2), &scan, &setup, &quick(), truth);
         println!("{profile}: errors {errors:.3?} %, least at {at:.4} of the width");
         assert!((at - 1.0).abs() < RECOVERED_HEIGHTS.allowed, "{profile} {at}");
         assert!(errors[1] < 1.0 && errors[1] < errors[0].min(errors[2]), "{profile} {errors:?}");

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use asperity::boundary::Boundary;
-use asperity::fit::{Fit, cost_at};
+use asperity::fit::{Fit, FitOptions, FitRays, cost_at};
 use asperity::forward::{Angles, Effort, Sample, Setup, wave};
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
@@ -19,7 +19,7 @@ use asperity_tests::kirchhoff::{intensity, obliquity};
 use asperity_tests::oracle::fresnel;
 use asperity_tests::tolerance::{DIRECT_SUM_SCAN, SCALE_OF_MAP};
 
-use crate::common::{fitted, options};
+use crate::common::{fitted, least, options};
 use crate::traced_samples::sample;
 
 const IOR: f64 = 1.49;
@@ -151,6 +151,20 @@ fn a_scan_made_by_direct_sums_is_known_as_that_of_the_map() {
     assert!(kept.rmsd_percent < DIRECT_SUM_SCAN.allowed, "{}", kept.rmsd_percent);
     assert!((kept.parameters[0].value - 1.0).abs() < SCALE_OF_MAP.allowed);
     let averaged = of("measured-wave", Some(Speckle::Averaged));
+    // heights of half a wave: rays and waves together are waves
+    let wave = light(Speckle::Averaged);
+    let choice = Choice {
+        map: Some((&map, Edges::Mirrored)),
+        wave: Some(&wave),
+        ..Choice::new("measured-hybrid", CLEAR)
+    };
+    let rays = FitRays { draft: 10_000, fit: Some(50_000), last: Some(200_000), seed: 3 };
+    let options_of_rays = FitOptions { rays, ..options(CLEAR) };
+    let hybrid = choice.method().unwrap();
+    let (errors, at) = least(&*hybrid, &scan, &setup, &options_of_rays, 1.0);
+    println!("measured-hybrid: errors {errors:.3?} %, least at {at:.4} of the heights");
+    assert!((at - averaged.parameters[0].value).abs() < SCALE_OF_MAP.allowed, "{at}");
+    assert!(errors[1] < errors[0].min(errors[2]), "{errors:?}");
     let traced = of("measured-ray", None);
     assert!(traced.rmsd_percent > 2.0 * kept.rmsd_percent.max(DIRECT_SUM_SCAN.allowed));
     assert!(averaged.rmsd_percent < traced.rmsd_percent);
