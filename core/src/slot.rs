@@ -73,7 +73,7 @@ impl Slot {
     ];
 
     /// A slot without a model.
-    #[allow(clippy::large_stack_arrays, reason = "a value of a static, never on a stack")]
+    #[allow(clippy::large_stack_arrays, reason = "for a static, which lies in flash")]
     pub const EMPTY: Self = Self {
         magic: Self::MAGIC,
         lengths: Self::LENGTHS,

@@ -188,8 +188,8 @@ pub(crate) fn least(
     options: &FitOptions,
     truth: f64,
 ) -> ([f64; 3], f64) {
-    let (step, stop) = (1.12_f64, AtomicBool::new(false));
-    let cost = |value| cost_at(method, scan, setup, options, &[value], &stop).unwrap();
+    let step = 1.12_f64;
+    let cost = |value| cost_at(method, scan, setup, options, &[value], Watch::nobody()).unwrap();
     let errors = [truth / step, truth, truth * step].map(cost);
     let [a, b, c] = errors.map(|e| e * e);
     (errors, step.powf(0.5 * (a - c) / (a - 2.0 * b + c)))
