@@ -55,7 +55,7 @@ pub struct Draft {
     /// The detector's range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<RangeWord>,
-    /// How far below its first point a segment is approached, degrees.
+    /// Distance below its first point from which a segment is approached, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_up_deg: Option<f64>,
     /// `once` or `per-sigma`.
@@ -208,7 +208,7 @@ impl Draft {
         number.map(Range::Fixed).ok_or_else(|| wrong("range", &text, allowed))
     }
 
-    /// What goes into the header of the scan, checked as a scan file is.
+    /// The header of the scan, checked like that of a scan file.
     fn header(&self) -> Result<Metadata, PlanError> {
         let mut meta = Metadata::default();
         if let Some(sample) = &self.sample {

@@ -19,7 +19,7 @@ use crate::output::AtomicFile;
 /// A request to measure.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
-    /// What to measure; on resuming `None` takes the journal's plan.
+    /// The plan to measure; on resuming, `None` takes the journal's plan.
     pub plan: Option<Plan>,
     /// The scan file; the journal stands beside it.
     pub output: &'a Path,
@@ -55,7 +55,7 @@ pub struct Summary {
     pub resumed: u64,
     /// Identities of the calibrations.
     pub calibrations: Vec<u32>,
-    /// How often the line was lost and found.
+    /// Number of losses of the line.
     pub recoveries: u32,
     /// Readings above the beam without the sample: how many, and the largest.
     pub above_beam: Option<AboveBeam>,
@@ -198,7 +198,7 @@ fn park<T: Transport>(client: &mut Client<'_, T>) -> Result<(), LinkError> {
     client.move_to(Axis::Theta, Microdegrees(0))
 }
 
-/// What an interruption has left.
+/// The state after an interruption.
 fn interruption(journal: Option<&Journal>) -> AcquireError {
     let Some(journal) = journal else { return AcquireError::NotBegun };
     let (done, total) = (journal.len(), journal.plan().points());

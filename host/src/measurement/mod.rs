@@ -70,7 +70,7 @@ pub struct Reading {
 /// no point occurs twice, and at least one reading is above zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What is known about the sample and the instrument.
+    /// The known facts about the sample and the instrument.
     pub meta: Metadata,
     readings: Vec<Reading>,
 }
@@ -134,7 +134,7 @@ impl Measurement {
         &self.readings
     }
 
-    /// What the readings are: the header's word, [`Quantity::Flux`] without one.
+    /// The quantity of the readings, from the header; [`Quantity::Flux`] without one.
     pub fn quantity(&self) -> Quantity {
         self.meta.quantity.unwrap_or_default()
     }
@@ -187,11 +187,11 @@ impl Reading {
 pub struct InvalidReading {
     /// Index of the reading in the order given; `None` where all are at fault together.
     pub row: Option<usize>,
-    /// What is wrong.
+    /// The fault.
     pub fault: ReadingFault,
 }
 
-/// What can be wrong with the readings themselves, wherever they come from.
+/// Faults of the readings themselves, from any source.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ReadingFault {
     /// There are none.

@@ -10,7 +10,7 @@ use super::grid::{LobeGrid, node};
 /// Steps of the bisection for the last facet before the horizon.
 const STEPS: u32 = 24;
 
-/// What a table is made of: a [`Bsdf`] behind one pointer, so that none of this is compiled anew for each.
+/// The law that fills a table: a [`Bsdf`] behind one pointer, so that this code is compiled once.
 pub(super) trait Law: Sync {
     fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64;
     fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>>;

@@ -27,7 +27,7 @@ pub enum NoDevice {
     Program {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// No emulator is installed.
@@ -42,7 +42,7 @@ pub struct Device {
     functions: Option<Functions>,
 }
 
-/// What was counted in a tier.
+/// The counts of a tier.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counted {
     pub(super) eval: Option<u32>,
@@ -56,7 +56,7 @@ pub(super) struct Counted {
 pub(super) type Counts = BTreeMap<String, Counted>;
 
 impl Device {
-    /// How the program is made.
+    /// The command that makes the program.
     pub const HOW: &str = "`cargo build --release -p asperity-firmware-sim --no-default-features --features qemu --bin trade \
                            --target thumbv7em-none-eabihf`";
 
@@ -123,7 +123,7 @@ impl Device {
     }
 }
 
-/// What a program prints by semihosting; an instruction takes a nanosecond of the board's time.
+/// The output of a program by semihosting; an instruction takes a nanosecond of the board's time.
 fn emulate(program: &Path, stop: &AtomicBool) -> Result<String, String> {
     let mut qemu = Command::new(EMULATOR)
         .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])

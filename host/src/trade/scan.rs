@@ -13,7 +13,7 @@ use crate::measurement::{Measurement, Quantity};
 const SIGMAS: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
 pub(super) const STEP: f64 = 0.25;
 
-/// What was measured on the goniophotometer.
+/// The measured scan.
 #[derive(Clone, Debug)]
 pub struct Scan {
     setup: Setup,

@@ -84,7 +84,7 @@ pub(super) fn shown(message: &str) -> String {
     shown
 }
 
-/// How the columns of a text are written; learnt from its first lines.
+/// The format of the columns of a text, found from its first lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     /// `None`: any number of blanks.
