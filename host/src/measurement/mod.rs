@@ -9,7 +9,7 @@
 //! assert_eq!(scan.meta.ior, Some(1.49));
 //! // an error names file, line and remedy
 //! let error = csv::parse("sigma_deg,theta_deg,reading\n0,0,x\n", "bad.csv").unwrap_err();
-//! assert!(error.to_string().starts_with("bad.csv:2:"), "{error}");
+//! assert!(error.to_string().starts_with("bad.csv:2,"), "{error}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
