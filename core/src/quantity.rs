@@ -218,7 +218,7 @@ macro_rules! in_two {
                 [sum, if $t::IN_TWO { low - (sum - high) } else { $t::ZERO }]
             }
 
-            /// What rounding took from a product of two \[Dekker\], of numbers halved by Veltkamp.
+            /// The rounding error of a product of two \[Dekker\], of numbers halved by Veltkamp.
             $($constant)? fn lost $($generic)* (a: $t, b: $t, product: $t) -> $t {
                 let (a_large, b_large) = (a * $splitter, b * $splitter);
                 let (a_high, b_high) = (a_large - (a_large - a), b_large - (b_large - b));

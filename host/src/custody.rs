@@ -77,7 +77,7 @@ impl Drop for Claim {
     }
 }
 
-/// What a file is known by.
+/// The identity of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Identity {
     /// Canonical; of a file that is not there yet its canonical folder and its name. Empty if nameless.

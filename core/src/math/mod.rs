@@ -121,7 +121,7 @@ pub trait Real:
     /// Magnitude of `self` with the sign of another, also of a zero or a NaN.
     fn copysign(self, sign: Self) -> Self;
 
-    /// What rounding took from a sum of two: `self + other - sum`, exactly \[Knuth's two-sum\]; 0 in double.
+    /// The rounding error of a sum of two: `self + other - sum`, exactly \[Knuth's two-sum\]; 0 in double.
     #[inline(always)]
     fn sum_error(self, other: Self, sum: Self) -> Self {
         if !Self::IN_TWO {
@@ -130,7 +130,7 @@ pub trait Real:
         let part = sum - self;
         (self - (sum - part)) + (other - part)
     }
-    /// What rounding took from a product of two: `self * other - product`, exactly \[Dekker\]; 0 in double, whose
+    /// The rounding error of a product of two: `self * other - product`, exactly \[Dekker\]; 0 in double, whose
     /// rounding is below every requirement.
     ///
     /// Four products of halves, though some processors would need one instruction: not all have it, and these

@@ -16,7 +16,7 @@ use crate::sampling::inverse_smoothstep;
 
 /// Share of the normals that is cut off at either end of the table of quantiles.
 const NO_ACCOUNT: f64 = 1e-9;
-/// How a law is computed from a half vector.
+/// The computation of a law from a half vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form<T> {
     /// The normal law about 0: `2^-(halvings t^2)`.

@@ -86,7 +86,7 @@ pub enum Request {
     ClearFault,
 }
 
-/// What an instrument answers.
+/// The answer of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Response {
     /// To `Identify`.

@@ -40,7 +40,7 @@ pub struct Point {
     pub index: u16,
     /// Position of the detector by its encoder while the point was read.
     pub theta: Microdegrees,
-    /// What was read.
+    /// The reading.
     pub reading: Reading,
 }
 

@@ -47,7 +47,7 @@ pub struct Ident {
     pub max_points: u16,
 }
 
-/// What the instrument is doing.
+/// The state of the instrument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum MachineState {
     /// Nothing; ready.
@@ -113,7 +113,7 @@ impl fmt::Display for MachineState {
 /// A snapshot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
-    /// What it is doing.
+    /// The state.
     pub state: MachineState,
     /// Why it stopped; `Some` exactly if `state` is `Fault`.
     pub fault: Option<Fault>,

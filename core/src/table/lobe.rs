@@ -48,7 +48,7 @@ impl Form {
     }
 }
 
-/// How the tail of `Q` falls: `Q = v^2 q^n` with `q = s0 / (s0^2 cos^2 + sin^2)` of the facet's polar angle,
+/// The fall of the tail of `Q`: `Q = v^2 q^n` with `q = s0 / (s0^2 cos^2 + sin^2)` of the facet's polar angle,
 /// so `v` is constant for GGX facets (`n` = 2), `1/s^2` tails (`n` = 1), or as `Q` itself (`n` = 0).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fall {

@@ -50,7 +50,7 @@ impl<'a, S: Storage> SideTable<'a, S> {
         Self { reflection: None, transmission: None, grazing: 0.0, steps: 0.0, fluxes: &[] }
     }
 
-    /// What this build answers of light from `below` or above.
+    /// The part of this build for light from `below` or above.
     #[inline(always)]
     pub(super) fn answered(self, below: bool) -> Self {
         if scope::side(below) {
@@ -95,7 +95,8 @@ impl<'a, S: Storage> SideTable<'a, S> {
         Fluxes { coherent_reflected, coherent_transmitted, ..diffuse }
     }
 
-    /// What samples go by: diffuse and coherent fluxes in units of 1/65535/256, in steps of 1/256 of a cell. Whole numbers
+    /// The weights of the choice of samples: diffuse and coherent fluxes in units of 1/65535/256, in steps of 1/256
+    /// of a cell. Whole numbers
     /// take a device half the instructions.
     #[inline(always)]
     pub(super) fn shares<T: Real>(&self, s: T, c: T) -> Option<[[u32; 2]; 2]> {

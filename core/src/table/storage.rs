@@ -1,4 +1,4 @@
-//! How a value is kept: 8 bits, 16 bits, or a float.
+//! The storage of a value: 8 bits, 16 bits, or a float.
 
 use core::fmt::Debug;
 

@@ -14,7 +14,7 @@ use super::signal;
 use super::transport::Transport;
 use super::wording::{name, unfit};
 
-/// How often one request survives the loss of the line.
+/// Number of losses of the line that one request survives.
 const LOSSES: u32 = 3;
 
 /// A client of one instrument.

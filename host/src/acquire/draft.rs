@@ -56,7 +56,7 @@ pub struct Draft {
     /// The detector's range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<RangeWord>,
-    /// How far below its first point a segment is approached, degrees.
+    /// Distance below its first point from which a segment is approached, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub run_up_deg: Option<f64>,
     /// `once` or `per-sigma`.

@@ -12,7 +12,7 @@ use asperity_core::protocol::{DeviceError, Fault};
 pub struct LinkError {
     /// The port, as the user named it.
     pub port: String,
-    /// What is wrong.
+    /// The fault.
     pub trouble: Box<Trouble>,
 }
 
@@ -105,7 +105,7 @@ pub enum Trouble {
          requests); switch it off and on"
     )]
     Astray {
-        /// How many.
+        /// The number.
         answers: u64,
     },
     /// It is present, but does not answer one kind of request.
@@ -139,7 +139,7 @@ pub enum Trouble {
         reference = plain(*.reference), above = plain(*.above), least = plain(*.least), dark = plain(*.dark)
     )]
     WeakBeam {
-        /// What the detector reads without the sample, nA.
+        /// The reading without the sample, nA.
         reference: f64,
         /// The same less the dark current of its range, nA.
         above: f64,
@@ -154,9 +154,9 @@ pub enum Trouble {
          `asperity instrument status`, switch it off and on"
     )]
     Stops {
-        /// What was under way.
+        /// The work in progress.
         what: &'static str,
-        /// How often.
+        /// The number of times.
         times: u32,
     },
     /// The line was lost and is not back.
@@ -172,9 +172,9 @@ pub enum Trouble {
         "{what} failed {times} times because the connection was lost or no answer came; check cable and power"
     )]
     Unstable {
-        /// What was tried.
+        /// The attempt.
         what: &'static str,
-        /// How often.
+        /// The number of times.
         times: u32,
     },
     /// The instrument reports something impossible.
@@ -183,7 +183,7 @@ pub enum Trouble {
     /// It does not finish.
     #[error("{what} is not over after {seconds:.0} s; see `asperity instrument status`")]
     Overdue {
-        /// What was begun.
+        /// The work begun.
         what: &'static str,
         /// The time waited.
         seconds: f64,

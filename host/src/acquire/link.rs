@@ -23,7 +23,7 @@ const EXCERPT: usize = 32;
 /// The longest wait without a check of the stop flag.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// What an instrument answers.
+/// The answer of an instrument.
 pub(super) type Answer = Result<Response, DeviceError>;
 
 /// Why there is no answer.
@@ -70,7 +70,7 @@ pub(super) struct Link<'s, T> {
     heard: Heard,
 }
 
-/// What came since the line was asked who is there.
+/// The bytes received since the identification began.
 #[derive(Debug, Default)]
 struct Heard {
     bytes: u64,
@@ -291,7 +291,7 @@ impl<T: Transport> Link<'_, T> {
     }
 }
 
-/// What this program can work with.
+/// The requirements of this program.
 fn plausible(ident: Ident) -> Result<Ident, Trouble> {
     if ident.protocol != VERSION {
         return Err(Trouble::Version { theirs: ident.protocol, ours: VERSION });

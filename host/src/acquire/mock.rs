@@ -10,7 +10,7 @@ use asperity_core::protocol::{
 use super::estimate;
 use super::transport::Peer;
 
-/// What becomes of a frame of the instrument.
+/// The fate of a frame of the instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Fate {
     Pass,

@@ -7,7 +7,7 @@ use std::time::Duration;
 pub struct Patience {
     /// For the answer to one request: 500 ms.
     pub answer: Duration,
-    /// How often a request is sent: 6.
+    /// Number of times a request is sent: 6.
     pub tries: u32,
     /// Extra wait of the first repetition, doubled each time: 50 ms. The wait for an answer is thus 6.2 s in all.
     pub back_off: Duration,
@@ -64,7 +64,7 @@ impl Patience {
             .min(self.most_back_off)
     }
 
-    /// How long a motion may take that should take `time`.
+    /// Time limit of a motion that should take `time`.
     pub fn motion(&self, time: Duration) -> Duration {
         time.saturating_mul(2).saturating_add(self.grace)
     }

@@ -106,7 +106,7 @@ enum Recovery {
     End(Trouble),
 }
 
-/// What a recovery waits for.
+/// The obstacle of a recovery.
 enum Why {
     /// The line does not carry.
     Lost(Option<std::io::Error>),

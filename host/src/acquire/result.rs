@@ -14,7 +14,7 @@ use crate::measurement::{InvalidReading, Measurement, Metadata, Quantity, Readin
 /// Readings above the beam without the sample: the lamp has drifted, or the reference was too low.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AboveBeam {
-    /// How many.
+    /// The number.
     pub count: u64,
     /// The largest: angle of incidence and of observation, degrees, and value.
     pub largest: Reading,

@@ -25,7 +25,7 @@ pub struct Summary {
     pub resumed: u64,
     /// Identities of the calibrations.
     pub calibrations: Vec<u32>,
-    /// How often the line was lost and found.
+    /// Number of losses of the line.
     pub recoveries: u32,
     /// Readings above the beam without the sample: how many, and the largest.
     pub above_beam: Option<AboveBeam>,
@@ -168,7 +168,7 @@ fn park<T: Transport>(client: &mut Client<'_, T>) -> Result<(), LinkError> {
     client.move_to(Axis::Theta, Microdegrees(0))
 }
 
-/// What an interruption has left.
+/// The state after an interruption.
 fn interruption(journal: Option<&Journal>) -> AcquireError {
     let Some(journal) = journal else { return AcquireError::NotBegun };
     let (done, total) = (journal.len(), journal.schedule().points());

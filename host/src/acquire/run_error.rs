@@ -83,7 +83,7 @@ pub enum AcquireError {
     NoScan {
         /// The journal.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         source: NoScan,
     },
     /// Ended by the user.

@@ -30,7 +30,7 @@ pub enum ScheduleError {
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// An impossible value.
@@ -38,9 +38,9 @@ pub enum ScheduleError {
     Value {
         /// The key of the schedule file; a flag is called alike.
         key: &'static str,
-        /// What it says.
+        /// The given value.
         value: String,
-        /// What may be said.
+        /// The allowed values.
         allowed: &'static str,
     },
     /// A longer grid than an instrument holds.

@@ -21,10 +21,10 @@ use super::transport::Transport;
 
 /// Tolerance of the position of a point, by the encoder, microdegrees; at most half a step.
 const OFF_PLACE: i32 = 20_000;
-/// How many readings an instrument may take until it has found its range.
+/// Largest number of readings that an instrument may take until it has found its range.
 const AUTO_READINGS: u32 = 2 * RANGES as u32;
 
-/// What a segment needs to know.
+/// The input of a segment.
 pub(super) struct Course<'a> {
     pub(super) schedule: &'a Schedule,
     /// Which incidence, from 0.
@@ -35,11 +35,11 @@ pub(super) struct Course<'a> {
     pub(super) credit: u16,
     /// Which calibration is in force, from 0.
     pub(super) calibration: usize,
-    /// What it found.
+    /// The calibration found.
     pub(super) values: Calibration,
 }
 
-/// How a segment ended.
+/// The end of a segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     /// All points are in the journal.

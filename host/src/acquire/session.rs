@@ -12,7 +12,7 @@ use super::schedule::{CalibrationRule, Schedule};
 use super::segment::{Course, End, is_forgotten, progress_of, scan};
 use super::transport::Transport;
 
-/// How often a segment is begun anew without a new point.
+/// Number of restarts of a segment without a new point.
 const RESTARTS: u32 = 5;
 
 /// An acquisition under way.

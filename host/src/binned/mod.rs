@@ -33,8 +33,7 @@ use bins::BinnedLobe;
 /// is the interpolated one, and R + T is at most 1, everywhere. Weights are linear in the angle. Beyond the last
 /// incidence its lobe continues to move and keeps its flux. A side without incidences scatters nothing.
 ///
-/// What is traced is one piece of surface: errors are those of a finite number of rays, not of the
-/// piece being small.
+/// Only one piece of surface is traced: errors are those of a finite number of rays, not of the small size of the piece.
 #[derive(Clone, Debug)]
 pub struct BinnedBsdf {
     eta: RelativeIor<f64>,

@@ -22,7 +22,7 @@ use crate::output::{AtomicFile, OutputError};
 /// Version of the format, and the one without a checksum.
 const FORMAT: u32 = 2;
 const UNCHECKED: u32 = 1;
-/// What stands before and after the digits of the checksum, at the end of the line.
+/// The text before and after the digits of the checksum, at the end of the line.
 const BEFORE_SUM: &[u8] = b"\"crc32c\":\"";
 const AFTER_SUM: &[u8] = b"\"}";
 const DIGITS: usize = 8;
@@ -43,7 +43,7 @@ const MOST_NODES: u16 = 4096;
 pub struct TableFileError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong with it, and what to do.
+    /// The fault and the remedy.
     pub what: String,
 }
 

@@ -76,7 +76,7 @@ pub struct FitOptions {
     pub fit_ior: bool,
     /// Whether a calibration factor on all readings is a parameter too (an opaque body has one anyway).
     pub fit_gain: bool,
-    /// What is minimised.
+    /// The objective.
     pub objective: Objective,
     /// Largest number of evaluations of the forward model, over both stages.
     pub max_evaluations: u64,
@@ -123,7 +123,7 @@ impl FitRays {
     const IN_FIT: (f64, f64) = (2e5, 4e6);
     const MOST: f64 = 1e8;
 
-    /// How many rays bring a noise down to an aim. In strata it falls faster than with the root of the number.
+    /// The number of rays that reduce a noise to a target. In strata it falls faster than with the root of the number.
     fn for_noise(count: u64, percent: f64, aim_percent: f64) -> f64 {
         count as f64 * (percent / aim_percent).powf(1.7)
     }
@@ -170,7 +170,7 @@ pub struct Fit {
     pub readings: Vec<f64>,
     /// Error of eq. (18), %.
     pub rmsd_percent: f64,
-    /// What was minimised, and its value.
+    /// The objective and its value.
     pub objective: (Objective, f64),
     /// Error of eq. (18) for each incidence alone.
     pub incidences: Vec<IncidenceError>,

@@ -153,7 +153,7 @@ impl<'a> Problem<'a> {
         self.held.iter().filter_map(|held| held.or_else(|| free.next())).collect()
     }
 
-    /// What each of all parameters is held at, if it is not free.
+    /// The fixed value of each parameter that is not free.
     pub(super) fn held(&self) -> &[Option<f64>] {
         &self.held
     }
@@ -174,7 +174,7 @@ impl<'a> Problem<'a> {
         &self.angles
     }
 
-    /// How many neighbours to one side a reading's cone overlaps, at least 1; angles ascend.
+    /// The number of neighbours on one side that a reading's cone overlaps, at least 1; angles ascend.
     pub(super) fn overlap(&self, theta_deg: &[f64]) -> usize {
         let span = theta_deg.last().zip(theta_deg.first()).map_or(0.0, |(b, a)| b - a);
         let step = span / theta_deg.len().saturating_sub(1).max(1) as f64;

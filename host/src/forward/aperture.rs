@@ -124,7 +124,7 @@ pub(super) struct Line {
     pub(super) psi: f64,
     /// Half length `D` of the cone along the line, rad.
     reach: f64,
-    /// What the integral along the line counts in a reading.
+    /// The weight of the integral along the line in a reading.
     weight: f64,
 }
 

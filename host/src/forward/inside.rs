@@ -22,7 +22,7 @@ const DENSE: f64 = 1.02;
 pub(super) struct Shared<'a, B> {
     boundary: &'a B,
     inside: Inside<'a, B>,
-    /// How the detector looks in, if that is through the rough face.
+    /// The view of the detector, if it looks through the rough face.
     windows: Option<Windows>,
     rough_side: RoughSide,
 }

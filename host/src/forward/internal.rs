@@ -1,6 +1,6 @@
 //! Light that meets the rough face more than once, of lobes too narrow for [`super::field`]: by a fixed low-discrepancy rule.
 //!
-//! What leaves after the first hit is known in closed form. What stays is followed as a fixed number of
+//! Light that leaves after the first hit is known in closed form. The rest is followed as a fixed number of
 //! weighted rays, all lobes taken with their Fresnel share and none chosen, so that the result is a
 //! smooth function of the parameters; at every further hit all rays look at all detectors.
 

@@ -14,7 +14,7 @@ pub(super) struct Polar {
     pub(super) cos: f64,
     /// Share of light scattered this way that arrives at the rough face again, over all passes that keep its direction.
     pub(super) kept: f64,
-    /// How often it passes by.
+    /// Number of passes.
     pub(super) times: f64,
 }
 

@@ -107,7 +107,7 @@ impl<'a> Beams<'a> {
         Self { boundary, setup, angles, entry: enter(setup, angles.sigma_deg.to_radians()) }
     }
 
-    /// What the rough face sends towards the detector's side at once, one beam per wavelength.
+    /// The light that the rough face sends directly to the detector's side, one beam per wavelength.
     fn first(&self) -> Vec<Beam> {
         let lobe = match self.setup.geometry {
             Geometry::Transmission => Lobe::Transmission,

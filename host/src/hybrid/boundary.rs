@@ -115,7 +115,7 @@ impl HybridBoundary {
         &self.wavelengths
     }
 
-    /// How the slopes of its surface differ by direction; `None` if it has none.
+    /// The anisotropy of the slopes of its surface; `None` without slopes.
     pub fn anisotropy(&self) -> Option<Anisotropy> {
         Spectrum::of(&self.map, self.edges).ok()?.anisotropy()
     }

@@ -13,7 +13,7 @@ use crate::message::excerpt;
 
 /// Largest file that is read, in bytes; a scan of the finest kind is a thousandth of this.
 pub(super) const MAX_BYTES: u64 = 512 << 20;
-/// How many names an error lists.
+/// Largest number of names that an error lists.
 const LISTED: usize = 20;
 
 /// A scan file that cannot be used: the place and the fault.
@@ -28,11 +28,11 @@ pub struct ScanError {
     pub line: Option<u64>,
     /// The column by name or number, where one value is at fault.
     pub column: Option<String>,
-    /// What is wrong.
+    /// The fault.
     pub fault: Box<ScanFault>,
 }
 
-/// What is wrong with a scan file.
+/// A fault of a scan file.
 #[derive(Debug, Error)]
 pub enum ScanFault {
     /// The path names nothing.

@@ -12,7 +12,7 @@ use super::select::SelectionFault;
 use super::table::{Role, Table};
 use super::{Measurement, Metadata, Quantity, Reading, Selection};
 
-/// How a foreign file becomes a measurement.
+/// The import of a foreign file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
     /// Which column is what.

@@ -18,7 +18,7 @@ const APERTURE_DEG: RangeInclusive<f64> = 0.0..=30.0;
 /// Wavelengths that a header may give, in nm: a number below 10 is probably in micrometres.
 const WAVELENGTH_NM: RangeInclusive<f64> = 10.0..=1e6;
 
-/// What a reading is.
+/// The quantity of a reading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quantity {
@@ -46,11 +46,11 @@ pub struct Metadata {
     pub aperture_deg: Option<f64>,
     /// Wavelength of the light in nm, in 10..=1e6.
     pub wavelength_nm: Option<f64>,
-    /// How the readings were calibrated.
+    /// The calibration of the readings.
     pub calibration: Option<String>,
     /// Seed of the random numbers of a virtual scan.
     pub seed: Option<u64>,
-    /// What the readings are; a standard file without it holds [`Quantity::Flux`].
+    /// The quantity of the readings; a standard file without it holds [`Quantity::Flux`].
     pub quantity: Option<Quantity>,
     /// RMS noise over all readings / largest reading x 100, where it is known.
     pub noise_floor_percent: Option<f64>,
@@ -67,7 +67,7 @@ pub enum HeaderFault {
     Word {
         /// The header key.
         key: &'static str,
-        /// What the file says.
+        /// The value in the file.
         value: String,
         /// The words allowed, separated by commas.
         allowed: &'static str,
@@ -77,7 +77,7 @@ pub enum HeaderFault {
     Number {
         /// The header key.
         key: &'static str,
-        /// What the file says.
+        /// The value in the file.
         value: String,
         /// The values allowed.
         allowed: &'static str,

@@ -9,7 +9,7 @@
 //! assert_eq!(scan.meta.ior, Some(1.49));
 //! // an error names file, line and remedy
 //! let error = csv::parse("sigma_deg,theta_deg,reading\n0,0,x\n", "bad.csv").unwrap_err();
-//! assert!(error.to_string().starts_with("bad.csv:2:"), "{error}");
+//! assert!(error.to_string().starts_with("bad.csv:2,"), "{error}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -69,7 +69,7 @@ pub struct Reading {
 /// no point occurs twice, and at least one reading is above zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// What is known about the sample and the instrument.
+    /// The known facts about the sample and the instrument.
     pub meta: Metadata,
     readings: Vec<Reading>,
 }
@@ -133,7 +133,7 @@ impl Measurement {
         &self.readings
     }
 
-    /// What the readings are: the header's word, [`Quantity::Flux`] without one.
+    /// The quantity of the readings, from the header; [`Quantity::Flux`] without one.
     pub fn quantity(&self) -> Quantity {
         self.meta.quantity.unwrap_or_default()
     }
@@ -186,11 +186,11 @@ impl Reading {
 pub struct InvalidReading {
     /// Index of the reading in the order given; `None` where all are at fault together.
     pub row: Option<usize>,
-    /// What is wrong.
+    /// The fault.
     pub fault: ReadingFault,
 }
 
-/// What can be wrong with the readings themselves, wherever they come from.
+/// Faults of the readings themselves, from any source.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum ReadingFault {
     /// There are none.

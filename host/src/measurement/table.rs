@@ -13,7 +13,7 @@ use crate::message::excerpt;
 /// Words that stand for a value that was not measured, besides numbers that are not finite.
 const MISSING: [&str; 5] = ["", "na", "n/a", "null", "-"];
 
-/// What a column is for; the number is its place in [`Table::indices`].
+/// The use of a column; the number is its place in [`Table::indices`].
 #[derive(Clone, Copy)]
 pub(super) enum Role {
     Sigma,

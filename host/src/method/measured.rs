@@ -15,7 +15,7 @@ use crate::surface::{Edges, HeightMap, Incomplete, LowPass};
 #[derive(Clone, Debug)]
 pub(super) struct MeasuredMap {
     low_pass: Arc<LowPass>,
-    /// How the map goes on.
+    /// The continuation of the map.
     pub(super) edges: Edges,
     /// The scale, and the cut-off if requested.
     pub(super) parameters: Vec<Parameter>,

@@ -48,7 +48,7 @@ pub enum BuildError {
     OutOfDomain {
         /// Its name.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
         /// Smallest value.
         least: f64,

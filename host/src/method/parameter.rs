@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-/// How a parameter is spaced.
+/// The spacing of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal steps matter equally.

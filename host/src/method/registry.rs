@@ -43,7 +43,7 @@ impl Choice<'_> {
     /// The method.
     ///
     /// # Errors
-    /// What it lacks.
+    /// What the method lacks.
     pub fn method(&self) -> Result<Box<dyn Method>, Lack> {
         let kind = Kind::named(self.name)?;
         self.profile()?;

@@ -130,7 +130,7 @@ pub struct Model {
     /// Noise of the simulated readings in the same terms, %, for methods that trace rays.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulation_noise_percent: Option<f64>,
-    /// What was minimised.
+    /// The objective.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub objective: Option<String>,
     /// Its value.
@@ -154,7 +154,7 @@ pub struct Model {
     /// Warnings about the model's validity, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub validity: Vec<String>,
-    /// Who made the file, from what.
+    /// The program and the inputs that made the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<Provenance>,
     /// The duration, the only part that differs between two runs.
@@ -165,7 +165,7 @@ pub struct Model {
     old_seconds: Option<f64>,
 }
 
-/// How long a fit took.
+/// The duration of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timing {

@@ -24,7 +24,7 @@ pub struct ModelError {
     pub path: PathBuf,
     /// The line, where one can be named.
     pub line: Option<usize>,
-    /// What is wrong and what to do.
+    /// The fault and the remedy.
     pub what: String,
 }
 

@@ -19,7 +19,7 @@ pub(super) enum Axis {
 pub(super) struct Tick {
     /// Where, from 0 to 1 along the axis.
     pub(super) at: f64,
-    /// What is written there; `None` for a minor tick, which has no grid line either.
+    /// Its label; `None` for a minor tick, which has no grid line either.
     pub(super) label: Option<String>,
 }
 

@@ -48,7 +48,7 @@ const VIRIDIS: [Rgb; 17] = [
     Rgb(0xfd, 0xe7, 0x25),
 ];
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {
     pub(super) color: Rgb,

@@ -171,7 +171,7 @@ impl TracedBoundary {
         self.eta
     }
 
-    /// How the slopes of its surface differ by direction; `None` if it has none.
+    /// The anisotropy of the slopes of its surface; `None` without slopes.
     pub fn anisotropy(&self) -> Option<Anisotropy> {
         Spectrum::of(&self.field.map().ok()?, self.field.edges()).ok()?.anisotropy()
     }

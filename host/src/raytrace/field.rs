@@ -40,7 +40,7 @@ pub(super) struct Slab {
     pub(super) base: f32,
     /// Its rise per cell along x and along y.
     pub(super) slope: [f32; 2],
-    /// How far the nodes lie above it, at least and at most, with a margin for rounding.
+    /// Least and largest distance of the nodes above it, with a margin for rounding.
     pub(super) low: f32,
     pub(super) high: f32,
 }
@@ -122,7 +122,7 @@ impl Field {
         (self.cells[0] as usize, self.cells[1] as usize)
     }
 
-    /// What lies beyond the edge.
+    /// The continuation beyond the edge.
     pub fn edges(&self) -> Edges {
         self.edges
     }

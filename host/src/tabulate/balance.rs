@@ -21,7 +21,7 @@ const ROUNDS: usize = 12;
 /// What is left below 1 for the rounding of storage and sums.
 const MARGIN: f64 = 5e-4;
 
-/// What a law gives beyond what it receives by rounding and noise.
+/// The excess of a law by rounding and noise.
 const ROUNDING: f64 = 1e-3;
 
 /// Diffusely reflected and transmitted flux of a model at a cosine of incidence; `None` if it gives more than it receives.

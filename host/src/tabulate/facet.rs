@@ -17,7 +17,7 @@ pub(super) struct Beam {
     beyond: f64,
 }
 
-/// What a facet makes of a beam.
+/// The effect of a facet on a beam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turned {
     pub(super) wo: Direction<f64>,
@@ -25,7 +25,7 @@ pub(super) struct Turned {
     cos_m: f64,
     /// `d omega_m / d omega_o`.
     pub(super) jacobian: f64,
-    /// What the form divides out but for masking.
+    /// The factor of the form without masking.
     share: f64,
 }
 

@@ -3,7 +3,7 @@
 use asperity_core::bsdf::{Bsdf, Lobe, Scattered};
 use asperity_core::direction::Direction;
 
-/// What a table is made of: a [`Bsdf`] behind one pointer, so that none of this is compiled anew for each.
+/// The law that fills a table: a [`Bsdf`] behind one pointer, so that this code is compiled once.
 pub(super) trait Law: Sync {
     fn ars(&self, wi: Direction<f64>, wo: Direction<f64>) -> f64;
     fn sample_lobe(&self, wi: Direction<f64>, lobe: Lobe, u: [f64; 2]) -> Option<Scattered<f64>>;

@@ -28,7 +28,7 @@ pub enum NoDevice {
     Program {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// No emulator is installed.
@@ -43,7 +43,7 @@ pub struct Device {
     functions: Option<Functions>,
 }
 
-/// What was counted in a tier.
+/// The counts of a tier.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counted {
     pub(super) eval: Option<u32>,
@@ -57,7 +57,7 @@ pub(super) struct Counted {
 pub(super) type Counts = BTreeMap<String, Counted>;
 
 impl Device {
-    /// How the program is made.
+    /// The command that makes the program.
     pub const HOW: &str = "`cargo build --release -p asperity-firmware-sim --no-default-features --features qemu --bin trade \
                            --target thumbv7em-none-eabihf`";
 

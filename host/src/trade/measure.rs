@@ -35,7 +35,7 @@ pub struct Subject<'a> {
     pub misfit_percent: Option<f64>,
     /// Seconds of the fit.
     pub fit_seconds: Option<f64>,
-    /// What it was fitted to.
+    /// The measurement it was fitted to.
     pub scan: Option<&'a Scan>,
 }
 
@@ -171,7 +171,7 @@ impl Bench<'_> {
         self.rows.push(row);
     }
 
-    /// What is measured alike for formulas and tables.
+    /// The measurements common to formulas and tables.
     fn measured<T: Real, B: Bsdf<T> + Sync>(&mut self, law: &B, counted: Option<&Counted>) -> Row {
         let through = Through::<T, _>::new(law);
         let accuracy = self.beams.as_ref().map(|b| b.accuracy(&through));

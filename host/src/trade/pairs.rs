@@ -7,7 +7,7 @@ use asperity_core::math::Real;
 use super::beams::single;
 use super::tier::cast;
 
-/// How many; the device has room for as many.
+/// Their number; the device has room for as many.
 pub(super) const COUNT: usize = 256;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Draws until a direction is found.

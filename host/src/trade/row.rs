@@ -12,7 +12,7 @@ pub enum Tier {
     Fast,
 }
 
-/// What is evaluated.
+/// The evaluator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase", tag = "kind")]
 pub enum Evaluator {
@@ -47,7 +47,7 @@ pub struct Marks {
 pub struct Row {
     /// Method with its law.
     pub method: String,
-    /// What is evaluated.
+    /// The evaluator.
     pub evaluator: Evaluator,
     /// Its elementary functions.
     pub tier: Tier,
@@ -90,7 +90,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// What is evaluated, in short.
+    /// The evaluator, in short.
     pub fn evaluator_text(&self) -> String {
         let tier = match self.tier {
             Tier::Exact => "exact",

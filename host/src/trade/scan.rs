@@ -12,7 +12,7 @@ use crate::measurement::{Measurement, Quantity};
 /// Step of the scan that tells the distance from the model, degrees.
 pub(super) const STEP: f64 = 0.25;
 
-/// What was measured on the goniophotometer.
+/// The measured scan.
 #[derive(Clone, Debug)]
 pub struct Scan {
     setup: Setup,

@@ -88,7 +88,7 @@ pub struct Prepared {
     pub warnings: Vec<String>,
 }
 
-/// How far two pixel sizes of the same map may differ, as a share: the user's is rounded.
+/// Largest relative difference of two pixel sizes of the same map: the user's value is rounded.
 const SAME_PIXEL: f64 = 0.01;
 /// Share of filled points above which there is a warning.
 const MOST_FILLED: f64 = 0.5;

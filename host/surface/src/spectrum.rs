@@ -41,7 +41,7 @@ pub struct Ring {
     pub density_um4: f64,
 }
 
-/// How unevenly slopes are distributed over the directions.
+/// The anisotropy of the slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anisotropy {
     /// From 0 (all directions alike) to 1 (parallel grooves).

@@ -70,7 +70,7 @@ pub enum JournalError {
         path: PathBuf,
         /// Line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         what: String,
         /// Number of good lines at its beginning, enough to continue with; 0 if there are none.
         good: usize,
@@ -86,7 +86,7 @@ pub enum JournalError {
     Io {
         /// The journal.
         path: PathBuf,
-        /// What was tried.
+        /// The attempt.
         what: &'static str,
         /// The operating system's answer.
         source: io::Error,
@@ -206,7 +206,7 @@ impl Journal {
         self.points.get(sigma).map_or(&[], Vec::as_slice)
     }
 
-    /// How many points there are.
+    /// The number of points.
     pub fn len(&self) -> u64 {
         self.points.iter().map(|points| points.len() as u64).sum()
     }

@@ -7,7 +7,7 @@ use asperity_core::protocol::{Calibration, Microdegrees, RANGES, Reading, checks
 /// First word of a journal; the version of its format follows.
 const MAGIC: &str = "asperity-journal";
 
-/// How the lines of a journal hang together.
+/// The chain of the lines of a journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Chain {
     /// Version 1: each line has a checksum of its own.
@@ -69,7 +69,7 @@ pub(super) struct Header {
 pub struct StoredCalibration {
     /// Before the first new point of this incidence, counted from 0.
     pub sigma: usize,
-    /// What was found.
+    /// Its values.
     pub values: Calibration,
 }
 
@@ -78,7 +78,7 @@ pub struct StoredCalibration {
 pub struct Stored {
     /// Where the detector was by its encoder.
     pub theta: Microdegrees,
-    /// What it read, nA.
+    /// The reading, nA.
     pub reading: Reading,
     /// Which calibration was in force, counted from 0.
     pub calibration: usize,

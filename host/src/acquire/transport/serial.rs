@@ -81,9 +81,9 @@ impl Transport for Serial {
 /// A serial port of this computer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PortName {
-    /// What `--port` takes.
+    /// The name for `--port`.
     pub name: String,
-    /// What is plugged in there, as far as it says.
+    /// The device at the port, if it identifies itself.
     pub what: String,
 }
 

@@ -1,4 +1,4 @@
-//! How well the conditions of the Kirchhoff approximation hold for one lobe, and how far a sampled map can scatter.
+//! The conditions of the Kirchhoff approximation for one lobe, and the largest angle into which a sampled map can scatter.
 
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
@@ -12,7 +12,7 @@ use super::margins::Margins;
 pub const MOST_SHARE: f64 = 0.05;
 /// Share of the facets that may violate a condition: what lies beyond three rms slopes on grooves of Gaussian slopes, `erfc(3 / sqrt 2)`.
 pub const MOST_VIOLATING: f64 = 0.0027;
-/// How much more light may come out than went in, as a fraction of the incident flux.
+/// Largest accepted excess of the outgoing light, as a fraction of the incident flux.
 pub const MOST_EXCESS: f64 = 0.01;
 /// 99 % of the facets of a Gaussian surface are less steep than this many rms slopes: `sqrt(2 ln 100)`.
 const STEEP: f64 = 3.034_854_258_770_293;
@@ -34,7 +34,7 @@ pub struct FarField {
     pub lobe_deg: f64,
 }
 
-/// How well the conditions hold for one lobe.
+/// The conditions for one lobe.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LobeValidity {
     /// Wavelength in vacuum, nm.

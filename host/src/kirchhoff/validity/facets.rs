@@ -12,7 +12,7 @@ use crate::surface::{Edges, HeightMap, Incomplete};
 /// Rows that are counted in one batch; sums go in the order of the batches, for any number of threads.
 const BATCH: usize = 64;
 
-/// What is asked about the points.
+/// The questions about the points.
 #[derive(Debug)]
 pub(super) struct Question {
     /// Light: sine and cosine of its incidence in the plane x-z, and -1 if it comes from below, else 1.
@@ -103,7 +103,7 @@ impl Facets {
         if all > 0 { beyond as f64 / all as f64 } else { 0.0 }
     }
 
-    /// What facets that face away would take of the light, as a share of all.
+    /// The share of the light that facets which face away would receive.
     pub(super) fn turned_away(&self, light: usize) -> f64 {
         self.turned_away[light] / self.points as f64
     }

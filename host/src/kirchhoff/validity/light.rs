@@ -77,7 +77,8 @@ impl Light {
         (sine < 1.0).then(|| sine.asin().to_degrees())
     }
 
-    /// How far from the normal a pixel carries light of normal incidence: `asin(lambda / (2 pixel))`, degrees.
+    /// The angle from the normal up to which a pixel resolves light of normal incidence: `asin(lambda / (2 pixel))`,
+    /// degrees.
     pub(super) fn reach_deg(&self, pixel_um: f64) -> f64 {
         let sine = self.scattered_um() / (2.0 * pixel_um);
         sine.min(1.0).asin().to_degrees()

@@ -55,7 +55,7 @@ pub struct Validity {
     pub correlation_um: Option<f64>,
     /// Area of the map over the square of its autocorrelation length: the number of its independent parts.
     pub correlation_areas: Option<f64>,
-    /// How far from the specular direction the pixel carries, for each wavelength, side and lobe.
+    /// The angular reach of the pixel from the specular direction, for each wavelength, side and lobe.
     pub far_fields: Vec<FarField>,
     /// The conditions of every lobe, for each wavelength, side, lobe and incidence.
     pub lobes: Vec<LobeValidity>,
@@ -75,7 +75,7 @@ pub enum ValidityError {
     Size {
         /// Of what.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: f64,
     },
 }
@@ -225,7 +225,7 @@ impl Validity {
         }
     }
 
-    /// How far the pixel carries a lobe.
+    /// The angular reach of the pixel for a lobe.
     fn carried(&self, lobe: &LobeValidity) -> Option<&FarField> {
         self.far_fields.iter().find(|f| {
             (f.side, f.lobe) == (lobe.side, lobe.lobe)

@@ -128,7 +128,8 @@ impl Angles {
         }
     }
 
-    /// What a facet of slopes `p` along and `q` across the plane of incidence violates, it or its mirror image.
+    /// The conditions that a facet of slopes `p` along and `q` across the plane of incidence violates, it or its
+    /// mirror image.
     #[inline]
     pub(super) fn violated(&self, p: f64, q: f64) -> Violations {
         // turns out of the plane bring nothing sooner to its limit than turns in it
@@ -151,7 +152,7 @@ impl Angles {
         Violations { horizon, away: p.abs() * self.tangent >= 1.0, critical }
     }
 
-    /// What a facet takes of the light beside one of the mean plane, it and its mirror image together.
+    /// The light that a facet receives relative to a facet of the mean plane, it and its mirror image together.
     #[inline]
     pub(super) fn taken(&self, p: f64) -> f64 {
         (p.abs() * self.tangent).max(1.0)

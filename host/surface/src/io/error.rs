@@ -11,11 +11,11 @@ use crate::message::one_line;
 pub struct MapError {
     /// The file.
     pub path: PathBuf,
-    /// What is wrong and what to do.
+    /// The fault and the remedy.
     pub fault: MapFault,
 }
 
-/// What is wrong; the text ends with the remedy.
+/// The fault; the text ends with the remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapFault {
@@ -39,7 +39,7 @@ pub enum MapFault {
     Damaged {
         /// The format.
         format: &'static str,
-        /// What is wrong and where.
+        /// The fault and its place.
         what: String,
     },
     /// It uses a part of its format that is not supported.
@@ -49,7 +49,7 @@ pub enum MapFault {
         format: &'static str,
         /// What.
         what: String,
-        /// What to do instead.
+        /// The remedy.
         remedy: &'static str,
     },
     /// More points than allowed.
@@ -69,7 +69,7 @@ pub enum MapFault {
     Inflates {
         /// The format.
         format: &'static str,
-        /// What of the file.
+        /// The part of the file.
         what: String,
         /// Most bytes allowed for a file of this size.
         most: u64,
@@ -93,7 +93,7 @@ pub enum MapFault {
     Profile {
         /// The format.
         format: &'static str,
-        /// How it shows.
+        /// The evidence.
         what: String,
     },
     /// The units of the numbers are unknown.

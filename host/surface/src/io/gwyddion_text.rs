@@ -44,7 +44,7 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
     Ok(RawMap { dx_um: Some(dx), dy_um: Some(dy), ..map })
 }
 
-/// What the four comments say.
+/// The content of the four comments.
 struct Header<'a> {
     width_um: f64,
     height_um: f64,

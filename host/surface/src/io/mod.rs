@@ -44,7 +44,7 @@ pub use write::sdf_text;
 
 use crate::heightmap::HeightMap;
 
-/// What a file says, before anything is assumed: what it does not say is `None`.
+/// The content of a file without any assumption: what it lacks is `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawMap {
     /// Name of the format, for messages.
@@ -61,9 +61,9 @@ pub struct RawMap {
     pub heights_um: Vec<f64>,
     /// The instrument, as the file names it.
     pub instrument: Option<String>,
-    /// Who says the units.
+    /// The sources of the units.
     pub sources: Sources,
-    /// What a reader of the map should know, such as a checksum that was not heeded.
+    /// A note for the user, such as an ignored checksum.
     pub note: Option<String>,
 }
 

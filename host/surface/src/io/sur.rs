@@ -75,7 +75,7 @@ fn unsupported(what: String) -> MapFault {
     MapFault::Unsupported { format: FORMAT, what, remedy: "export one surface as .sur" }
 }
 
-/// What of the header is needed.
+/// The needed part of the header.
 struct Header {
     point_bytes: usize,
     nx: u32,

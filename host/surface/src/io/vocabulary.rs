@@ -1,6 +1,6 @@
 //! The words of text files for units and pixels, English first.
 
-/// What a word names.
+/// The meaning of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Name {
     X,
@@ -116,7 +116,7 @@ pub(super) const OTHER_UNITS: [&str; 12] =
 pub(super) const PER_PIXEL: [&str; 8] =
     ["pixel", "px", "pix", "pixels", "point", "pt", "sample", "step"];
 
-/// What a word in lower case names.
+/// The meaning of a word in lower case.
 pub(super) fn name(text: &str) -> Option<Name> {
     Some(match text {
         "x" | "xaxis" | "xpos" | "xposition" | "xcoordinate" | "xcoord" | "xunit" | "xunits" => {

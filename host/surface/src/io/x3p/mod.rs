@@ -23,7 +23,7 @@ const NAMES_WITHIN: usize = 1 << 16;
 const MOST_XML: u64 = 256 << 20;
 /// A checksum with a file name.
 const MOST_MD5: u64 = 1 << 16;
-/// How far a point may be from where even spacing puts it, in pixels.
+/// Tolerance of the position of a point on an even grid, in pixels.
 const UNEVEN: f64 = 0.01;
 
 /// Whether the bytes are a zip archive that seems to hold a `main.xml`.
@@ -134,7 +134,7 @@ impl Axis {
     }
 }
 
-/// How numbers of an axis are stored.
+/// The storage of the numbers of an axis.
 #[derive(Clone, Copy)]
 enum Kind {
     I16,
@@ -162,7 +162,7 @@ impl Kind {
     }
 }
 
-/// How the points are ordered.
+/// The order of the points.
 enum Shape {
     Matrix { nx: u64, ny: u64 },
     List { count: u64 },

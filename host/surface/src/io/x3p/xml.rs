@@ -17,7 +17,7 @@ const LONGEST_PATH: usize = 1000;
 /// Most elements that are not points.
 const MOST_LEAVES: usize = 10_000;
 
-/// What `main.xml` says.
+/// The content of `main.xml`.
 #[derive(Debug, Default)]
 pub(super) struct Record {
     /// Texts by path below the root, like `Record1/Axes/CX/Increment`; the first of each.
