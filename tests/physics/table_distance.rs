@@ -10,16 +10,16 @@ use asperity::hybrid::HybridBoundary;
 use asperity::kirchhoff::{Shadowing, Speckle, WaveBoundary, WaveOptions, Wavelengths};
 use asperity::measurement::Quantity;
 use asperity::raytrace::{Field, TracedBoundary};
-use asperity::surface::{Edges, GaussianSurface, HeightMap};
+use asperity::surface::{Edges, GaussianSurface, HeightMap, Preparation, Prepared, Purpose};
 use asperity::tabulate::{Budget, NoTable, distance, lobe_distances, tabulate};
 use asperity::watch::Watch;
 use asperity_core::bsdf::{Bsdf, Lobe, LobeSet};
 use asperity_core::direction::Side;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
-use asperity_tests::tolerance;
+use asperity_tests::{data, tolerance};
 
-use crate::common::{Random, dir, ggx, incidence, ior, like_sample_5};
+use crate::common::{Random, dir, ggx, incidence, ior};
 
 const RAYS: Rays = Rays { count: 200_000, seed: 5 };
 
@@ -212,7 +212,9 @@ fn every_incidence_of_ggx_is_met_by_its_own_peak() {
 
 #[test]
 fn every_incidence_of_waves_is_met_by_its_own_peak() {
-    let (map, edges) = (like_sample_5(), Edges::Periodic);
+    let Some(path) = data::find("samples/sample5.npy") else { return };
+    let preparation = Preparation { pixel_um: Some(0.361), ..Preparation::default() };
+    let Prepared { map, edges, .. } = preparation.load(&path, Purpose::Light).unwrap();
     let options = WaveOptions { speckle: Speckle::Averaged, ..options() };
     let law = WaveBoundary::of_map(&map, edges, ior(1.49), &options).unwrap();
     let mut bad = Vec::new();

@@ -169,7 +169,7 @@ struct Case {
 
 /// The maps of each surface. The two roughest are usually seen in transmission alone: reflection needs finer maps, and
 /// those of as many facets more time.
-fn cases() -> Vec<Case> {
+fn all_cases() -> Vec<Case> {
     let usual = [
         (0.01, 2.0, 128, 0.5, 16),
         (0.05, 5.0, 192, 0.6, 16),
@@ -188,6 +188,13 @@ fn cases() -> Vec<Case> {
             Case { surface, size, pitch, maps: if extensive() { 4 * maps } else { maps } }
         })
         .collect()
+}
+
+/// Usually one surface of each kind: first order, some orders, many, and facets. Those between, and rougher ones, show nothing else.
+fn cases() -> Vec<Case> {
+    let kinds = [0.01, 0.1, 0.25, 1.0];
+    let is = |case: &Case| kinds.iter().any(|sigma| (case.surface.sigma_um - sigma).abs() < 1e-9);
+    all_cases().into_iter().filter(|case| extensive() || is(case)).collect()
 }
 
 /// Orders in a ring.
@@ -339,7 +346,7 @@ fn the_mean_law_has_the_density_of_the_closed_form() {
 #[test]
 fn what_is_not_coherent_is_diffuse() {
     let cos = 0.7_f64;
-    for Case { surface, size, pitch, .. } in cases().into_iter().take(4).skip(1) {
+    for Case { surface, size, pitch, .. } in all_cases().into_iter().take(4).skip(1) {
         let map = &surface.maps(size, pitch, 1, 3)[0];
         let law = boundary(map, Edges::Periodic);
         let sine = (1.0 - cos * cos).sqrt();
