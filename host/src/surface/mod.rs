@@ -1,7 +1,7 @@
 //! Measured surfaces: height maps, their files and figures, and their preparation for light.
 //!
 //! ```
-//! use asperity::surface::{Edges, GaussianSurface, LowPass, Roughness, Spectrum};
+//! use asperity::surface::{Edges, GaussianSurface, Roughness, Spectrum};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let (size, pitches_um, lengths_um) = ((128, 128), (0.5, 0.5), (4.0, 4.0));
