@@ -1,8 +1,8 @@
 //! The files that a run reads and writes: no file is both, and none is written twice.
 //!
 //! Files are read through `input` and written through `output`, and both ask here: a verb cannot forget it. A file is
-//! known by its canonical path and, on Unix, by device and inode, so links of either kind are seen through. Only a program
-//! that does one thing and ends wants this; it is off until [`watch`].
+//! known by its canonical path and, on Unix, by device and inode, so that links of both kinds are resolved. This
+//! suits only a program that does one thing and ends; it is off until [`watch`].
 
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};

@@ -70,8 +70,8 @@ pub fn balances(
     one_by_one(incidences, watch, |side, deg| balance_until(boundary, side, deg, rays, watch))
 }
 
-/// Where waves may be trusted for light of these incidences, from both sides, and what of it they lose: the balance is that of
-/// [`balances`], looked at wherever a lobe would pass without it. `None` if it was stopped before the end.
+/// Where waves may be trusted for light of these incidences, from both sides, and the light they lose: the balance of
+/// [`balances`], computed wherever a lobe would otherwise pass. `None` if it was stopped before the end.
 ///
 /// # Errors
 /// Angles that are not angles of incidence.

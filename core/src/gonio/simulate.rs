@@ -18,7 +18,7 @@ pub struct Goniophotometer<T> {
 }
 
 impl<T: Real> Goniophotometer<T> {
-    /// What the detector sees.
+    /// The cone of the detector.
     pub fn cone(&self) -> Cone<T> {
         let side = match self.geometry {
             Geometry::Transmission => Side::Dielectric,

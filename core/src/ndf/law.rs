@@ -45,7 +45,7 @@ const DELTA: [f64; 2] = [1e-6, 10.0];
 const EXPONENT: [f64; 2] = [0.1, 100.0];
 const CENTRE: [f64; 2] = [0.0, core::f64::consts::FRAC_PI_2];
 
-/// A profile with its width `delta`, exponent `n` and centre `t0`, all in the units of its variable.
+/// A profile with its width `delta`, exponent `n` and centre `t0`; `delta` and `t0` are in the unit of the variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Law<T> {
     profile: Profile,

@@ -92,7 +92,7 @@ impl Flavor for Payload<'_> {
     }
 }
 
-/// Serialises a frame. No message of this version is too long; one that were would come out empty.
+/// Serialises a frame. No message of this version is too long; a longer one would come out empty.
 pub fn encode(frame: &Frame) -> Encoded {
     let mut payload = Vec::new();
     let written = postcard::serialize_with_flavor(frame, Payload(&mut payload));

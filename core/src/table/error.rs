@@ -1,8 +1,8 @@
-//! Why arrays are no table.
+//! Why arrays do not make a table.
 
 use core::fmt;
 
-/// Why arrays are no table.
+/// Why arrays do not make a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TableError {
@@ -14,11 +14,11 @@ pub enum TableError {
     Number,
     /// Quantiles that do not ascend, or a lean beyond its domain.
     Quantiles,
-    /// More reflected and transmitted than there is.
+    /// More light reflected and transmitted than received.
     Energy,
     /// An opaque body that does more than reflect light from the air.
     Opaque,
-    /// A bit is not what it was.
+    /// The checksum does not match: the data are damaged.
     Checksum,
 }
 

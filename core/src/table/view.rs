@@ -12,7 +12,7 @@ use crate::math::Real;
 use crate::quantity::RelativeIor;
 use crate::scope;
 
-/// Light that keeps its direction: a mirror's and Snell's, as fractions of the incident flux.
+/// Coherent light: the mirror direction and Snell's, with fluxes as fractions of the incident flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coherent<T: Real> {
     /// Mirror direction and flux.

@@ -15,7 +15,7 @@ pub(super) const OFF_TARGET: u32 = 20_000;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<'a> {
     schedule: &'a Schedule,
-    /// Where the sample was turned to; `None` as long as it stands anywhere.
+    /// The angle of the sample; `None` before it was set.
     sigma: Option<Microdegrees>,
 }
 

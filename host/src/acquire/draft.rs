@@ -218,7 +218,7 @@ impl Draft {
         number.map(Range::Fixed).ok_or_else(|| wrong("range", &text, allowed))
     }
 
-    /// What goes into the header of the scan, checked as a scan file is.
+    /// The header of the scan, checked like that of a scan file.
     fn header(&self) -> Result<Metadata, ScheduleError> {
         let mut meta = Metadata::default();
         if let Some(sample) = &self.sample {

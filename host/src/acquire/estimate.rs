@@ -12,7 +12,7 @@ use super::schedule::{CalibrationRule, Schedule};
 const POINT: Duration = Duration::from_millis(5);
 
 /// Limits and speeds of a GP-200 for schedules that no instrument has seen yet: -90 to 90 degrees, 20
-/// degrees a second.
+/// degrees per second.
 pub fn typical() -> Ident {
     let quarter = 90 * Microdegrees::DEGREE;
     let axis = AxisLimits {
@@ -64,7 +64,7 @@ pub fn point(schedule: &Schedule, ident: &Ident) -> Duration {
 }
 
 impl Schedule {
-    /// About how long it takes on that instrument, homing left aside.
+    /// The approximate duration on that instrument, without homing.
     pub fn estimate(&self, ident: &Ident) -> Duration {
         let end = self.theta(self.count().saturating_sub(1));
         let (mut total, mut sigma, mut theta) = (Duration::ZERO, Microdegrees(0), Microdegrees(0));

@@ -5,30 +5,30 @@ use std::path::Path;
 use super::patience::Patience;
 use super::schedule::Schedule;
 
-/// What is to be done.
+/// A request to measure.
 #[derive(Clone, Debug)]
 pub struct Job<'a> {
     /// What to measure; on resuming `None` takes the journal's schedule.
     pub schedule: Option<Schedule>,
     /// The scan file; the journal stands beside it.
     pub output: &'a Path,
-    /// Points that may be under way, 1 to 1801: what is measured again at most after the end of power.
+    /// Points that may be in flight, 1 to 1801: at most so many are measured again after a power failure.
     pub credit: u16,
-    /// Go on with the journal.
+    /// Continue the journal.
     pub resume: bool,
     /// On resuming, calibrate again where the instrument has lost its calibration.
     pub recalibrate: bool,
-    /// How long is waited for what.
+    /// The limits of all waits.
     pub patience: Patience,
 }
 
-/// How far it is.
+/// Progress.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// Points stored.
     pub done: u64,
     /// Points of the schedule.
     pub total: u64,
-    /// What is left at the pace so far, seconds.
+    /// Remaining time at the pace so far, seconds.
     pub seconds_left: f64,
 }

@@ -10,9 +10,9 @@
 //! | `link` | frames over bytes: one request, its answer, events in between |
 //! | [`client`] | a client that owns an instrument, and owns it again after the line was lost |
 //! | `recovery` | finding it again |
-//! | `motion` | what takes time: homing, moving, calibrating |
-//! | [`schedule`] | what is to be measured |
-//! | `conditions` | what the instrument has to be meanwhile |
+//! | `motion` | longer work: homing, moving, calibrating |
+//! | [`schedule`] | the schedule of a scan |
+//! | `conditions` | the settings that the instrument must have meanwhile |
 //! | [`draft`] | a schedule as a file or as flags say it |
 //! | `schedule_text` | a schedule read from a file and written out |
 //! | [`schedule_error`] | a schedule that cannot be read, or cannot be meant |

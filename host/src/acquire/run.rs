@@ -14,7 +14,7 @@ use super::session::Session;
 use super::transport::Transport;
 use crate::output::AtomicFile;
 
-/// What was done.
+/// The result of an acquisition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Model and serial number.

@@ -85,7 +85,7 @@ pub struct FitOptions {
 }
 
 impl FitOptions {
-    /// The usual ones: nothing but the method's own parameters is free, the error of eq. (18) is minimised.
+    /// The defaults: only the method's own parameters are free, and the fit minimises the error of eq. (18).
     pub fn new(body: Body) -> Self {
         Self {
             body,

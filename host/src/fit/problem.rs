@@ -95,7 +95,7 @@ impl<'a> Problem<'a> {
         self.method.is_traced()
     }
 
-    /// Set when the user wants to stop.
+    /// Set when the user stops the work.
     pub(super) fn watch(&self) -> Watch<'a> {
         self.watch
     }

@@ -11,7 +11,7 @@ use crate::watch::Watch;
 pub(crate) struct Heeding<'a, S> {
     /// The boundary.
     pub(crate) boundary: &'a S,
-    /// Set when the user wants to stop.
+    /// Set when the user stops the work.
     pub(crate) watch: Watch<'a>,
 }
 

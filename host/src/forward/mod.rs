@@ -89,7 +89,7 @@ pub struct Incidence {
 /// The angles of a scan.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Angles {
-    /// One entry an incidence.
+    /// One entry per incidence.
     pub incidences: Vec<Incidence>,
 }
 

@@ -8,8 +8,8 @@ use crate::watch::Watch;
 
 /// Simulates a scan; only a traced boundary uses `rays`.
 ///
-/// `None` if it was stopped before the end of a Monte Carlo simulation. Rays of the same seed are the
-/// same for every boundary: what two simulations differ by is the surface, not chance.
+/// `None` if it was stopped before the end of a Monte Carlo simulation. Rays of the same seed are the same for every
+/// boundary: two simulations differ by the surface, not by chance.
 pub fn simulate(
     boundary: &Boundary,
     setup: &Setup,

@@ -25,7 +25,7 @@ pub struct Kind {
     pub needs_map: bool,
     /// Whether it traces rays.
     pub traced: bool,
-    /// How it sends waves.
+    /// Its use of waves.
     pub waves: Waves,
     /// Whether it describes an opaque body too.
     pub takes_opaque: bool,
@@ -94,7 +94,7 @@ impl fmt::Debug for Choice<'_> {
 }
 
 impl<'a> Choice<'a> {
-    /// A method for a body, nothing optional asked for.
+    /// A method for a body, without optional parameters.
     pub fn new(name: &'a str, body: Body) -> Self {
         Self { name, profile: None, body, asked: &|_| false, map: None, wave: None, seed: 1 }
     }

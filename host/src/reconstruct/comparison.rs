@@ -1,4 +1,4 @@
-//! Several methods on several samples: what was found, which is best, and what is known of the others.
+//! Several methods on several samples: the results, the best one, and the notes on the others.
 
 use serde_json::{Value, json};
 
@@ -11,26 +11,26 @@ use super::found::Entry;
 pub struct Comparison {
     /// One line.
     pub title: String,
-    /// What the data are, in a few sentences.
+    /// A description of the data, in a few sentences.
     pub what: String,
     /// The methods, one column each.
     pub methods: Vec<String>,
     /// The samples, one row each.
     pub samples: Vec<SampleResult>,
-    /// Whether it is said how long the fits took, all that differs between two runs.
+    /// Whether the tables show the durations of the fits, the only part that differs between two runs.
     pub timing: bool,
 }
 
 /// All methods on one sample.
 #[derive(Clone, Debug)]
 pub struct SampleResult {
-    /// What its files are called by.
+    /// The stem of its file names.
     pub name: String,
-    /// What people call it.
+    /// Its name for users.
     pub title: String,
     /// Noise of its measurement in terms of eq. (18), %.
     pub noise_floor_percent: Option<f64>,
-    /// One a method, in the order of [`Comparison::methods`].
+    /// One per method, in the order of [`Comparison::methods`].
     pub attempts: Vec<Attempt>,
 }
 
@@ -59,7 +59,7 @@ impl Attempt {
         self.entry().map_or(&self.method, |entry| &entry.label)
     }
 
-    /// What has to be said: the warnings of the fit word for word, or why there is none.
+    /// The notes: the warnings of the fit word for word, or why there is no fit.
     pub fn notes(&self) -> &[String] {
         match &self.result {
             Ok((_, model)) => &model.validity,
@@ -69,7 +69,7 @@ impl Attempt {
 }
 
 impl SampleResult {
-    /// The noise of the measurement as its fits know it: the least of theirs, for what a model misses can only add.
+    /// The noise of the measurement from its fits: the least of their estimates, because what a model misses can only add.
     pub fn floor_of(attempts: &[Attempt]) -> Option<f64> {
         let known = attempts.iter().filter_map(|a| a.entry()?.fit.noise_floor_percent);
         known.min_by(f64::total_cmp)

@@ -14,9 +14,9 @@ pub struct Entry {
     pub label: String,
     /// The fit.
     pub fit: Fit,
-    /// Why the answer is no, if it is.
+    /// Why the fit is refused, if it is.
     pub refusal: Option<String>,
-    /// What has to be said about the boundary: where its physics does not hold.
+    /// Warnings about the boundary: where its physics does not hold.
     pub warnings: Vec<String>,
 }
 

@@ -122,7 +122,7 @@ impl Device {
     }
 }
 
-/// What a program prints by semihosting; an instruction takes a nanosecond of the board's time.
+/// The output of a program by semihosting; an instruction takes a nanosecond of the board's time.
 fn emulate(program: &Path, watch: Watch<'_>) -> Result<String, String> {
     let mut qemu = Command::new(EMULATOR)
         .args(["-M", "mps2-an386", "-cpu", "cortex-m4", "-nographic", "-monitor", "none"])

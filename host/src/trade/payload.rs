@@ -1,4 +1,4 @@
-//! A model written into the device's program, where a firmware would keep it: in flash.
+//! A model written into the flash of the device's program, where firmware would keep it.
 //!
 //! The program `firmware-sim/src/bin/trade.rs` holds an empty [`Slot`]; the copy that is run has the model in it.
 
@@ -10,7 +10,7 @@ use asperity_core::slot::{self, Slot, Words};
 use super::pairs::Pairs;
 use crate::embedded::{EmbeddedTable, Rest, Values};
 
-/// Why a model is not run on the device.
+/// Why a model does not run on the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Unfit {
     /// The file is no such program.

@@ -16,7 +16,7 @@ const MOST_OF_A_DEVICE: u64 = 16 << 20;
 ///
 /// # Errors
 /// Those of the system, [`ErrorKind::IsADirectory`] for a folder, [`ErrorKind::FileTooLarge`] with a text
-/// that names the limit, and [`ErrorKind::InvalidInput`] for a device that does not come to an end.
+/// that names the limit, and [`ErrorKind::InvalidInput`] for a device that has no end.
 pub fn read_file(path: &Path, most: u64) -> Result<Vec<u8>> {
     // not every system lets a folder be opened and says so
     if path.is_dir() {

@@ -186,7 +186,7 @@ impl Journal {
         &self.path
     }
 
-    /// What is measured.
+    /// The schedule that is measured.
     pub fn schedule(&self) -> &Schedule {
         &self.schedule
     }

@@ -10,7 +10,7 @@ use crate::kirchhoff::optics::Optics;
 /// lower than those of the lobe; without these rays one in a million would weigh a million.
 pub(super) const WIDE: f64 = 0.1;
 
-/// How a lobe is sampled: about its specular direction.
+/// The sampling of a lobe about its specular direction.
 pub(super) struct Aim<'a> {
     density: &'a Density,
     /// `|q_z|` of the scaled map, 1/um.

@@ -33,7 +33,7 @@ pub struct WaveBoundary {
     /// Of the map as it was before it was scaled.
     spectra: Arc<MeanSpectra>,
     pub(super) density: Density,
-    /// What the map's heights were multiplied by.
+    /// The factor on the heights of the map.
     scale: f64,
     pub(super) wavelengths: Wavelengths,
     pub(super) eta: RelativeIor<f64>,

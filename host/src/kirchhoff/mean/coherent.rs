@@ -75,10 +75,10 @@ impl Coherent {
     }
 }
 
-/// Coherent share of a lobe that a method without coherent light may have before it is said, as a fraction.
+/// Coherent share of a lobe above which a method without coherent light causes a warning, as a fraction.
 const MOST: f64 = 1e-3;
 
-/// What has to be said of rays on a map under this light; nothing where they miss nothing.
+/// The warning about rays on a map under this light; `None` if they miss nothing.
 ///
 /// The coherent share of a lobe is `|<exp(-i q_z h)>|^2`, for Gaussian heights `exp(-(q_z Rq)^2)`.
 ///

@@ -68,7 +68,7 @@ pub(super) fn comment(line: &str) -> Option<&str> {
     ["#", "%", "//"].iter().find_map(|mark| line.strip_prefix(mark)).map(str::trim)
 }
 
-/// How the columns of a text are written; learnt from its first lines.
+/// The format of the columns of a text, found from its first lines.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     /// `None`: any number of blanks.
