@@ -116,7 +116,7 @@ fn what_cannot_be_used_is_listed_with_the_reason_and_the_others_run() {
 fn a_sample_that_no_method_describes_is_a_no() {
     let folder = sampled();
     let line = format!("compare scan.csv --methods ggx {FEW} --max-misfit 0.01 -o r");
-    let line = line.replace("--max-misfit 60", "");
+    let line = line.replace("--max-misfit 60", "").replace("--fit-rays 20000 --rays 40000", "");
     let done = folder.run(&line).with_code(1);
     assert!(done.err.contains("no: no method describes scan"), "{}", done.err);
     assert!(done.out.contains("% (no)") && done.out.contains("does not describe"), "{}", done.out);

@@ -96,7 +96,7 @@ fn the_version_is_the_workspaces() {
 fn no_arguments_are_answered_with_the_usage() {
     let done = Folder::new().run("").with_code(2);
     assert!(done.out.is_empty(), "{}", done.out);
-    assert!(done.err.contains("Usage: asperity <COMMAND>"), "{}", done.err);
+    assert!(done.err.contains("Usage: asperity [OPTIONS] <COMMAND>"), "{}", done.err);
 }
 
 #[test]

@@ -80,7 +80,7 @@ fn grooves_and_periods_are_noticed() {
 fn a_seeded_surface_without_grooves_has_no_direction() {
     let folder = Folder::new();
     let path = golden::path("traced_map.npy");
-    let line = ["stats", path.to_str().unwrap(), "--pixel-um", "1", "--json"];
+    let line = ["stats", path.to_str().unwrap(), "--pixel-um", "1", "--form", "mean", "--json"];
     let found = folder.run_args(line).json();
     assert_eq!((&found["directional"], &found["edges"]), (&false.into(), &"periodic".into()));
     close(&found["rq_um"], 1.2, 1e-6);

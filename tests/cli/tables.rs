@@ -200,7 +200,11 @@ fn a_table_is_known_by_its_name_or_its_first_line() {
         of("check t.bsdft", &["t.bsdft: ", "format 900"], later.as_bytes()),
         case("check t.json", &["t.json: is no table"]).file("t.json", wild),
         case("check none.bsdft", &["none.bsdft: cannot be read", "asperity tabulate"]),
-        of("check t.bsdft --wavelength-nm 550", &["belong to a map"], whole()),
+        of(
+            "check t.bsdft --wavelength-nm 550",
+            &["no effect", "a model has its own light"],
+            whole(),
+        ),
         of("check t.bsdft", &["t.bsdft: ", "storage `\u{fffd}"], strange.as_bytes()),
         of("check t.bsdft", &["t.bsdft: ", "damaged"], many.as_bytes()),
         of("tabulate t.bsdft -o again.bsdft", &["t.bsdft: ", model], whole()),

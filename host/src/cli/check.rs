@@ -69,7 +69,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     request.check_angles().map_err(|e| failed(args, Path::new(""), e))?;
     let subject = args.subject.read(&[Speckle::Averaged])?;
-    args.rays.needed(subject.boundary.is_traced())?;
+    args.rays.noted(subject.boundary.is_traced());
     let bar = progress::bar(0, "checking");
     let check = bar.watch(|watch| request.run(&subject.boundary, watch));
     let check = check.map_err(|e| failed(args, &subject.path, e))?;

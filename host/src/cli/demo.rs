@@ -36,7 +36,7 @@ pub(super) struct Args {
     /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR", default_value = "asperity-demo")]
     output: PathBuf,
-    /// Rays an incidence of the virtual scan; the fits take fewer in proportion. Fewer are faster and noisier
+    /// Rays per incidence of the virtual scan; the fits take fewer in proportion. Fewer are faster and noisier
     #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "6e6")]
     rays: u64,
     /// Print the results as JSON

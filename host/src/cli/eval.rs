@@ -74,10 +74,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         wi.extend(some.iter().filter(|_| is_tabulated).map(|pair| pair.1));
         Ok(())
     })?;
-    let rays = args.rays.needed(match &boundary {
+    let rays = args.rays.noted(match &boundary {
         Boundary::Wave(wave) => wave.speckle() == Speckle::Averaged,
         other => other.is_traced(),
-    })?;
+    });
     let head = format!("{},f,ars,pdf\n", pairs.columns().head());
     let mut rows = Rows { output, json: args.json, head, is_empty: true };
     if let Some(table) = tabulated(&boundary, &wi, rays)? {

@@ -89,7 +89,7 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     /// Leave out how long it took, the only part that differs from run to run
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     no_timing: bool,
     #[command(flatten)]
     effort: EffortFlags,

@@ -50,10 +50,17 @@ use crate::message::brief;
 #[command(name = "asperity", version, after_help = EXAMPLES, propagate_version = true)]
 struct Cli {
     /// Say nothing on stderr but errors
-    #[arg(short, long, global = true, conflicts_with = "verbose", hide_short_help = true)]
+    #[arg(
+        short,
+        long,
+        global = true,
+        conflicts_with = "verbose",
+        hide_short_help = true,
+        help_heading = "Messages"
+    )]
     quiet: bool,
     /// Say more: what is read and begun, and the time of each step
-    #[arg(short, long, global = true, hide_short_help = true)]
+    #[arg(short, long, global = true, hide_short_help = true, help_heading = "Messages")]
     verbose: bool,
     #[command(subcommand)]
     verb: Verb,

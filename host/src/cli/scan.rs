@@ -45,7 +45,7 @@ pub(super) struct Args {
     /// What the readings are
     #[arg(long, value_enum, default_value = "flux")]
     quantity: QuantityFlag,
-    /// Monte Carlo with so many rays an incidence; a height map takes 1.5e7 without it
+    /// Monte Carlo with so many rays per incidence; a height map takes 1.5e7 without it
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
     /// Seed of the Monte Carlo [default: 1]

@@ -59,7 +59,7 @@ enum StorageFlag {
 /// instructions for every method. --bytes holds for all arrays of all lobes together; with --max-error the smallest of 2 to
 /// 256 KiB is taken whose scan differs from the model's by no more (eq. (18), GP-200 angles, transmission if there is any).
 /// A table has no azimuth of the light: a surface with a direction, such as grooves, is refused, unless its lobes do not show it.
-/// Models of traced maps are tabulated from --rays rays an incidence, and their distances are from the model itself at several
+/// Models of traced maps are tabulated from --rays rays per incidence, and their distances are from the model itself at several
 /// azimuths; where the few facets of a map differ from one azimuth to another, no table of it is nearer than that.
 /// Printed as well is how far each lobe is, root mean square in percent of the peak of each incidence up to grazing.
 ///
@@ -279,7 +279,7 @@ fn made(
         StorageFlag::U16 => Kept::U16,
         StorageFlag::F32 => Kept::F32,
     });
-    let rays = args.rays.needed(boundary.is_traced())?;
+    let rays = args.rays.noted(boundary.is_traced());
     let plan = Budget { lobes: LobeSet::of_each(sides, lobes), bytes, kept, rays };
     let bar = progress::bar(0, "tabulating");
     let table = bar.watch(|watch| tabulate(boundary, &plan, watch));

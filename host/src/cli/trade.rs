@@ -63,7 +63,7 @@ pub(super) struct Args {
     /// Sizes of the tables
     #[arg(long, value_name = "KIB,...", value_delimiter = ',', default_value = "2,4,8,16,32")]
     table_kib: Vec<usize>,
-    /// Rays an incidence for the table of a model that is traced
+    /// Rays per incidence for the table of a model that is traced
     #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
     table_rays: u64,
     /// Choose the cheapest evaluator whose error is no larger

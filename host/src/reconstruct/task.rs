@@ -1,26 +1,15 @@
-//! One method on one sample: which laws and speckles are tried, and which result is kept.
+//! One method on one sample: what is known of the sample, and which profiles and speckles are tried.
 
-use std::path::Path;
-
-use asperity_core::bsdf::Lobe;
-use asperity_core::direction::Side;
-use asperity_core::gonio::Geometry;
-use asperity_core::plate::RoughSide;
-
-use crate::boundary::Boundary;
-use crate::fit::{Fit, FitError, FitOptions, MISFIT_PERCENT, cost_at, fit};
-use crate::forward::{Sample, Setup};
-use crate::kirchhoff::{WaveOptions, Wavelengths, warning_for_rays};
-use crate::measurement::{Measurement, ScanError, csv};
+use crate::fit::{FitOptions, MISFIT_PERCENT};
+use crate::forward::Setup;
+use crate::kirchhoff::{WaveOptions, Wavelengths};
+use crate::measurement::Measurement;
 use crate::method::{Choice, Kind, Lack, Method};
 use crate::provenance::InputFile;
 use crate::surface::Prepared;
-use crate::watch::Watch;
 
-use super::comparison::Attempt;
-use super::found::{Entry, Found, record};
 use super::light::{Light, Unlit};
-use super::situation::{Said, Situation, Unclear};
+use super::situation::Situation;
 
 /// All that a reconstruction needs: a scan, its body and instrument, and what else is known of the sample.
 #[derive(Clone, Debug)]
@@ -121,163 +110,4 @@ impl<'a> Task<'a> {
         }
         Ok(methods)
     }
-
-    /// Fits with every law and keeps the one with the lowest objective, also as a model file.
-    ///
-    /// `watch` is told which law is fitted, and the evaluations of each.
-    ///
-    /// # Errors
-    /// [`FitError`] if not even one law gave a result.
-    pub fn fit(&self, trials: &[Box<dyn Method>], watch: Watch<'_>) -> Result<Found, FitError> {
-        let mut found: Option<(usize, Entry)> = None;
-        let (mut evaluations, mut seconds, mut failed) = (0, 0.0, Vec::new());
-        for (k, method) in trials.iter().enumerate() {
-            let label = method.label();
-            if let Some((_, best)) = &found
-                && method.wave().is_some()
-                && !self.is_better_there(&**method, best, watch)
-            {
-                // Another way to treat the speckle, not better at values that matter: seconds per evaluation saved.
-                continue;
-            }
-            watch.now(&format!("fitting {label}"));
-            let done = match fit(&**method, self.measurement, &self.setup, &self.options, watch) {
-                Ok(done) => done,
-                // An earlier law's result is not thrown away when a later one is interrupted.
-                Err(e) if found.is_some() => {
-                    failed.push((label, e));
-                    continue;
-                }
-                Err(e) => return Err(e),
-            };
-            evaluations += done.evaluations;
-            seconds += done.seconds;
-            let better = found.as_ref().is_none_or(|(_, b)| done.objective.1 < b.fit.objective.1);
-            if better {
-                let refusal = done.refusal(self.max_misfit);
-                let warnings = self.warnings(&**method, &done);
-                found = Some((k, Entry { label, fit: done, refusal, warnings }));
-            }
-        }
-        let (k, mut entry) = found.ok_or(FitError::NoStart)?;
-        // What the answer cost, with all the laws that were tried.
-        entry.fit.evaluations = evaluations;
-        entry.fit.seconds = seconds;
-        if failed.iter().any(|(_, e)| matches!(e, FitError::Interrupted)) {
-            let why = "interrupted; not every law was tried, the best so far is given";
-            entry.refusal.get_or_insert_with(|| why.into());
-        }
-        let model = record(&*trials[k], &entry, self);
-        Ok(Found { entry, model, failed })
-    }
-
-    /// One method as a row of a comparison: the fit, or why there is none. `trials` is what [`Self::trials`] said, in the
-    /// words of the front end.
-    pub fn attempt(
-        &self,
-        method: &str,
-        trials: &Result<Trials, String>,
-        watch: Watch<'_>,
-    ) -> (Attempt, Vec<(String, FitError)>) {
-        let mut failed = Vec::new();
-        let result = match trials {
-            Err(why) => Err(why.clone()),
-            Ok(_) if watch.is_stopped() => Err("interrupted before it was begun".to_owned()),
-            Ok(trials) => self.fit(trials, watch).map_err(|e| e.to_string()).map(|found| {
-                failed = found.failed;
-                (found.entry, found.model)
-            }),
-        };
-        (Attempt { method: method.to_owned(), result }, failed)
-    }
-
-    /// Whether a method describes the measurement better than a fit does, with the fit's values or with the map as it
-    /// is.
-    fn is_better_there(&self, method: &dyn Method, than: &Entry, watch: Watch<'_>) -> bool {
-        let better = |values: &[f64]| {
-            let watch = watch.quiet();
-            let cost = cost_at(method, self.measurement, &self.setup, &self.options, values, watch);
-            cost.is_some_and(|cost| cost < than.fit.objective.1)
-        };
-        let found: Vec<f64> = than.fit.parameters.iter().map(|p| p.value).collect();
-        let of_map = method.parameters().iter().map(|p| p.none.unwrap_or(1.0));
-        let mut as_it_is = found.clone();
-        as_it_is.iter_mut().zip(of_map).for_each(|(value, of_map)| *value = of_map);
-        better(&found) || better(&as_it_is)
-    }
-
-    /// What has to be said about the boundary of a fit at the angles of the measurement.
-    fn warnings(&self, method: &dyn Method, fit: &Fit) -> Vec<String> {
-        let angles: Vec<f64> = self.measurement.by_incidence().map(|i| i.sigma_deg).collect();
-        let lobe = match self.setup.geometry {
-            Geometry::Transmission => Lobe::Transmission,
-            Geometry::Reflection => Lobe::Reflection,
-        };
-        match &fit.boundary {
-            Boundary::Wave(wave) => {
-                let (side, inside) = match self.setup.sample {
-                    Sample::Plate { eta, rough_side: RoughSide::Detector } => {
-                        (Side::Dielectric, eta.inverse())
-                    }
-                    _ => (Side::Air, 1.0),
-                };
-                let refracted = |deg: &f64| {
-                    let inside = (inside * deg.to_radians().sin()).asin().to_degrees();
-                    // as people write angles
-                    (1e3 * inside).round() / 1e3
-                };
-                let angles: Vec<f64> = angles.iter().map(refracted).collect();
-                let validity = wave.validity(&angles).map(|v| v.of_lobe(side, lobe));
-                validity.map(|v| v.warnings()).unwrap_or_default()
-            }
-            Boundary::Traced(traced)
-                if Kind::named(method.name()).is_ok_and(|kind| kind.needs_map) =>
-            {
-                // of the map as it was measured: what the fit has made of it may be an escape from this
-                let missed = self.light.wavelengths.as_ref().zip(self.map);
-                let missed = missed.and_then(|(light, prepared)| {
-                    let said = warning_for_rays(&prepared.map, traced.eta, light, lobe, &angles);
-                    said.ok().flatten()
-                });
-                missed.into_iter().collect()
-            }
-            other => other.warnings(&angles),
-        }
-    }
-}
-
-/// Why a file gave no fit.
-#[derive(Debug, thiserror::Error)]
-pub enum FitScanError {
-    /// It is no scan.
-    #[error(transparent)]
-    Scan(#[from] ScanError),
-    /// Its header does not say all of the sample; use [`Said`].
-    #[error(transparent)]
-    Unclear(#[from] Unclear),
-    /// The method cannot be used.
-    #[error(transparent)]
-    Unusable(#[from] Unusable),
-    /// There is no fit.
-    #[error(transparent)]
-    Fit(#[from] FitError),
-}
-
-/// Fits a method that needs no height map to a scan file whose header says all of the sample, with every law it has.
-///
-/// ```no_run
-/// let found = asperity::reconstruct::fit_scan("scan.csv".as_ref(), "ggx")?;
-/// println!("{}: {:.2} %", found.entry.label, found.entry.fit.rmsd_percent);
-/// std::fs::write("ggx.json", found.model.to_json())?;
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// [`FitScanError`].
-pub fn fit_scan(path: &Path, method: &str) -> Result<Found, FitScanError> {
-    let bytes = csv::load(path)?;
-    let (scan, input) = (csv::parse(&bytes, path)?, InputFile::of_bytes(path, &bytes));
-    let task = Task { input: Some(&input), ..Task::new(&scan, Said::default().about(&scan)?) };
-    let trials = task.trials(method, None, &usually_asked)?;
-    Ok(task.fit(&trials, Watch::nobody())?)
 }

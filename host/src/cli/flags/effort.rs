@@ -35,17 +35,17 @@ pub(in crate::cli) struct EffortFlags {
     /// What is minimised; eq. (18) is always printed
     #[arg(long, value_enum, default_value = "rmsd")]
     objective: ObjectiveFlag,
-    /// Rays an incidence for the final figures of a traced method; without it as many as bring their noise below 0.2 %
+    /// Rays per incidence for the final figures of a traced method; without it as many as bring their noise below 0.2 %
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
-    /// Rays an incidence while a traced method is fitted; without it as many as bring their noise to 1.3 %
+    /// Rays per incidence while a traced method is fitted; without it as many as bring their noise to 1.3 %
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     fit_rays: Option<u64>,
     /// Seed of traced methods [default: 1]
     #[arg(long, value_name = "K")]
     seed: Option<u64>,
     /// Evaluations of the forward model at most
-    #[arg(long, value_name = "N", default_value_t = 4000)]
+    #[arg(long, hide_short_help = true, value_name = "N", default_value_t = 4000)]
     max_evaluations: u64,
     /// Largest error of a single incidence that counts as described, in % of its largest reading
     #[arg(long, value_name = "PERCENT", default_value_t = MISFIT_PERCENT, value_parser = number)]

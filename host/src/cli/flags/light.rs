@@ -125,7 +125,10 @@ pub(in crate::cli) fn with_flag(unlit: &Unlit) -> String {
     match unlit {
         Unlit::NoWavelength => format!("{unlit}; give --wavelength-nm, such as 550"),
         Unlit::TooLarge { .. } => format!("{unlit}; take a part with --crop"),
-        Unlit::OnlyAverages(_) => unlit.to_string(),
+        Unlit::OnlyAverages(speckle) => {
+            let (word, flag) = (format!("speckle `{}`", speckle.name()), "--speckle");
+            unlit.to_string().replace(&word, &format!("{flag} {}", speckle.name()))
+        }
         Unlit::HasDirection => format!("{unlit}; use --speckle {}", Speckle::Kept.name()),
     }
 }

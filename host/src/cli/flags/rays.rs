@@ -1,7 +1,7 @@
 //! The flags of rays, for verbs whose model may have to be traced.
 
 use super::scan::parse_rays;
-use crate::cli::error::{Failure, without_effect};
+use crate::cli::say;
 use crate::forward::Rays;
 
 /// Rays, where a model cannot be evaluated without them.
@@ -24,15 +24,16 @@ impl RayFlags {
         Rays { count: self.rays.unwrap_or(Self::USUAL), seed: self.seed.unwrap_or(1) }
     }
 
-    /// The same, refused where none are traced.
-    ///
-    /// # Errors
-    /// The flags that are given.
-    pub(in crate::cli) fn needed(&self, are_traced: bool) -> Result<Rays, Failure> {
-        let given = |is: bool| is && !are_traced;
-        let flags =
-            [("--rays", given(self.rays.is_some())), ("--seed", given(self.seed.is_some()))];
-        without_effect(&flags, "this model is evaluated without rays")?;
-        Ok(self.rays())
+    /// The same; where none are traced it is said that the flags have no effect. They are no mistake there: one line serves
+    /// models of all methods.
+    pub(in crate::cli) fn noted(&self, are_traced: bool) -> Rays {
+        for (flag, is_given) in [("--rays", self.rays.is_some()), ("--seed", self.seed.is_some())] {
+            if is_given && !are_traced {
+                say::note(format_args!(
+                    "note: {flag} has no effect: this model is evaluated without rays"
+                ));
+            }
+        }
+        self.rays()
     }
 }

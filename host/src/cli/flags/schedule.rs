@@ -16,49 +16,43 @@ pub(in crate::cli) struct ScheduleFlags {
     #[arg(long, alias = "plan", value_name = "FILE")]
     schedule: Option<PathBuf>,
     /// Angles of incidence in degrees [default: 0,15,30,45,60]
-    #[arg(
-        long,
-        alias = "plan",
-        value_name = "DEG,...",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
     sigma: Option<Vec<f64>>,
     /// Angles of observation, FROM:TO in degrees [default: -90:90]
-    #[arg(long, alias = "plan", value_name = "FROM:TO", allow_hyphen_values = true)]
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     theta_range: Option<String>,
     /// Step of the angle of observation in degrees [default: 0.1]
-    #[arg(long, alias = "plan", value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
     step: Option<f64>,
     /// FULL angle of the detector's cone in degrees [default: 0.6]
-    #[arg(long, alias = "plan", value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
     aperture: Option<f64>,
     /// Integration time of a reading in ms [default: 100]
-    #[arg(long, alias = "plan", value_name = "MS", allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, value_name = "MS", allow_hyphen_values = true, value_parser = number)]
     integration_ms: Option<f64>,
     /// Range of the detector, 0 (coarsest) to 5, or auto [default: auto]
-    #[arg(long, alias = "plan", value_name = "N")]
+    #[arg(long, value_name = "N")]
     range: Option<String>,
     /// How far below its first angle a segment is approached, degrees [default: 0.5]
-    #[arg(long, alias = "plan", value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = number)]
     run_up: Option<f64>,
     /// Calibrate once, or before each incidence: per-sigma [default: once]
-    #[arg(long, alias = "plan", value_name = "WHEN")]
+    #[arg(long, value_name = "WHEN")]
     calibrate: Option<String>,
     /// Side of the detector: transmission or reflection [default: transmission]
-    #[arg(long, alias = "plan", value_name = "SIDE")]
+    #[arg(long, value_name = "SIDE")]
     geometry: Option<String>,
     /// Name of the sample, for the header
-    #[arg(long, alias = "plan", value_name = "NAME")]
+    #[arg(long, value_name = "NAME")]
     sample: Option<String>,
     /// Index of refraction of the plate, for the header
-    #[arg(long, alias = "plan", value_name = "N", value_parser = number)]
+    #[arg(long, value_name = "N", value_parser = number)]
     ior: Option<f64>,
     /// Which way the rough face looks, source or detector, for the header
-    #[arg(long, alias = "plan", value_name = "SIDE")]
+    #[arg(long, value_name = "SIDE")]
     rough_side: Option<String>,
     /// Wavelength of the light in nm, for the header
-    #[arg(long, alias = "plan", value_name = "NM", value_parser = number)]
+    #[arg(long, value_name = "NM", value_parser = number)]
     wavelength_nm: Option<f64>,
 }
 
