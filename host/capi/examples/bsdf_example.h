@@ -9,7 +9,7 @@
 /* Index of the dielectric over that of air */
 static const float bsdf_example_eta = 1.49f;
 /* 1 for an opaque body */
-static const uint8_t bsdf_example_opaque = 0;
+enum { bsdf_example_opaque = 0 };
 static const float bsdf_example_slope = 0.25f;
 
 /* incidences, azimuths, radii, intervals, form (0 masked, 1 drawn, 2 direct), fall; 0 of a lobe left out */

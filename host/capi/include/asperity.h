@@ -260,10 +260,6 @@ typedef struct asperity_table_source {
    */
   const float *eta;
   /*
-   1 for an opaque body, which reflects light from the air and does nothing else; 0, or null, for a dielectric.
-   */
-  const uint8_t *opaque;
-  /*
    Typical slope of the facets.
    */
   const float *slope;
@@ -331,6 +327,10 @@ typedef struct asperity_table_source {
    Bytes of a value: 1 and 2 are unsigned integers, 4 is `float`.
    */
   uint32_t value_bytes;
+  /*
+   1 for an opaque body, which reflects light from the air and does nothing else; 0 for a dielectric.
+   */
+  uint32_t opaque;
 } asperity_table_source;
 
 #ifdef __cplusplus
@@ -599,10 +599,10 @@ const char *asperity_status_text(int32_t status);
 /* An `asperity_table_source` of the arrays in a header made by `asperity tabulate --c`; `name` is the prefix
    of its names, such as bsdf_example. Make it `static const`: then nothing is copied at start-up. */
 #define ASPERITY_TABLE_SOURCE(name)                                                                 \
-  { &name##_eta, &name##_opaque, &name##_slope, &name##_lobes[0][0], &name##_scales[0][0],          \
+  { &name##_eta, &name##_slope, &name##_lobes[0][0], &name##_scales[0][0],                            \
     name##_flux_incidences, name##_flux_grazing, name##_gains, name##_values, name##_quantiles,     \
     name##_leans, name##_fluxes, &name##_checksum,                                                  \
     sizeof name##_gains / sizeof name##_gains[0], sizeof name##_values / sizeof name##_values[0],   \
     sizeof name##_quantiles / sizeof name##_quantiles[0],                                           \
     sizeof name##_leans / sizeof name##_leans[0], sizeof name##_fluxes / sizeof name##_fluxes[0],   \
-    (uint32_t)sizeof name##_values[0] }
+    (uint32_t)sizeof name##_values[0], name##_opaque }

@@ -97,11 +97,13 @@ impl Table {
         if self.opaque() { None } else { self.record.eta }
     }
 
+    /// bool: Whether the body is opaque.
     #[getter]
     fn opaque(&self) -> bool {
         self.table.header().opaque
     }
 
+    /// bool: Whether the file carries a checksum; those of format 1 do not.
     #[getter]
     fn has_checksum(&self) -> bool {
         self.record.crc32c.is_some()

@@ -9,7 +9,7 @@ import pytest
 
 CLASSES = [thing for name in asperity.__all__ if inspect.isclass(thing := getattr(asperity, name))]
 MEMBERS = [
-    (f"{cls.__name__}.{name}", member)
+    (f"{cls.__name__}.{name}", member.__func__ if isinstance(member, staticmethod) else member)
     for cls in CLASSES
     for name, member in vars(cls).items()
     if not name.startswith("_")

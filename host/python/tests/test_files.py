@@ -193,7 +193,7 @@ def test_what_a_scan_does_not_say_is_asked_for():
     for arguments, words in [
         ({"method": "phong"}, "the methods are ggx, normals"),
         ({"method": "measured-ray"}, "height map"),
-        ({"method": "normals", "law": "flat"}, "gauss or cauchy"),
+        ({"method": "normals", "profile": "flat"}, "gauss or cauchy"),
         ({"free": ["colour"]}, "colour"),
         ({"objective": "least"}, "least"),
     ]:

@@ -10,22 +10,30 @@ import pytest
 GGX = '{"asperity": 1, "method": "ggx", "ior": 1.49, "parameters": {"alpha": {"value": 0.2}}}'
 
 
+class Work:
+    """A folder, and the program run in it."""
+
+    def __init__(self, folder, program):
+        self.folder, self.program = folder, program
+
+    def __truediv__(self, name):
+        return self.folder / name
+
+    def run(self, *arguments):
+        line = [self.program, *map(str, arguments)]
+        return subprocess.run(line, capture_output=True, cwd=self.folder, check=True).stdout.decode()
+
+
 @pytest.fixture(scope="session")
 def work(tmp_path_factory, program):
     """A folder with a model, its table, a map, and scans of the model, written by the program."""
-    folder = tmp_path_factory.mktemp("work")
+    folder = Work(tmp_path_factory.mktemp("work"), program)
     (folder / "ggx.json").write_text(GGX)
     y, x = np.mgrid[0:64, 0:64] * (2 * np.pi / 64)
     heights = 0.15 * (np.sin(5 * x) + np.sin(3 * x + 4 * y) + np.cos(5 * y))
     np.save(folder / "map.npy", heights)
-
-    def run(*arguments):
-        done = subprocess.run([program, *map(str, arguments)], capture_output=True, cwd=folder, check=True)
-        return done.stdout.decode()
-
-    run("tabulate", "ggx.json", "-o", "ggx.bsdft", "--bytes", 8192)
-    run("scan", "ggx.json", "--sigma", "0,40", "--step", 0.5, "-o", "scan.csv")
-    folder.run = run
+    folder.run("tabulate", "ggx.json", "-o", "ggx.bsdft", "--bytes", 8192)
+    folder.run("scan", "ggx.json", "--sigma", "0,40", "--step", 0.5, "-o", "scan.csv")
     return folder
 
 

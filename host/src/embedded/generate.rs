@@ -126,7 +126,7 @@ pub fn c_header(table: &EmbeddedTable, method: &str, name: &str) -> String {
          dielectric reflection and transmission. Values run over radii, azimuths, incidences. */\n\
          #ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n\
          /* {} */\nstatic const float {prefix}_eta = {}f;\n\
-         /* 1 for an opaque body */\nstatic const uint8_t {prefix}_opaque = {};\nstatic const float {prefix}_slope = {}f;\n",
+         /* 1 for an opaque body */\nenum {{ {prefix}_opaque = {} }};\nstatic const float {prefix}_slope = {}f;\n",
         table.bytes(),
         index(header),
         c_float(header.eta.get()),

@@ -34,8 +34,6 @@ impl Storage for AsperityTable {
 pub struct AsperityTableSource {
     /// Index of the dielectric over that of air; of an opaque body a number of the format, and no index of anything.
     pub eta: *const f32,
-    /// 1 for an opaque body, which reflects light from the air and does nothing else; 0, or null, for a dielectric.
-    pub opaque: *const u8,
     /// Typical slope of the facets.
     pub slope: *const f32,
     /// 4 rows of 6: incidences, azimuths, radii, intervals, form, fall; zeros for a lobe left out.
@@ -70,6 +68,8 @@ pub struct AsperityTableSource {
     pub fluxes_length: usize,
     /// Bytes of a value: 1 and 2 are unsigned integers, 4 is `float`.
     pub value_bytes: u32,
+    /// 1 for an opaque body, which reflects light from the air and does nothing else; 0 for a dielectric.
+    pub opaque: u32,
 }
 
 impl AsperityTableSource {
@@ -80,7 +80,7 @@ impl AsperityTableSource {
         unsafe {
             Ok(Numbers {
                 eta: read(self.eta)?,
-                opaque: !self.opaque.is_null() && read(self.opaque)? != 0,
+                opaque: self.opaque != 0,
                 slope: read(self.slope)?,
                 lobes: refer(self.lobes.cast())?,
                 scales: refer(self.scales.cast())?,

@@ -169,7 +169,6 @@ static SLOPE: f32 = 0.3;
 /// Without anything but an index.
 const SOURCE: AsperityTableSource = AsperityTableSource {
     eta: &raw const ETA,
-    opaque: null(),
     slope: &raw const SLOPE,
     lobes: null(),
     scales: null(),
@@ -187,6 +186,7 @@ const SOURCE: AsperityTableSource = AsperityTableSource {
     leans_length: 0,
     fluxes_length: 0,
     value_bytes: 1,
+    opaque: 0,
 };
 const BYTES: usize = 36 + 8 + 8 + 2 + 16;
 
@@ -329,7 +329,7 @@ fn an_opaque_body_is_one_by_its_flag_and_reflects_only() {
     let lobe = [2_u16, 2, 2, 1, 0, 4];
     let number = [0.3_f32, 1.0, 0.3];
     for (k, opaque, expected) in [
-        (0, 1_u8, (Status::Ok, 1)),
+        (0, 1_u32, (Status::Ok, 1)),
         (0, 0, (Status::Ok, 0)),
         // an index of 10 alone makes no body opaque
         (1, 0, (Status::Ok, 0)),
@@ -342,7 +342,7 @@ fn an_opaque_body_is_one_by_its_flag_and_reflects_only() {
         let fluxes: [u16; 2] = if k < 2 { [2, 0] } else { [0, 2] };
         let source = AsperityTableSource {
             eta: &raw const STAND_IN,
-            opaque: &raw const opaque,
+            opaque,
             lobes: lobes.as_ptr().cast(),
             scales: scales.as_ptr().cast(),
             flux_incidences: fluxes.as_ptr(),
