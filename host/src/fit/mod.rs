@@ -6,31 +6,31 @@
 //!
 //! The example of the crate fits a scan. A fit of a scan that a model made returns the parameters of that model:
 //! ```
-//! use std::sync::atomic::AtomicBool;
-//!
 //! use asperity::fit::{FitOptions, fit};
-//! use asperity::forward::{Effort, Angles, Rays, Setup, Sample, simulate};
+//! use asperity::forward::{Angles, Effort, Rays, Sample, Setup, simulate};
 //! use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
-//! use asperity::method::{Choice, Body};
+//! use asperity::method::{Body, Choice};
+//! use asperity::watch::Watch;
 //! use asperity_core::{gonio::Geometry, plate::RoughSide};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let surface = Body::Dielectric { ior: 1.49 };
-//! let method = Choice::new("ggx", surface).method()?;
+//! let body = Body::Dielectric { ior: 1.49 };
+//! let method = Choice::new("ggx", body).method()?;
 //! let setup = Setup {
-//!     sample: Sample::Plate { eta: surface.eta()?, rough_side: RoughSide::Source },
+//!     sample: Sample::Plate { eta: body.eta()?, rough_side: RoughSide::Source },
 //!     geometry: Geometry::Transmission,
 //!     aperture_deg: 0.6,
 //!     quantity: Quantity::Flux,
 //! };
 //! let thetas: Vec<f64> = (-40..=40).map(f64::from).collect();
-//! let (plan, rays, stop) = (Angles::product(&[0.0], &thetas), Rays { count: 0, seed: 1 }, AtomicBool::new(false));
-//! let boundary = method.boundary(&[0.2], surface)?;
-//! let made = simulate(&boundary, &setup, &plan, Effort::Full, rays, &stop).ok_or("stopped")?;
+//! let (angles, no_rays) = (Angles::product(&[0.0], &thetas), Rays { count: 0, seed: 1 });
+//! let boundary = method.boundary(&[0.2], body)?;
+//! let made = simulate(&boundary, &setup, &angles, Effort::Full, no_rays, Watch::nobody());
+//! let made = made.ok_or("stopped")?;
 //! let reading = |(&theta_deg, &value)| Reading { sigma_deg: 0.0, theta_deg, value };
 //! let readings = thetas.iter().zip(&made.values).map(reading).collect();
 //! let scan = Measurement::new(Metadata::default(), readings)?;
-//! let found = fit(&*method, &scan, &setup, &FitOptions::new(surface), &stop, &|_| ())?;
+//! let found = fit(&*method, &scan, &setup, &FitOptions::new(body), Watch::nobody())?;
 //! assert!((found.parameters[0].value - 0.2).abs() < 1e-3, "{:?}", found.parameters);
 //! # Ok(())
 //! # }

@@ -6,19 +6,17 @@
 //! flux of the model at each node of incidence; where the table would give more than it receives, as waves do at grazing incidence, it lowers both.
 //!
 //! ```
-//! use std::sync::atomic::AtomicBool;
-//!
 //! use asperity::{boundary::Boundary, forward::Rays, tabulate::{Budget, tabulate}};
-//! use asperity_core::bsdf::{Bsdf, Ggx};
+//! use asperity::watch::Watch;
+//! use asperity_core::bsdf::{Bsdf, Ggx, LobeSet};
 //! use asperity_core::direction::Direction;
 //! use asperity_core::quantity::{Alpha, RelativeIor};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let law = Ggx::new(Alpha::new(0.2)?, RelativeIor::new(1.49)?);
-//! let transmission = [false, true, false, false]; // from the air
 //! let rays = Rays { count: 0, seed: 1 }; // a closed form needs none
-//! let plan = Budget { lobes: transmission, bytes: 4096, kept: None, rays };
-//! let table = tabulate(&Boundary::Ggx(law), &plan, &AtomicBool::new(false), &|_, _| ())?;
+//! let budget = Budget { lobes: LobeSet::AIR_TRANSMISSION, bytes: 4096, kept: None, rays };
+//! let table = tabulate(&Boundary::Ggx(law), &budget, Watch::nobody())?;
 //! assert!(table.bytes() <= 4096);
 //! let (wi, wo) = (Direction::from_angles(0.5, 0.0), Direction::from_angles(2.8, 3.1));
 //! let (exact, looked_up): (f64, f64) = (law.eval(wi, wo), table.eval(wi, wo));
