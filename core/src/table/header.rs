@@ -148,7 +148,7 @@ impl Header {
     /// wrong values, never a panic. In a constant it costs the device nothing.
     #[inline]
     pub const fn view<'a, S: Storage>(&self, arrays: Arrays<'a, S>) -> Option<BsdfTableRef<'a, S>> {
-        let mut view = BsdfTableRef::dark(self.eta, self.slope);
+        let mut view = BsdfTableRef::dark(self.eta, self.opaque, self.slope);
         if self.fill(arrays, &mut view) { Some(view) } else { None }
     }
 
@@ -161,7 +161,6 @@ impl Header {
         mut arrays: Arrays<'a, S>,
         view: &mut BsdfTableRef<'a, S>,
     ) -> bool {
-        view.opaque = self.opaque;
         let [air, dielectric] = view.sides_mut();
         self.split(&mut arrays, air, dielectric)
     }

@@ -51,7 +51,7 @@ impl<S: Storage, const V: usize, const Q: usize, const N: usize> BsdfTable<S, V,
         let Self { header, gains, values, quantiles, leans, fluxes } = self;
         let arrays = Arrays { gains, values, quantiles, leans, fluxes };
         // never none: the lengths were checked when it was made
-        header.view(arrays).unwrap_or(BsdfTableRef::dark(header.eta, header.slope))
+        header.view(arrays).unwrap_or(BsdfTableRef::dark(header.eta, header.opaque, header.slope))
     }
 }
 

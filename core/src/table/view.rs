@@ -55,9 +55,9 @@ impl<'a, S: Storage> BsdfTableRef<'a, S> {
 
     /// A table of nothing.
     #[inline(always)]
-    pub const fn dark(eta: RelativeIor<f32>, slope: f32) -> Self {
+    pub const fn dark(eta: RelativeIor<f32>, opaque: bool, slope: f32) -> Self {
         let (air, dielectric) = (SideTable::dark(), SideTable::dark());
-        Self { eta, opaque: false, slope, air, dielectric }
+        Self { eta, opaque, slope, air, dielectric }
     }
 
     /// Both sides, from the air first.

@@ -101,7 +101,7 @@ macro_rules! value {
         impl Value for $t {
             #[inline(always)]
             fn dark(header: &Header) -> Stored<'static> {
-                Stored::$variant(BsdfTableRef::dark(header.eta, header.slope))
+                Stored::$variant(BsdfTableRef::dark(header.eta, header.opaque, header.slope))
             }
             #[inline(always)]
             fn view<'b, 'a>(stored: &'b mut Stored<'a>) -> Option<&'b mut BsdfTableRef<'a, Self>> {

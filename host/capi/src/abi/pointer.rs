@@ -28,6 +28,12 @@ fn check_address(address: usize, align: usize) -> Result<(), Status> {
     }
 }
 
+/// The same of some pointers, in a loop: a call for each costs a device more than the reading of what is there.
+#[cfg_attr(target_arch = "arm", inline(never))]
+pub(super) fn check_all<T>(pointers: &[*const T]) -> Result<(), Status> {
+    pointers.iter().try_for_each(|p| check(*p))
+}
+
 /// The value at a pointer.
 pub(super) unsafe fn read<T: Copy>(p: *const T) -> Result<T, Status> {
     check(p)?;

@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use asperity_core::table::{Arrays, Header};
 
-use super::pointer::{Storage, begin, finish, read, refer, slice};
+use super::pointer::{Storage, begin, check_all, finish, read, refer, slice};
 use crate::options::{self, AsperityTier};
 use crate::status::AsperityStatus as Status;
 use crate::table::{Numbers, TableLaw, Value};
@@ -76,16 +76,18 @@ impl AsperityTableSource {
     /// The numbers.
     #[inline(always)]
     unsafe fn numbers(&self) -> Result<Numbers<'_>, Status> {
-        // SAFETY: the promise of `abi`
+        check_all(&[self.eta, self.slope, self.scales, self.flux_grazing])?;
+        check_all(&[self.lobes, self.flux_incidences])?;
+        // SAFETY: checked here, and by the promise of `abi` readable and unchanging
         unsafe {
             Ok(Numbers {
-                eta: read(self.eta)?,
+                eta: *self.eta,
                 opaque: self.opaque != 0,
-                slope: read(self.slope)?,
-                lobes: refer(self.lobes.cast())?,
-                scales: refer(self.scales.cast())?,
-                flux_incidences: read(self.flux_incidences.cast())?,
-                flux_grazing: read(self.flux_grazing.cast())?,
+                slope: *self.slope,
+                lobes: &*self.lobes.cast(),
+                scales: &*self.scales.cast(),
+                flux_incidences: self.flux_incidences.cast::<[u16; 2]>().read(),
+                flux_grazing: self.flux_grazing.cast::<[f32; 2]>().read(),
             })
         }
     }
