@@ -1,0 +1,138 @@
+//! Every format that is written and read: values at the nodes, flux, peak against the law.
+
+use asperity_core::bsdf::{Bsdf, Ggx};
+use asperity_core::direction::Direction;
+use asperity_core::quantity::{Alpha, RelativeIor};
+
+use crate::compare::{Row, compare};
+use crate::convention::Global;
+use crate::formats::{Format, read_bytes};
+use crate::plan::{Closed, Law, Options, Subject};
+use crate::sampled::{Band, Lobe, Side, Symmetry};
+
+struct Facets {
+    ggx: Ggx<f64>,
+    side: Side,
+    lobe: Lobe,
+}
+
+impl Law for Facets {
+    fn value(&self, incidence: [f64; 2], out: [f64; 2]) -> f64 {
+        let of = |g: Global| {
+            let (sin, cos) = g.theta.sin_cos();
+            Direction::new(sin * g.phi.cos(), sin * g.phi.sin(), cos).unwrap()
+        };
+        let wi = of(Global::of_incidence(self.side, incidence));
+        let wo = of(Global::of_outgoing(self.side, self.lobe, incidence[1], out));
+        self.ggx.eval(wi, wo)
+    }
+}
+
+fn lobes(alpha: f64) -> Vec<(Facets, Subject)> {
+    let mut all = Vec::new();
+    for side in [Side::Air, Side::Dielectric] {
+        for lobe in [Lobe::Reflection, Lobe::Transmission] {
+            let ggx = Ggx::new(Alpha::new(alpha).unwrap(), RelativeIor::new(1.49).unwrap());
+            let subject = Subject {
+                side,
+                lobe,
+                index: Some(1.49),
+                symmetry: Symmetry::Isotropic,
+                band: Band::Wavelength(550.0),
+                notes: vec!["Sample: GGX".into()],
+                coherent: 0.0,
+                closed: Some(Closed::Ggx { alpha }),
+            };
+            all.push((Facets { ggx, side, lobe }, subject));
+        }
+    }
+    all
+}
+
+fn rows(format: &Format, law: &Facets, subject: &Subject, options: &Options) -> Option<Vec<Row>> {
+    let write = format.write?;
+    format.read?;
+    let sampled = match (write.sample)(law, subject, options) {
+        Ok(sampled) => sampled,
+        Err(e) => {
+            println!("{}: {e}", format.name);
+            return None;
+        }
+    };
+    let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+    let (found, read) =
+        read_bytes("file", &bytes).unwrap_or_else(|e| panic!("{}: {e}", format.name));
+    assert_eq!(found.name, format.name);
+    let one = read.iter().find(|r| r.side == subject.side && r.lobe == subject.lobe);
+    let one = one.unwrap_or_else(|| panic!("{}: no such lobe", format.name));
+    assert_eq!(one.index, subject.index, "{}", format.name);
+    Some(compare(one, law))
+}
+
+/// Errors allowed, percent: of values at nodes, of the flux, of the peak.
+struct Allowed {
+    node: f64,
+    flux: f64,
+    peak: f64,
+}
+
+impl Default for Allowed {
+    fn default() -> Self {
+        Self { node: 1e-4, flux: 0.1, peak: 0.5 }
+    }
+}
+
+/// Writes and reads lobes of GGX: a few in every run, all of three widths with `ASPERITY_EXTENSIVE=1`.
+fn check(name: &str, allowed: &Allowed) {
+    let format = Format::of_name(name).unwrap();
+    let is_long = std::env::var_os("ASPERITY_EXTENSIVE").is_some();
+    let mut compared = 0;
+    for alpha in [0.02, 0.2, 0.6] {
+        for (law, subject) in lobes(alpha) {
+            let is_narrow = alpha < 0.1;
+            let is_first = subject.side == Side::Air && subject.lobe == Lobe::Transmission;
+            if is_narrow && !is_first && !is_long {
+                continue;
+            }
+            let degrees: &[f64] = if is_narrow && !is_long { &[30.0] } else { &[0.0, 30.0, 60.0] };
+            let options = Options {
+                incidences: degrees.iter().map(|d| [d.to_radians(), 0.0]).collect(),
+                ..Options::default()
+            };
+            let title = format!("{name} {alpha} {:?} {:?}", subject.side, subject.lobe);
+            for row in rows(format, &law, &subject, &options).unwrap_or_default() {
+                println!(
+                    "{title}: {:.0} deg {} nodes, flux {:.5} {:.4} %, peak {:.4} {:.4} % node {:.2e} %",
+                    row.incidence_deg,
+                    row.nodes,
+                    row.flux_law,
+                    row.flux_percent(),
+                    row.peak_law,
+                    row.peak_percent(),
+                    row.node_error_percent
+                );
+                if row.peak_law == 0.0 {
+                    continue; // nothing is transmitted there
+                }
+                compared += 1;
+                assert!(row.node_error_percent < allowed.node, "{title}: {row:?}");
+                assert!(row.flux_percent().abs() < allowed.flux, "{title}: {row:?}");
+                assert!(row.peak_percent().abs() < allowed.peak, "{title}: {row:?}");
+                if let Some(stated) = row.flux_stated {
+                    assert!((stated - row.flux_file).abs() < 1e-6, "{title}: {row:?}");
+                }
+            }
+        }
+    }
+    assert!(compared > 5, "{name}: {compared} incidences");
+}
+
+#[test]
+fn zemax() {
+    check("zemax", &Allowed::default());
+}
+
+#[test]
+fn csv() {
+    check("csv", &Allowed::default());
+}
