@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::plan::Law;
+use crate::law::Law;
 use crate::sampled::{Incidence, Nodes, SampledBsdf};
 
 /// One incidence of a file beside the law.
@@ -44,7 +44,7 @@ impl Row {
 }
 
 fn percent(is: f64, ought: f64) -> f64 {
-    if is == ought { 0.0 } else { 100.0 * (is / ought - 1.0) }
+    if is.to_bits() == ought.to_bits() { 0.0 } else { 100.0 * (is / ought - 1.0) }
 }
 
 /// Compares every incidence of a file with the law.
@@ -58,7 +58,7 @@ fn row(file: &SampledBsdf, k: usize, incidence: &Incidence, law: &dyn Law) -> Ro
     let directions = incidence.nodes.directions();
     let (mut peak_law, mut peak_file, mut worst) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (at, value) in directions.iter().zip(file.band(k, 0)) {
-        if at[0] > FRAC_PI_2 - 1e-7 {
+        if at[0] > FRAC_PI_2 - 1e-8 {
             continue; // at and below the horizon a file may hold what it likes
         }
         let is = law.value(from, *at);
@@ -71,8 +71,8 @@ fn row(file: &SampledBsdf, k: usize, incidence: &Incidence, law: &dyn Law) -> Ro
         (Nodes::Grid(grid), None) => {
             for cell in grid.cells() {
                 let middle = [
-                    (cell.radii[0] + cell.radii[1]) / 2.0,
-                    (cell.azimuths[0] + cell.azimuths[1]) / 2.0,
+                    f64::midpoint(cell.radii[0], cell.radii[1]),
+                    f64::midpoint(cell.azimuths[0], cell.azimuths[1]),
                 ];
                 let out = grid.frame.absolute(middle);
                 if out[0] < FRAC_PI_2 {

@@ -53,8 +53,11 @@ pub fn between(from: Side, to: Side) -> Lobe {
     if from == to { Lobe::Reflection } else { Lobe::Transmission }
 }
 
+/// A direction in the surface lies on either side: that of the air has it, and the other one is written this much nearer to its normal.
+const BESIDE: f64 = 2e-8;
+
 fn from_air(side: Side, theta: f64) -> f64 {
-    if side == Side::Air { theta } else { PI - theta }
+    if side == Side::Air { theta } else { PI - theta.min(PI / 2.0 - BESIDE) }
 }
 
 /// What a number of a file is, so that it becomes a BSDF.
@@ -108,6 +111,15 @@ mod tests {
             assert!((out.side().1 - 0.3).abs() < 1e-15);
             assert_eq!(between(side, out.side().0), lobe);
             assert!(out.relative(1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn directions_in_the_surface_keep_their_side() {
+        for side in [Side::Air, Side::Dielectric] {
+            let found = Global::of_incidence(side, [PI / 2.0, 0.0]).side();
+            assert_eq!(found.0, side);
+            assert!((found.1 - PI / 2.0).abs() < 1e-7);
         }
     }
 

@@ -4,24 +4,23 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use rayon::prelude::*;
 
-use crate::frame::direction;
+use crate::frame::{Frame, direction};
 use crate::interpolate::Interpolation;
 use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf};
 
 /// Nodes and weights of Gauss and Legendre on [0, 1], 4 points.
-pub(crate) const GAUSS: [[f64; 2]; 4] = [
+const GAUSS: [[f64; 2]; 4] = [
     [0.069_431_844_202_973_71, 0.173_927_422_568_726_93],
     [0.330_009_478_207_571_87, 0.326_072_577_431_273_07],
     [0.669_990_521_792_428_1, 0.326_072_577_431_273_07],
     [0.930_568_155_797_026_3, 0.173_927_422_568_726_93],
 ];
 
-/// The same, 2 points: for cells whose interpolation is the larger error.
-pub(crate) const COARSE: [[f64; 2]; 2] =
-    [[0.211_324_865_405_187_13, 0.5], [0.788_675_134_594_812_9, 0.5]];
+/// The same, 2 points.
+const COARSE: [[f64; 2]; 2] = [[0.211_324_865_405_187_13, 0.5], [0.788_675_134_594_812_9, 0.5]];
 
-/// Parts of a cell that the horizon cuts, in each direction.
-const PARTS: usize = 8;
+/// How often a cell is halved at most.
+const DEPTH: usize = 5;
 
 impl SampledBsdf {
     /// Scattered fraction of the flux of a band of an incidence: the integral of the interpolated BSDF and the cosine over the hemisphere.
@@ -60,15 +59,14 @@ impl Grid {
     ///
     /// Radii below the first node and above the last are taken as far as directions go.
     pub(crate) fn integral(&self, f: &(dyn Fn([f64; 2], [f64; 2]) -> f64 + Sync)) -> f64 {
-        let sums =
-            self.cells().par_iter().map(|cell| self.cell(*cell, &GAUSS, f)).collect::<Vec<_>>();
+        let sums = self.cells().par_iter().map(|cell| self.cell(*cell, f)).collect::<Vec<_>>();
         let once: f64 = sums.iter().sum();
         if self.mirrored { 2.0 * once } else { once }
     }
 
     /// All cells, those from the pole to the first node and from the last to the end among them.
     pub(crate) fn cells(&self) -> Vec<Cell> {
-        let end = if self.frame == crate::frame::Frame::Absolute { FRAC_PI_2 } else { PI };
+        let end = if self.frame == Frame::Absolute { FRAC_PI_2 } else { PI };
         let mut radii = self.radii.clone();
         if radii.first().is_some_and(|r| *r > 1e-12) {
             radii.insert(0, 0.0);
@@ -110,47 +108,51 @@ impl Grid {
         })
     }
 
-    /// The integral over a cell.
-    pub(crate) fn cell(
-        &self,
-        cell: Cell,
-        rule: &[[f64; 2]],
-        f: &dyn Fn([f64; 2], [f64; 2]) -> f64,
-    ) -> f64 {
-        let corner = |r: usize, a: usize| {
-            direction(self.frame.absolute([cell.radii[r], cell.azimuths[a]])).z
-        };
-        let corners = [corner(0, 0), corner(0, 1), corner(1, 0), corner(1, 1)];
-        // the edge of a wide cell is curved: it may dip below the horizon between corners that lie above it
-        let span = (cell.radii[1] - cell.radii[0]).max(cell.azimuths[1] - cell.azimuths[0]);
-        let (least, most) =
-            corners.iter().fold((1.0_f64, -1.0_f64), |(l, m), z| (l.min(*z), m.max(*z)));
-        let is_cut = self.frame != crate::frame::Frame::Absolute
-            && least < span * span
-            && most > -span * span;
-        if !is_cut && most <= 0.0 && self.frame != crate::frame::Frame::Absolute {
-            return 0.0;
+    /// The integral over a cell, halved until two rules agree: the horizon, total reflection and grazing light leave kinks.
+    pub(crate) fn cell(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64) -> f64 {
+        if self.frame != Frame::Absolute {
+            let corner = |r: usize, a: usize| {
+                direction(self.frame.absolute([cell.radii[r], cell.azimuths[a]])).z
+            };
+            let corners = [corner(0, 0), corner(0, 1), corner(1, 0), corner(1, 1)];
+            // the edge of a wide cell is curved: it may rise over the horizon between corners below it
+            let span = (cell.radii[1] - cell.radii[0]).max(cell.azimuths[1] - cell.azimuths[0]);
+            if corners.iter().all(|z| *z < -span * span) {
+                return 0.0;
+            }
         }
-        let parts = if is_cut { PARTS } else { 1 };
-        let steps = [
-            (cell.radii[1] - cell.radii[0]) / parts as f64,
-            (cell.azimuths[1] - cell.azimuths[0]) / parts as f64,
+        self.halved(cell, f, DEPTH)
+    }
+
+    fn halved(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64, depth: usize) -> f64 {
+        let (coarse, fine) = (self.by_rule(cell, &COARSE, f), self.by_rule(cell, &GAUSS, f));
+        if depth == 0 || (fine - coarse).abs() <= 2e-3 * fine.abs() + 1e-10 {
+            return fine;
+        }
+        let [r0, r2] = cell.radii;
+        let [a0, a2] = cell.azimuths;
+        let (r1, a1) = (f64::midpoint(r0, r2), f64::midpoint(a0, a2));
+        let quarters = [
+            ([r0, r1], [a0, a1]),
+            ([r1, r2], [a0, a1]),
+            ([r0, r1], [a1, a2]),
+            ([r1, r2], [a1, a2]),
         ];
+        let of = |(radii, azimuths)| self.halved(Cell { radii, azimuths }, f, depth - 1);
+        quarters.into_iter().map(of).sum()
+    }
+
+    /// The integral over a cell by a product rule.
+    fn by_rule(&self, cell: Cell, rule: &[[f64; 2]], f: &dyn Fn([f64; 2], [f64; 2]) -> f64) -> f64 {
+        let steps = [cell.radii[1] - cell.radii[0], cell.azimuths[1] - cell.azimuths[0]];
         let mut sum = 0.0;
-        for i in 0..parts {
-            for j in 0..parts {
-                for &[u, wu] in rule {
-                    for &[v, wv] in rule {
-                        let at = [
-                            cell.radii[0] + (i as f64 + u) * steps[0],
-                            cell.azimuths[0] + (j as f64 + v) * steps[1],
-                        ];
-                        let out = self.frame.absolute(at);
-                        let cos = out[0].cos();
-                        if cos > 0.0 {
-                            sum += wu * wv * f(at, out) * cos * self.frame.jacobian(at[0]);
-                        }
-                    }
+        for &[u, wu] in rule {
+            for &[v, wv] in rule {
+                let at = [cell.radii[0] + u * steps[0], cell.azimuths[0] + v * steps[1]];
+                let out = self.frame.absolute(at);
+                let cos = out[0].cos();
+                if cos > 0.0 {
+                    sum += wu * wv * f(at, out) * cos * self.frame.jacobian(at[0]);
                 }
             }
         }

@@ -16,6 +16,8 @@ pub mod convention;
 pub mod interpolate;
 pub mod flux;
 pub mod table;
+pub mod law;
+mod refine;
 pub mod plan;
 pub mod error;
 pub mod text;

@@ -26,6 +26,9 @@ pub struct Reading {
 /// Angles nearer than this are the same: 1e-7 degrees, which no file means.
 const SAME: f64 = 2e-9;
 
+/// An incidence and its directions and values.
+type Group = ([f64; 2], Vec<([f64; 2], f64)>);
+
 /// Sorts readings into lobes. `isotropic` says that azimuths from 0 to pi are mirrored.
 ///
 /// Bands of an incidence must have the same directions; those with other directions become lobes of their own.
@@ -67,23 +70,17 @@ pub fn collect(readings: Vec<Reading>, isotropic: bool) -> Vec<SampledBsdf> {
 }
 
 fn of_one(first: &Reading, all: Vec<Reading>, isotropic: bool) -> SampledBsdf {
-    let mut groups: Vec<([f64; 2], Vec<([f64; 2], f64)>)> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for reading in all {
-        let near = |(at, _): &&mut ([f64; 2], Vec<_>)| {
+        let near = |(at, _): &Group| {
             (at[0] - reading.incidence[0]).abs() < SAME
                 && (at[1] - reading.incidence[1]).abs() < SAME
         };
         // files run through the directions of an incidence: it is mostly the last one
-        let at = match groups.last_mut().filter(|g| near(g)) {
-            Some(_) => groups.len() - 1,
-            None => match groups.iter_mut().position(|g| near(&g)) {
-                Some(k) => k,
-                None => {
-                    groups.push((reading.incidence, Vec::new()));
-                    groups.len() - 1
-                }
-            },
-        };
+        let at = groups.iter().rposition(near).unwrap_or_else(|| {
+            groups.push((reading.incidence, Vec::new()));
+            groups.len() - 1
+        });
         groups[at].1.push((reading.out, reading.f));
     }
     groups.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]).then(a.0[0].total_cmp(&b.0[0])));

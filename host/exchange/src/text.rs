@@ -6,7 +6,7 @@ use crate::error::Fault;
 #[derive(Clone, Debug)]
 pub struct Lines<'a> {
     format: &'static str,
-    lines: Vec<&'a str>,
+    all: Vec<&'a str>,
     /// Index of the next line.
     at: usize,
 }
@@ -41,7 +41,7 @@ impl<'a> Lines<'a> {
             let line = line.strip_suffix('\r').unwrap_or(line);
             lines.extend(line.split('\r'));
         }
-        Self { format, lines, at: 0 }
+        Self { format, all: lines, at: 0 }
     }
 
     /// Number of the line that was read last.
@@ -51,7 +51,7 @@ impl<'a> Lines<'a> {
 
     /// The next line, whatever it is.
     pub fn next_raw(&mut self) -> Option<&'a str> {
-        let line = self.lines.get(self.at).copied();
+        let line = self.all.get(self.at).copied();
         self.at += usize::from(line.is_some());
         line
     }

@@ -10,7 +10,8 @@ use super::{Format, Source, Writer};
 use crate::convention::{Global, between};
 use crate::error::{CannotHold, Fault};
 use crate::interpolate::Interpolation;
-use crate::plan::{Coordinates, Layout, plan};
+use crate::law::{Coordinates, Layout};
+use crate::plan::plan;
 use crate::sampled::{Band, SampledBsdf, Symmetry};
 use crate::table::{Reading, collect};
 use crate::text::{Lines, degrees, excerpt};
@@ -103,6 +104,7 @@ fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
     Ok(all)
 }
 
+#[allow(clippy::unnecessary_wraps, reason = "the signature of every format")]
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
     let mut out = String::new();
     for line in lobes.first().map(own::lines).unwrap_or_default() {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use crate::error::{CannotHold, Fault, FileError};
-use crate::plan::{Law, Options, Subject};
+use crate::law::{Law, Options, Subject};
 use crate::sampled::SampledBsdf;
 use crate::text::decode;
 
@@ -23,6 +23,9 @@ pub struct Source<'a> {
     pub text: Cow<'a, str>,
 }
 
+/// The lobes of a file.
+pub type Reader = fn(&Source<'_>) -> Result<Vec<SampledBsdf>, Fault>;
+
 /// A format, as data.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
@@ -35,7 +38,7 @@ pub struct Format {
     /// Whether a file is of it, by content.
     pub sniff: fn(&Source<'_>) -> bool,
     /// Its lobes.
-    pub read: Option<fn(&Source<'_>) -> Result<Vec<SampledBsdf>, Fault>>,
+    pub read: Option<Reader>,
     /// How it is written.
     pub write: Option<Writer>,
 }

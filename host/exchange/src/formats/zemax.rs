@@ -12,7 +12,8 @@ use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::Frame;
 use crate::interpolate::Interpolation;
-use crate::plan::{Coordinates, Layout, plan};
+use crate::law::{Coordinates, Layout};
+use crate::plan::plan;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::{Lines, degrees, excerpt, fields};
 
@@ -120,7 +121,6 @@ fn read_header(lines: &mut Lines<'_>, notes: &mut Vec<String>) -> Result<Header,
         let key = words.next().unwrap_or("");
         let word = words.next();
         match key {
-            "Source" => {}
             "Symmetry" => header.symmetry = word.map(str::to_ascii_lowercase),
             "SpectralContent" => header.content = word.map(str::to_owned),
             "ScatterType" => {
@@ -134,7 +134,7 @@ fn read_header(lines: &mut Lines<'_>, notes: &mut Vec<String>) -> Result<Header,
             "AngleOfIncidence" => header.incidences = list(lines, key, word)?,
             "ScatterAzimuth" => header.azimuths = list(lines, key, word)?,
             "ScatterRadial" => header.radii = list(lines, key, word)?,
-            "Monochrome" | "TristimulusX" => {}
+            "Source" | "Monochrome" | "TristimulusX" => {}
             "DataBegin" => break,
             _ => return Err(lines.fault(format!("unknown keyword '{}'", excerpt(key)))),
         }
