@@ -5,8 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::frame::Frame;
 use crate::law::Law;
-use crate::sampled::{Incidence, Nodes, SampledBsdf};
+use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf};
 
 /// One incidence of a file beside the law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -47,52 +48,87 @@ fn percent(is: f64, ought: f64) -> f64 {
     if is.to_bits() == ought.to_bits() { 0.0 } else { 100.0 * (is / ought - 1.0) }
 }
 
-/// Compares every incidence of a file with the law.
-pub fn compare(file: &SampledBsdf, law: &dyn Law) -> Vec<Row> {
+/// Compares every incidence of a file with the grid it was made of, value by value, and with the law, flux and peak.
+pub fn compare(file: &SampledBsdf, made: &SampledBsdf, law: &dyn Law) -> Vec<Row> {
     let all = file.incidences.par_iter().enumerate();
-    all.map(|(k, incidence)| row(file, k, incidence, law)).collect()
+    all.map(|(k, incidence)| row(file, (k, incidence), made, law)).collect()
 }
 
-fn row(file: &SampledBsdf, k: usize, incidence: &Incidence, law: &dyn Law) -> Row {
+fn row(
+    file: &SampledBsdf,
+    (k, incidence): (usize, &Incidence),
+    made: &SampledBsdf,
+    law: &dyn Law,
+) -> Row {
     let from = [incidence.theta, incidence.phi];
     let directions = incidence.nodes.directions();
-    let (mut peak_law, mut peak_file, mut worst) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for (at, value) in directions.iter().zip(file.band(k, 0)) {
-        if at[0] > FRAC_PI_2 - 1e-8 {
-            continue; // at and below the horizon a file may hold what it likes
+    let over = |at: &[f64; 2]| at[0] < FRAC_PI_2 - 1e-8; // at and below the horizon a file may hold what it likes
+    let mut peaks = Peaks::default();
+    let before = made.incidences.get(k).filter(|i| i.nodes.len() == directions.len());
+    let mut worst = if before.is_some() { 0.0_f64 } else { f64::NAN };
+    for (j, (at, value)) in directions.iter().zip(file.band(k, 0)).enumerate() {
+        if !over(at) {
+            continue;
         }
-        let is = law.value(from, *at);
-        peak_law = peak_law.max(is);
-        peak_file = peak_file.max(*value);
-        worst = worst.max((is - value).abs());
+        let is = if law.has_grain() || before.is_none() { *value } else { law.value(from, *at) };
+        peaks.add(is, *value);
+        // the order of nodes is the file's; a grid of the same directions has them in the same order
+        let ought =
+            made.incidences.get(k).and_then(|i| i.values.get(j)).copied().unwrap_or(f64::NAN);
+        worst = worst.max((ought - value).abs());
     }
-    let flux_law = match (&incidence.nodes, law.flux(from)) {
-        (_, Some(flux)) => flux,
-        (Nodes::Grid(grid), None) => {
-            for cell in grid.cells() {
-                let middle = [
-                    f64::midpoint(cell.radii[0], cell.radii[1]),
-                    f64::midpoint(cell.azimuths[0], cell.azimuths[1]),
-                ];
-                let out = grid.frame.absolute(middle);
-                if out[0] < FRAC_PI_2 {
-                    peak_law = peak_law.max(law.value(from, out));
-                    peak_file = peak_file.max(incidence.value(0, out, file.interpolation));
-                }
+    if let (Nodes::Grid(grid), false) = (&incidence.nodes, law.has_grain()) {
+        for cell in grid.cells() {
+            let out = grid.frame.absolute(cell.middle());
+            if over(&out) {
+                peaks.add(law.value(from, out), incidence.value(0, out, file.interpolation));
             }
-            grid.integral(&|_, out| law.value(from, out).max(0.0))
         }
-        (_, None) => f64::NAN,
-    };
+    }
     Row {
-        incidence_deg: incidence.theta.to_degrees(),
-        rotation_deg: incidence.phi.to_degrees(),
+        incidence_deg: degrees(incidence.theta),
+        rotation_deg: degrees(incidence.phi),
         nodes: directions.len(),
-        node_error_percent: if peak_law > 0.0 { 100.0 * worst / peak_law } else { 0.0 },
-        flux_law,
+        node_error_percent: if peaks.law > 0.0 { 100.0 * worst / peaks.law } else { 0.0 },
+        flux_law: law.flux(from).unwrap_or_else(|| law_flux(law, file, incidence)),
         flux_file: file.flux(k, 0),
         flux_stated: incidence.stated.first().copied(),
-        peak_law,
-        peak_file,
+        peak_law: peaks.law,
+        peak_file: peaks.file,
     }
+}
+
+/// Largest values over the same directions.
+#[derive(Clone, Copy, Debug, Default)]
+struct Peaks {
+    law: f64,
+    file: f64,
+}
+
+impl Peaks {
+    fn add(&mut self, law: f64, file: f64) {
+        self.law = self.law.max(law);
+        self.file = self.file.max(file);
+    }
+}
+
+/// Degrees without the digits that only their conversion made.
+fn degrees(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e9).round() / 1e9
+}
+
+/// Flux of a law by quadrature: on the grid of the file, or on one about the ray where the file has none.
+fn law_flux(law: &dyn Law, file: &SampledBsdf, incidence: &Incidence) -> f64 {
+    let from = [incidence.theta, incidence.phi];
+    let value = |_: [f64; 2], out: [f64; 2]| law.value(from, out).max(0.0);
+    if let Nodes::Grid(grid) = &incidence.nodes {
+        return grid.integral(&value);
+    }
+    let frame =
+        file.specular(incidence.theta).map_or(Frame::Absolute, |theta| Frame::Specular { theta });
+    let mut radii: Vec<f64> = (0..96).map(|k| 1e-4 * 1.11_f64.powi(k)).collect();
+    radii.retain(|r| *r < 3.1);
+    radii.insert(0, 0.0);
+    let azimuths = (0..48).map(|k| f64::from(k) * std::f64::consts::PI / 24.0).collect();
+    Grid { frame, radii, azimuths, mirrored: false }.integral(&value)
 }

@@ -54,6 +54,13 @@ pub(crate) struct Cell {
     pub(crate) azimuths: [f64; 2],
 }
 
+impl Cell {
+    /// Its middle.
+    pub(crate) fn middle(self) -> [f64; 2] {
+        [self.radii, self.azimuths].map(|[a, b]| f64::midpoint(a, b))
+    }
+}
+
 impl Grid {
     /// The integral of a function of `[radius, azimuth]` and the absolute angles, times the cosine, over the hemisphere.
     ///

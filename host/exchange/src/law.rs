@@ -13,6 +13,11 @@ pub trait Law: Sync {
         let _ = incidence;
         None
     }
+
+    /// Whether values have the grain of counted rays: nodes are then means over the directions they stand for, scaled to the flux.
+    fn has_grain(&self) -> bool {
+        false
+    }
 }
 
 /// What a law is the law of.

@@ -1,5 +1,7 @@
 //! The refinement of a grid: intervals are halved until values and flux hold.
 
+mod grain;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
@@ -122,6 +124,10 @@ impl<'a> Refined<'a> {
     }
 
     pub(crate) fn refine(&mut self, most: usize) {
+        if self.law.has_grain() {
+            self.grade();
+            return;
+        }
         self.steepen(most);
         // kinks, such as that of total reflection, and horizons have their peaks between nodes
         let peaks: Vec<_> = self.group.par_iter().flat_map_iter(|at| self.peaks(at)).collect();
@@ -367,6 +373,11 @@ impl<'a> Refined<'a> {
     }
 
     fn values(&self, at: &At, grid: &Grid) -> Vec<f64> {
+        if self.law.has_grain() {
+            let nodes =
+                (0..grid.azimuths.len()).flat_map(|j| (0..grid.radii.len()).map(move |i| (i, j)));
+            return nodes.map(|node| self.mean(at, grid, node)).collect();
+        }
         let of_azimuth = |a: &f64| {
             let a = *a;
             grid.radii.iter().map(move |r| self.value(at, [*r, a]))
@@ -377,7 +388,15 @@ impl<'a> Refined<'a> {
     pub(crate) fn incidences(&self) -> Vec<Incidence> {
         let of = |at: &At| {
             let grid = self.grid(at);
-            let values = self.values(at, &grid);
+            let mut values = self.values(at, &grid);
+            if let (true, Some(flux)) = (self.law.has_grain(), self.law.flux(at.incidence)) {
+                let how = self.layout.interpolation;
+                let is = grid.integral(&|c, _| grid.value(&values, c, how));
+                let scale = if is > 0.0 { flux / is } else { 1.0 };
+                for v in &mut values {
+                    *v *= scale;
+                }
+            }
             let [theta, phi] = at.incidence;
             Incidence { theta, phi, nodes: Nodes::Grid(grid), values, stated: Vec::new() }
         };

@@ -68,7 +68,7 @@ fn rows(format: &Format, law: &Facets, subject: &Subject, options: &Options) -> 
     let one = read.iter().find(|r| r.side == subject.side && r.lobe == subject.lobe);
     let one = one.unwrap_or_else(|| panic!("{}: no such lobe", format.name));
     assert_eq!(one.index, subject.index, "{}", format.name);
-    Some(compare(one, law))
+    Some(compare(one, &sampled, law))
 }
 
 /// Errors allowed, percent: of values at nodes, of the flux, of the peak.
