@@ -1,7 +1,7 @@
 //! A boundary as a law that the formats of other programs can sample ([`asperity_exchange`]).
 
 use asperity_core::bsdf::Bsdf;
-use asperity_core::direction::{self, Direction};
+use asperity_core::direction::Direction;
 use asperity_exchange::convention::Global;
 use asperity_exchange::law::{Closed, Law, Subject};
 use asperity_exchange::{Band, Lobe, Side, Symmetry};
@@ -138,7 +138,11 @@ impl Law for BoundaryLaw<'_> {
         let isotropic = self.table.as_ref().is_some_and(|t| *t.azimuth() == Azimuth::Isotropic);
         let here = self.value_of(incidence, out);
         // left and right of an isotropic surface differ by the grain of the rays alone
-        if isotropic { f64::midpoint(here, self.value_of(incidence, [out[0], -out[1]])) } else { here }
+        if isotropic {
+            f64::midpoint(here, self.value_of(incidence, [out[0], -out[1]]))
+        } else {
+            here
+        }
     }
 
     fn flux(&self, incidence: [f64; 2]) -> Option<f64> {
@@ -160,12 +164,4 @@ impl Law for BoundaryLaw<'_> {
 fn vector(at: Global) -> Option<Direction<f64>> {
     let ((sin, cos), (s, c)) = (at.theta.sin_cos(), at.phi.sin_cos());
     Direction::new(sin * c, sin * s, cos)
-}
-
-/// The side of the library for that of a file.
-pub fn side_of(side: Side) -> direction::Side {
-    match side {
-        Side::Air => direction::Side::Air,
-        Side::Dielectric => direction::Side::Dielectric,
-    }
 }

@@ -13,12 +13,16 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 9] = [
+const MAY_IMPORT: [(&str, &[&str]); 10] = [
     ("asperity-core", &[]),
     ("asperity-fourier", &[]),
     ("asperity-needs", &[]),
     ("asperity-surface", &["asperity-core", "asperity-fourier", "asperity-needs"]),
-    ("asperity", &["asperity-core", "asperity-fourier", "asperity-surface", "asperity-needs"]),
+    ("asperity-exchange", &["asperity-core", "asperity-needs"]),
+    (
+        "asperity",
+        &["asperity-core", "asperity-exchange", "asperity-fourier", "asperity-surface", "asperity-needs"],
+    ),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
     ("asperity-evaluator", &["asperity-core"]),

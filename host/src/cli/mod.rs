@@ -30,6 +30,9 @@ mod acquire;
 mod instrument;
 mod tabulate;
 mod trade;
+mod exchanged;
+mod export;
+mod convert;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -78,6 +81,7 @@ Examples:
   asperity stats map.x3p                               roughness of a height map
   asperity acquire --port /dev/ttyUSB0 -o scan.csv     measure on a goniophotometer
   asperity tabulate m.json --bytes 8192 -o m.bsdft     a table for a microcontroller
+  asperity export m.json --format zemax --side air --lobe transmission -o m.bsdf
   asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, interrupted, or an instrument or a
@@ -96,6 +100,8 @@ enum Verb {
     Acquire(acquire::Args),
     Instrument(instrument::Args),
     Tabulate(tabulate::Args),
+    Export(export::Args),
+    Convert(convert::Args),
     Trade(trade::Args),
     Completions(completions::Args),
     #[command(hide = true)]
@@ -144,6 +150,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Acquire(a) => acquire::run(&a),
         Verb::Instrument(a) => instrument::run(&a),
         Verb::Tabulate(a) => tabulate::run(&a),
+        Verb::Export(a) => export::run(&a),
+        Verb::Convert(a) => convert::run(&a),
         Verb::Trade(a) => trade::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
