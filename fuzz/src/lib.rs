@@ -198,3 +198,16 @@ pub fn instrument(bytes: &[u8]) {
     // an answer for a request, points on credit: nothing goes on talking by itself for ever
     assert!(said <= 20_000 + 2000 * bytes.len(), "{said} bytes");
 }
+
+/// A file of scatter: never a panic, and what is read has a flux that is a number.
+pub fn scatter(bytes: &[u8]) {
+    for name in ["file", "file.brdf", "file.ddt"] {
+        if let Ok((_, lobes)) = asperity::exchange::read_bytes(name, bytes) {
+            for lobe in lobes {
+                for incidence in 0..lobe.incidences.len().min(4) {
+                    let _ = lobe.flux(incidence, 0);
+                }
+            }
+        }
+    }
+}

@@ -55,6 +55,17 @@ pub enum ScanFault {
         "the file is empty; a scan has a line `sigma_deg,theta_deg,reading` and readings below"
     )]
     Empty,
+    /// A file of another program that breaks the rules of its format.
+    #[error(transparent)]
+    Exchanged(Box<asperity_exchange::Fault>),
+    /// A file of another program without readings that a fit could use.
+    #[error("{format}: {what}")]
+    NoScan {
+        /// The format.
+        format: &'static str,
+        /// What is in it, and the remedy.
+        what: String,
+    },
     /// No line with the names of the columns where one is expected.
     #[error(
         "expected the line `sigma_deg,theta_deg,reading`, found {}; \

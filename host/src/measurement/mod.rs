@@ -21,6 +21,7 @@
 //! | [`csv`] | reading the standard file |
 //! | [`columns`] | the columns of a foreign CSV file |
 //! | [`import`] | reading such a file |
+//! | [`exchanged`] | reading the files of other programs |
 //! | [`write`](mod@write) | writing the standard file |
 //! | [`noise`] | the noise floor, from the readings alone |
 
@@ -35,6 +36,7 @@ pub mod csv;
 pub mod columns;
 mod table;
 pub mod import;
+pub mod exchanged;
 pub mod write;
 pub mod noise;
 #[cfg(test)]

@@ -69,6 +69,11 @@ pub fn detect(source: &Source<'_>) -> Option<&'static Format> {
     FORMATS.iter().find(|format| format.read.is_some() && (format.sniff)(source))
 }
 
+/// The format of a content; `name` is the file's. `None` if no reader knows it.
+pub fn detect_bytes(name: &str, bytes: &[u8]) -> Option<&'static Format> {
+    detect(&Source { name, bytes, text: decode(bytes) })
+}
+
 /// Reads a file of any format.
 ///
 /// # Errors

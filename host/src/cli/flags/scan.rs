@@ -10,7 +10,7 @@ use crate::cli::error::{Failure, without_effect};
 use crate::cli::say;
 use crate::forward::Setup;
 use crate::measurement::import::Import;
-use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
+use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv, exchanged};
 use crate::method::Body;
 use crate::provenance::InputFile;
 use crate::reconstruct::{Said, Situation, Unclear};
@@ -147,7 +147,7 @@ impl ReadFlags {
         let bytes = csv::load(path)?;
         let input = InputFile::of_bytes(path, &bytes);
         let Some(columns) = &self.columns else {
-            let mut scan = csv::parse(&bytes, path)?;
+            let mut scan = exchanged::parse(&bytes, path)?;
             if let Some(quantity) = self.quantity {
                 scan.meta.quantity = Some(quantity.into());
             }
