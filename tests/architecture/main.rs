@@ -21,7 +21,13 @@ const MAY_IMPORT: [(&str, &[&str]); 10] = [
     ("asperity-exchange", &["asperity-core", "asperity-needs"]),
     (
         "asperity",
-        &["asperity-core", "asperity-exchange", "asperity-fourier", "asperity-surface", "asperity-needs"],
+        &[
+            "asperity-core",
+            "asperity-exchange",
+            "asperity-fourier",
+            "asperity-surface",
+            "asperity-needs",
+        ],
     ),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),

@@ -15,6 +15,7 @@
 //! | `compare` | every method side by side |
 //! | `trade` | error against cost of every evaluator |
 //! | `tables` | tables in place of models |
+//! | `exchange` | models in the formats of other programs, and scans from them |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
@@ -50,6 +51,7 @@ mod hybrid;
 mod compare;
 mod trade;
 mod tables;
+mod exchange;
 mod malformed;
 mod map_files;
 mod malformed_maps;

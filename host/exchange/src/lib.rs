@@ -15,6 +15,7 @@ pub mod sampled;
 pub mod convention;
 pub mod interpolate;
 pub mod flux;
+pub mod isotropy;
 pub mod table;
 pub mod law;
 mod refine;

@@ -119,23 +119,53 @@ impl<'a> Refined<'a> {
         }
     }
 
-    fn nodes(&self) -> usize {
-        self.radii.len() * self.azimuths.len() * self.group.len()
-    }
-
     pub(crate) fn refine(&mut self, most: usize) {
         if self.law.has_grain() {
             self.grade();
             return;
         }
-        self.steepen(most);
-        // kinks, such as that of total reflection, and horizons have their peaks between nodes
-        let peaks: Vec<_> = self.group.par_iter().flat_map_iter(|at| self.peaks(at)).collect();
+        // values first, with room for what the flux needs; then peaks, for kinks such as that of total reflection, and horizons, have
+        // theirs between nodes; then the flux
+        self.repeat(most / 2, Self::by_value);
+        let peaks: Vec<_> =
+            self.group.par_iter().flat_map_iter(|at| self.missed_peaks(at)).collect();
         self.radii.extend(peaks.iter().map(|peak| peak[0]));
         self.azimuths.extend(peaks.iter().map(|peak| peak[1]));
         sort(&mut self.radii);
         sort(&mut self.azimuths);
-        self.steepen(most);
+        self.repeat(most, Self::by_flux);
+    }
+
+    /// Halves the intervals that are found wanting until there are none, or nodes too many.
+    fn repeat(&mut self, most: usize, wanting: fn(&Self) -> (Vec<f64>, Vec<f64>)) {
+        for _ in 0..PASSES {
+            let (radial, around) = wanting(self);
+            if radial.is_empty() && around.is_empty() {
+                return;
+            }
+            let nodes = (self.radii.len() + radial.len()) * (self.azimuths.len() + around.len());
+            if nodes * self.group.len() > most {
+                return;
+            }
+            self.radii.extend(radial);
+            self.azimuths.extend(around);
+            sort(&mut self.radii);
+            sort(&mut self.azimuths);
+        }
+    }
+
+    /// The peaks that interpolation does not reach.
+    fn missed_peaks(&self, at: &At) -> Vec<[f64; 2]> {
+        let grid = self.grid(at);
+        let values = self.values(at, &grid);
+        let mut peaks = self.peaks(at);
+        let misses = |peak: &[f64; 2]| {
+            let is = self.over(at, *peak);
+            let seen = grid.value(&values, *peak, self.layout.interpolation);
+            (seen - is).abs() > 0.3 * self.options.tolerance * is
+        };
+        peaks.retain(misses);
+        peaks
     }
 
     /// Where an incidence has its largest values: uphill from the best node or middle of every radius that is better than its neighbours.
@@ -193,28 +223,6 @@ impl<'a> Refined<'a> {
     /// The value over the horizon, 0 below it.
     fn over(&self, at: &At, c: [f64; 2]) -> f64 {
         if Self::is_over(at, c) { self.value(at, c) } else { 0.0 }
-    }
-
-    fn steepen(&mut self, most: usize) {
-        for _ in 0..PASSES {
-            let (mut radial, mut around) = self.by_value();
-            let nodes = (self.radii.len() + radial.len()) * (self.azimuths.len() + around.len());
-            // what steps and kinks take must leave room for the flux
-            if radial.is_empty() && around.is_empty() || nodes * self.group.len() > most / 2 {
-                (radial, around) = self.by_flux();
-            }
-            if radial.is_empty() && around.is_empty() {
-                return;
-            }
-            let nodes = (self.radii.len() + radial.len()) * (self.azimuths.len() + around.len());
-            if nodes * self.group.len() > most.max(self.nodes()) {
-                return;
-            }
-            self.radii.extend(radial);
-            self.azimuths.extend(around);
-            sort(&mut self.radii);
-            sort(&mut self.azimuths);
-        }
     }
 
     /// Whether interpolation between two nodes is more than `most` from the law: in the middle of what lies over the horizon, and at it.

@@ -33,6 +33,7 @@ mod trade;
 mod exchanged;
 mod export;
 mod convert;
+mod inspect;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -102,6 +103,7 @@ enum Verb {
     Tabulate(tabulate::Args),
     Export(export::Args),
     Convert(convert::Args),
+    Inspect(inspect::Args),
     Trade(trade::Args),
     Completions(completions::Args),
     #[command(hide = true)]
@@ -152,6 +154,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Tabulate(a) => tabulate::run(&a),
         Verb::Export(a) => export::run(&a),
         Verb::Convert(a) => convert::run(&a),
+        Verb::Inspect(a) => inspect::run(&a),
         Verb::Trade(a) => trade::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),

@@ -1,0 +1,100 @@
+//! `export` and `convert`: what is written is what the model is; a scan is read from any of it.
+
+use crate::program::Folder;
+
+/// A folder with a model of GGX.
+fn with_model() -> Folder {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.3 --ior 1.49 -o m.json").ok();
+    folder
+}
+
+/// Names of the formats, and whether each is read and written.
+fn formats(folder: &Folder) -> Vec<(String, bool, bool)> {
+    let list = folder.run("convert --list").ok();
+    let rows = list.lines().skip(1).map(|line| {
+        let words: Vec<_> = line.split_whitespace().collect();
+        (words[0].to_owned(), words[1] == "yes", words[2] == "yes")
+    });
+    rows.collect()
+}
+
+#[test]
+fn every_format_has_flux_and_peak_of_the_model() {
+    let folder = with_model();
+    for (name, is_read, is_written) in formats(&folder) {
+        if !is_written {
+            continue;
+        }
+        // coarse patches, and formats of a single incidence
+        let line = format!(
+            "export m.json --format {name} --side air --lobe reflection --incidence 30 --tolerance 2 --json -o out.{name}"
+        );
+        let answer = folder.run(&line).json();
+        assert_eq!(answer["format"], name.as_str());
+        let rows = answer["incidences"].as_array().unwrap();
+        assert_eq!(!rows.is_empty(), is_read, "{name}: {answer}");
+        for row in rows {
+            let of = |key: &str| row[key].as_f64().unwrap();
+            let error = 100.0 * (of("flux_file") / of("flux_law") - 1.0);
+            assert!(error.abs() < 0.11, "{name}: {row}");
+        }
+        if is_read {
+            let back = format!(
+                "convert out.{name} back.csv --side air --lobe reflection --format csv --json --accept"
+            );
+            folder.run(&back).json();
+        }
+    }
+}
+
+#[test]
+fn a_file_that_can_hold_the_grid_keeps_its_values() {
+    let folder = with_model();
+    let line =
+        "export m.json --format zemax --side air --lobe transmission --incidence 0,30 -o a.bsdf";
+    folder.run(line).ok();
+    folder.run("convert a.bsdf b.bsdf --format zemax").ok();
+    let values = |name: &str| -> Vec<String> {
+        folder.text(name).lines().filter(|l| !l.starts_with('#')).map(str::to_owned).collect()
+    };
+    assert_eq!(values("a.bsdf"), values("b.bsdf"));
+}
+
+#[test]
+fn a_scan_is_read_from_another_programs_file() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.3 gain=1 lambert=0.01 --opaque -o m.json").ok();
+    let line =
+        "export m.json --format zemax --side air --lobe reflection --incidence 0,30,60 -o a.bsdf";
+    folder.run(line).ok();
+    folder.run("fit a.bsdf --method ggx --opaque -o fit.json").ok();
+    let alpha = folder.json("fit.json")["parameters"]["alpha"]["value"].as_f64().unwrap();
+    assert!((alpha - 0.3).abs() < 0.003, "{alpha}");
+}
+
+#[test]
+fn what_a_file_cannot_hold_is_refused_or_said() {
+    let folder = with_model();
+    let refused = |line: &str| folder.run(line).with_code(2).err;
+    let err = refused("export m.json --format nonsense --side air --lobe reflection -o x");
+    assert!(err.contains("nonsense") && err.contains("zemax"), "{err}");
+    let err =
+        refused("export m.json --format zemax --side air --lobe reflection --incidence 95 -o x");
+    assert!(err.contains("--incidence 95"), "{err}");
+    let err = refused(
+        "export m.json --format zemax --side dielectric --lobe transmission --incidence 60 -o x",
+    );
+    assert!(err.contains("critical angle"), "{err}");
+    let said = folder
+        .run("export m.json --format zemax --side dielectric --lobe transmission --incidence 20,60 -o y.bsdf")
+        .ok();
+    assert!(said.contains("1 incidences beyond the critical angle"), "{said}");
+    folder.run("model ggx --set alpha=0.3 --opaque -o opaque.json").ok();
+    let err = refused("export opaque.json --format csv --side air --lobe transmission -o x");
+    assert!(err.contains("opaque"), "{err}");
+    folder.write("junk.bsdf", "neither this\nnor that\n");
+    let err = refused("convert junk.bsdf x.csv --format csv");
+    assert!(err.contains("junk.bsdf") && err.contains("Zemax"), "{err}");
+    assert_eq!(folder.names(), ["junk.bsdf", "m.json", "opaque.json", "y.bsdf"]);
+}
