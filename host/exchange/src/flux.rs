@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::frame::{Frame, direction};
 use crate::interpolate::Interpolation;
+use crate::nearest::Nearest;
 use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf};
 
 /// Nodes and weights of Gauss and Legendre on [0, 1], 4 points.
@@ -172,44 +173,7 @@ const SQUARE: usize = 256;
 
 /// Single directions: each stands for the directions that are nearer to it than to any other, found on a lattice of equal projected solid angles.
 fn scattered(points: &[[f64; 2]], values: &[f64]) -> f64 {
-    let nodes: Vec<_> = points.iter().map(|p| direction(*p)).collect();
-    let mut order: Vec<usize> = (0..nodes.len()).collect();
-    order.sort_by(|a, b| nodes[*a].x.total_cmp(&nodes[*b].x));
-    let xs: Vec<f64> = order.iter().map(|k| nodes[*k].x).collect();
-    let nearest = |to: glam::DVec3| {
-        let start = xs.partition_point(|x| *x < to.x);
-        let (mut best, mut distance) = (0, f64::INFINITY);
-        let (mut low, mut high) = (start, start);
-        loop {
-            let below = low.checked_sub(1).filter(|k| (to.x - xs[*k]).powi(2) < distance);
-            let above = (high < xs.len() && (xs[high] - to.x).powi(2) < distance).then_some(high);
-            let next = match (below, above) {
-                (None, None) => return best,
-                (Some(k), None) => {
-                    low = k;
-                    k
-                }
-                (None, Some(k)) => {
-                    high += 1;
-                    k
-                }
-                (Some(k), Some(l)) => {
-                    if to.x - xs[k] < xs[l] - to.x {
-                        low = k;
-                        k
-                    } else {
-                        high += 1;
-                        l
-                    }
-                }
-            };
-            let node = order[next];
-            let d = nodes[node].distance_squared(to);
-            if d < distance {
-                (best, distance) = (node, d);
-            }
-        }
-    };
+    let nearest = Nearest::new(points.iter().copied());
     let row = |i: usize| {
         let mut sum = 0.0;
         for j in 0..SQUARE {
@@ -217,7 +181,7 @@ fn scattered(points: &[[f64; 2]], values: &[f64]) -> f64 {
             let rho = ((i as f64 + 0.5) / SQUARE as f64).sqrt();
             let phi = TAU * (j as f64 + 0.5) / SQUARE as f64;
             let to = glam::DVec3::new(rho * phi.cos(), rho * phi.sin(), (1.0 - rho * rho).sqrt());
-            sum += values.get(nearest(to)).copied().unwrap_or(0.0);
+            sum += nearest.find(to).and_then(|k| values.get(k)).copied().unwrap_or(0.0);
         }
         sum
     };

@@ -34,8 +34,7 @@ impl Incidence {
         }
         match &self.nodes {
             Nodes::Grid(grid) => grid.value(values, grid.frame.coordinates(at), how),
-            Nodes::Points(points) => nearest(points.iter().copied(), values, at),
-            Nodes::Patches(patches) => nearest(patches.iter().map(|p| p.centre), values, at),
+            nodes => nearest(nodes.directions().into_iter(), values, at),
         }
     }
 }

@@ -12,6 +12,7 @@
 
 pub mod frame;
 pub mod sampled;
+mod nearest;
 pub mod convention;
 pub mod interpolate;
 pub mod flux;
@@ -23,6 +24,7 @@ pub mod plan;
 pub mod error;
 pub mod text;
 pub mod formats;
+pub mod resample;
 pub mod compare;
 #[cfg(test)]
 mod tests_round_trip;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_exchange::law::{Law, Subject};
+use asperity_exchange::resample::FileLaw;
 use asperity_exchange::{FORMATS, Lobe, SampledBsdf, Side};
 
 use super::error::Failure;
@@ -65,18 +65,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )));
     }
     let output = AtomicFile::create(path)?;
-    let law = SampledLaw { lobe: &lobe };
+    let law = FileLaw::new(&lobe);
+    let subject = law.subject();
     options.incidences = lobe.incidences.iter().map(|i| [i.theta, i.phi]).collect();
-    let subject = Subject {
-        side: lobe.side,
-        lobe: lobe.lobe,
-        index: lobe.index,
-        symmetry: lobe.symmetry,
-        band: lobe.bands[0].clone(),
-        notes: lobe.notes.clone(),
-        coherent: 0.0,
-        closed: None,
-    };
     // the grid itself if the format can hold it
     let made = if (writer.encode)(std::slice::from_ref(&lobe)).is_ok() {
         lobe.clone()
@@ -124,21 +115,6 @@ fn chosen(args: &Args, lobes: Vec<SampledBsdf>) -> Result<SampledBsdf, Failure> 
         )));
     }
     found.pop().ok_or_else(|| Failure::bad(format!("the file holds {} only", names.join(", "))))
-}
-
-/// A file as a law: what its own program finds between its nodes.
-struct SampledLaw<'a> {
-    lobe: &'a SampledBsdf,
-}
-
-impl Law for SampledLaw<'_> {
-    fn value(&self, [theta, phi]: [f64; 2], out: [f64; 2]) -> f64 {
-        let near = |i: &&asperity_exchange::Incidence| {
-            (i.theta - theta).abs() < 1e-9 && (i.phi - phi).abs() < 1e-9
-        };
-        let incidence = self.lobe.incidences.iter().find(near);
-        incidence.map_or(0.0, |i| i.value(0, out, self.lobe.interpolation))
-    }
 }
 
 fn list() -> String {
