@@ -1,6 +1,6 @@
 //! The scattered flux of a table as its reader interpolates it, and that of a law.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use rayon::prelude::*;
 
@@ -65,22 +65,18 @@ impl Cell {
 impl Grid {
     /// The integral of a function of `[radius, azimuth]` and the absolute angles, times the cosine, over the hemisphere.
     ///
-    /// Radii below the first node and above the last are taken as far as directions go.
+    /// Radii below the first node are taken to the pole; beyond the last there is nothing.
     pub(crate) fn integral(&self, f: &(dyn Fn([f64; 2], [f64; 2]) -> f64 + Sync)) -> f64 {
         let sums = self.cells().par_iter().map(|cell| self.cell(*cell, f)).collect::<Vec<_>>();
         let once: f64 = sums.iter().sum();
         if self.mirrored { 2.0 * once } else { once }
     }
 
-    /// All cells, those from the pole to the first node and from the last to the end among them.
+    /// All cells, those from the pole to the first node among them.
     pub(crate) fn cells(&self) -> Vec<Cell> {
-        let end = if self.frame == Frame::Absolute { FRAC_PI_2 } else { PI };
         let mut radii = self.radii.clone();
         if radii.first().is_some_and(|r| *r > 1e-12) {
             radii.insert(0, 0.0);
-        }
-        if radii.last().is_some_and(|r| *r < end - 1e-12) {
-            radii.push(end);
         }
         let mut azimuths = self.azimuths.clone();
         if self.mirrored {

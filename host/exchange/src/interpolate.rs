@@ -25,7 +25,7 @@ struct Place {
 }
 
 impl Incidence {
-    /// BSDF of a band at absolute angles, 1/sr. Beyond the last node of a grid it is that node's; below the horizon 0.
+    /// BSDF of a band at absolute angles, 1/sr; 0 below the horizon and beyond the last radius of a grid.
     pub fn value(&self, band: usize, at: [f64; 2], how: Interpolation) -> f64 {
         let n = self.nodes.len();
         let Some(values) = self.values.get(band * n..(band + 1) * n) else { return 0.0 };
@@ -40,8 +40,11 @@ impl Incidence {
 }
 
 impl Grid {
-    /// The value at coordinates of the grid, `[radius, azimuth]`.
+    /// The value at coordinates of the grid, `[radius, azimuth]`; beyond the last radius, where nothing was measured, 0.
     pub fn value(&self, values: &[f64], [radius, azimuth]: [f64; 2], how: Interpolation) -> f64 {
+        if self.radii.last().is_none_or(|last| radius > last + 1e-9) {
+            return 0.0;
+        }
         let r = place(&self.radii, radius);
         let a = self.place_azimuth(azimuth);
         let node = |i: usize, j: usize| {

@@ -57,3 +57,50 @@ impl Law for FileLaw<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use super::*;
+    use crate::compare::compare;
+    use crate::formats::{Format, read_bytes};
+    use crate::law::Options;
+
+    /// A table of few angles, its last radius at 80 degrees.
+    fn coarse() -> SampledBsdf {
+        let mut text = String::from(
+            "Source Measured\nSymmetry PlaneSymmetrical\nSpectralContent Monochrome\nScatterType BRDF\nSampleRotation 1\n0\n\
+             AngleOfIncidence 2\n10 50\nScatterAzimuth 3\n0 90 180\nScatterRadial 5\n0 20 40 60 80\nMonochrome\nDataBegin\n",
+        );
+        for peak in [0.3, 0.5] {
+            text += "TIS 0.2\n";
+            for side in [1.0, 0.8, 0.9] {
+                let row = [1.0, 0.6 * side, 0.3 * side, 0.2 * side, 0.1 * side];
+                for v in row {
+                    let _ = write!(text, "{}\t", v * peak);
+                }
+                text.push('\n');
+            }
+        }
+        text += "DataEnd\n";
+        read_bytes("a.bsdf", text.as_bytes()).unwrap().1.remove(0)
+    }
+
+    #[test]
+    fn a_table_sampled_anew_keeps_its_flux() {
+        let lobe = coarse();
+        let law = FileLaw::new(&lobe);
+        let incidences = lobe.incidences.iter().map(|i| [i.theta, i.phi]).collect();
+        let options = Options { incidences, ..Options::default() };
+        let write = Format::of_name("csv").unwrap().write.unwrap();
+        let made = (write.sample)(&law, &law.subject(), &options).unwrap();
+        let bytes = (write.encode)(std::slice::from_ref(&made)).unwrap();
+        let file = read_bytes("a.csv", &bytes).unwrap().1.remove(0);
+        for (k, row) in compare(&file, &made, &law).iter().enumerate() {
+            assert!(row.flux_percent().abs() < 0.1, "{row:?} {}", row.flux_percent());
+            let own = lobe.flux(k, 0);
+            assert!((row.flux_file / own - 1.0).abs() < 2e-3, "{row:?} {own}");
+        }
+    }
+}
