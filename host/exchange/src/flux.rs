@@ -128,6 +128,11 @@ impl Grid {
         self.halved(cell, f, DEPTH)
     }
 
+    /// The same for a cell over the horizon where nothing is steep.
+    pub(crate) fn smooth_cell(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64) -> f64 {
+        self.by_rule(cell, &COARSE, f)
+    }
+
     fn halved(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64, depth: usize) -> f64 {
         let (coarse, fine) = (self.by_rule(cell, &COARSE, f), self.by_rule(cell, &GAUSS, f));
         if depth == 0 || (fine - coarse).abs() <= 2e-3 * fine.abs() + 1e-10 {

@@ -316,10 +316,6 @@ impl<'a> Refined<'a> {
         let (mut radial, mut around) = (vec![0.0_f64; nr], vec![0.0_f64; na]);
         let (mut law, mut table) = (0.0, 0.0);
         for (cell, (i, j)) in grid.cells_of(azimuths) {
-            let is = grid.cell(cell, &|_, out| self.law.value(at.incidence, out).max(0.0));
-            let seen = grid.cell(cell, &|c, _| grid.value(&values, c, self.layout.interpolation));
-            law += is;
-            table += seen;
             // which of the two coordinates is to blame: how far each one alone is from the value in the middle
             let [r0, r1] = cell.radii;
             let [a0, a1] = cell.azimuths;
@@ -330,6 +326,17 @@ impl<'a> Refined<'a> {
             let across =
                 self.between(self.value(at, [r, a0]), self.value(at, [r, a1]), 0.5) - middle;
             let both = along.abs() + across.abs();
+            let f = |_: [f64; 2], out: [f64; 2]| self.law.value(at.incidence, out).max(0.0);
+            let g = |c: [f64; 2], _: [f64; 2]| grid.value(&values, c, self.layout.interpolation);
+            let is_smooth = both < 0.05 * middle
+                && [[r0, a0], [r0, a1], [r1, a0], [r1, a1]].iter().all(|c| Self::is_over(at, *c));
+            let [is, seen] = if is_smooth {
+                [grid.smooth_cell(cell, &f), grid.smooth_cell(cell, &g)]
+            } else {
+                [grid.cell(cell, &f), grid.cell(cell, &g)]
+            };
+            law += is;
+            table += seen;
             let share = if both > 0.0 { along.abs() / both } else { 0.5 };
             radial[i] += (seen - is).abs() * share;
             around[j] += (seen - is).abs() * (1.0 - share);
