@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::frame::Frame;
-use crate::law::Law;
+use crate::law::{Capped, Law};
 use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf};
 
 /// One incidence of a file beside the law.
@@ -60,6 +60,7 @@ fn row(
     made: &SampledBsdf,
     law: &dyn Law,
 ) -> Row {
+    let (raw, law) = (law, &Capped(law));
     let from = [incidence.theta, incidence.phi];
     let directions = incidence.nodes.directions();
     let over = |at: &[f64; 2]| at[0] < FRAC_PI_2 - 1e-8; // at and below the horizon a file may hold what it likes
@@ -90,7 +91,7 @@ fn row(
         rotation_deg: degrees(incidence.phi),
         nodes: directions.len(),
         node_error_percent: if peaks.law > 0.0 { 100.0 * worst / peaks.law } else { 0.0 },
-        flux_law: law.flux(from).unwrap_or_else(|| law_flux(law, file, incidence)),
+        flux_law: raw.flux(from).unwrap_or_else(|| law_flux(raw, file, incidence)),
         flux_file: file.flux(k, 0),
         flux_stated: incidence.stated.first().copied(),
         peak_law: peaks.law,

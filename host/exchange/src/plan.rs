@@ -1,12 +1,13 @@
 //! The grid of a law: angles that meet a tolerance under the interpolation of a reader.
 
 use crate::frame::{Frame, specular};
-use crate::law::{Coordinates, Law, Layout, Options, Subject};
+use crate::law::{Capped, Coordinates, Law, Layout, Options, Subject};
 use crate::refine::{At, Refined};
 use crate::sampled::SampledBsdf;
 
 /// Samples a law on a grid whose interpolation is as near to it as `options` ask, or as near as `most_nodes` allow.
 pub fn plan(law: &dyn Law, subject: &Subject, layout: Layout, options: &Options) -> SampledBsdf {
+    let law = &Capped(law);
     let mut sampled = SampledBsdf {
         side: subject.side,
         lobe: subject.lobe,

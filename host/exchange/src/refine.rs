@@ -51,6 +51,8 @@ impl<'a> Refined<'a> {
         let mut radii: Vec<f64> = (0..=coarse as usize).map(|k| end * k as f64 / coarse).collect();
         if absolute {
             radii.extend(group.iter().filter_map(|at| at.ray));
+            // laws without masking rise as 1 / cos
+            radii.extend((0..6).map(|k| end - 0.1_f64.to_radians() * 2.0_f64.powi(k)));
         }
         sort(&mut radii);
         let mirrored = symmetry == Symmetry::Isotropic;

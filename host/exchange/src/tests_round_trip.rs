@@ -71,6 +71,34 @@ fn rows(format: &Format, law: &Facets, subject: &Subject, options: &Options) -> 
     Some(compare(one, &sampled, law))
 }
 
+/// Facets without masking, whose BSDF has no bound at grazing.
+struct Unmasked;
+
+impl Law for Unmasked {
+    fn value(&self, incidence: [f64; 2], out: [f64; 2]) -> f64 {
+        let cosine = out[0].cos().max(1e-9);
+        let along = out[0].sin() * out[1].cos() - incidence[0].sin();
+        let across = out[0].sin() * out[1].sin();
+        (-(along * along + across * across) / 0.05).exp() / cosine
+    }
+}
+
+#[test]
+fn a_law_without_bound_at_grazing_keeps_its_flux() {
+    let (_, subject) = lobes(0.2).remove(0);
+    let incidences = [0.0_f64, 30.0, 60.0, 80.0].map(|d| [d.to_radians(), 0.0]).to_vec();
+    let options = Options { incidences, ..Options::default() };
+    for name in ["zemax", "csv"] {
+        let write = Format::of_name(name).unwrap().write.unwrap();
+        let made = (write.sample)(&Unmasked, &subject, &options).unwrap();
+        for row in compare(&made, &made, &Unmasked) {
+            println!("{name} {row:?} {}", row.flux_percent());
+            assert!(row.flux_percent().abs() < 0.1, "{name}: {row:?} {}", row.flux_percent());
+            assert!(row.peak_percent().abs() < 0.5, "{name}: {row:?} {}", row.peak_percent());
+        }
+    }
+}
+
 /// Errors allowed, percent: of values at nodes, of the flux, of the peak.
 struct Allowed {
     node: f64,
