@@ -136,3 +136,8 @@ fn zemax() {
 fn csv() {
     check("csv", &Allowed::default());
 }
+
+#[test]
+fn integra() {
+    check("integra", &Allowed::default());
+}

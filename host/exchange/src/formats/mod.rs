@@ -9,8 +9,11 @@ use crate::sampled::SampledBsdf;
 use crate::text::decode;
 
 mod own;
+mod sampling;
+mod lattice;
 mod csv;
 mod zemax;
+mod integra;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -52,7 +55,7 @@ pub struct Writer {
 }
 
 /// Every format; the order is that of detection.
-pub static FORMATS: &[Format] = &[zemax::FORMAT, csv::FORMAT];
+pub static FORMATS: &[Format] = &[zemax::FORMAT, integra::FORMAT, csv::FORMAT];
 
 impl Format {
     /// The format of a name in flags.
