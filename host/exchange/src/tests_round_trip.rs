@@ -141,3 +141,53 @@ fn csv() {
 fn integra() {
     check("integra", &Allowed::default());
 }
+
+#[test]
+fn ssdd() {
+    check("ssdd", &Allowed::default());
+}
+
+/// Writes files for readers of others to `ASPERITY_PEER_FILES`: see `tests/peers`.
+#[test]
+fn files_for_peers() {
+    let Some(folder) = std::env::var_os("ASPERITY_PEER_FILES").map(std::path::PathBuf::from) else {
+        return;
+    };
+    for (law, subject) in lobes(0.2).into_iter().take(2) {
+        let degrees = [0.0_f64, 30.0, 60.0];
+        let options = Options {
+            incidences: degrees.iter().map(|d| [d.to_radians(), 0.0]).collect(),
+            ..Options::default()
+        };
+        for (name, extensions) in
+            [("zemax", ["bsdf"; 2]), ("ssdd", ["ssdd"; 2]), ("integra", ["ddr", "ddt"])]
+        {
+            let format = Format::of_name(name).unwrap();
+            let write = format.write.unwrap();
+            let sampled = (write.sample)(&law, &subject, &options).unwrap();
+            let is_reflection = subject.lobe == Lobe::Reflection;
+            let extension = extensions[usize::from(!is_reflection)];
+            let stem = folder.join(format!("{name}-{}", subject.lobe.name()));
+            let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+            std::fs::write(stem.with_extension(extension), bytes).unwrap();
+            std::fs::write(stem.with_extension("csv"), over_horizon(&sampled)).unwrap();
+        }
+    }
+}
+
+/// The readings of a lobe over the horizon, as CSV of angles about the sample.
+fn over_horizon(sampled: &crate::sampled::SampledBsdf) -> String {
+    let mut rows = String::from("theta_i,phi_i,theta_o,phi_o,f\n");
+    for (k, incidence) in sampled.incidences.iter().enumerate() {
+        println!("{} {:?} {}", incidence.theta.to_degrees(), sampled.lobe, sampled.flux(k, 0));
+        for (at, f) in incidence.nodes.directions().iter().zip(sampled.band(k, 0)) {
+            let out = Global::of_outgoing(sampled.side, sampled.lobe, incidence.phi, *at);
+            if at[0] < 1.57 {
+                let angles = [incidence.theta, incidence.phi, out.theta, out.phi];
+                let angles = angles.map(crate::text::degrees).join(",");
+                rows.push_str(&format!("{angles},{f:e}\n"));
+            }
+        }
+    }
+    rows
+}

@@ -14,6 +14,7 @@ mod lattice;
 mod csv;
 mod zemax;
 mod integra;
+mod ssdd;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -55,7 +56,7 @@ pub struct Writer {
 }
 
 /// Every format; the order is that of detection.
-pub static FORMATS: &[Format] = &[zemax::FORMAT, integra::FORMAT, csv::FORMAT];
+pub static FORMATS: &[Format] = &[zemax::FORMAT, integra::FORMAT, ssdd::FORMAT, csv::FORMAT];
 
 impl Format {
     /// The format of a name in flags.
