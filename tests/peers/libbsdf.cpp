@@ -2,17 +2,20 @@
 //
 //   cmake -S libbsdf -B build -DLIBBSDF_BUILD_APPLICATIONS=OFF && make -C build
 //   g++ -std=c++17 -fopenmp -I libbsdf/include -I /usr/include/eigen3 tests/peers/libbsdf.cpp build/liblibbsdf.a -o peer
-//   peer FILE CSV [transmission]
+//   peer FILE CSV [INDEX]
 //
 // FILE is .bsdf (Zemax), .ssdd, .ddr, .ddt or .astm; CSV is the same lobe as `asperity export --format csv` writes it, of the same grid or another
 // one: theta_i,phi_i,theta_o,phi_o,f in degrees about the sample. A line for each incidence of the CSV: the flux that libbsdf finds, and
-// the largest difference of its values from those of the CSV in percent of the largest.
+// the largest difference of its values from those of the CSV in percent of the largest. INDEX is for a BTDF of Zemax: libbsdf takes the angle of the
+// direct ray, which such a file gives, for that of the incidence, and is asked for that one.
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -57,9 +60,10 @@ std::map<std::pair<double, double>, std::vector<Row>> readCsv(const char* path) 
 
 int main(int argc, char** argv) {
     if (argc < 3) {
-        std::fprintf(stderr, "peer FILE CSV\n");
+        std::fprintf(stderr, "peer FILE CSV [INDEX]\n");
         return 2;
     }
+    const double index = argc > 3 ? std::atof(argv[3]) : 1.0;
     lb::Log::setNotificationLevel(lb::Log::Level::WARN_MSG);
     lb::FileType fileType;
     lb::DataType dataType = lb::UNKNOWN_DATA;
@@ -70,7 +74,8 @@ int main(int argc, char** argv) {
     }
     std::printf("%s: %s\n", argv[1], dataType == lb::BTDF_DATA ? "BTDF" : dataType == lb::BRDF_DATA ? "BRDF" : "unknown");
     for (const auto& [incidence, rows] : readCsv(argv[2])) {
-        const lb::Vec3 in = direction(incidence.first, incidence.second);
+        const double sine = std::sin(incidence.first * kRadian) / index;
+        const lb::Vec3 in = direction(std::asin(sine) / kRadian, incidence.second);
         double peak = 0.0, worst = 0.0;
         Row at{};
         for (const Row& row : rows) peak = std::max(peak, row.f);

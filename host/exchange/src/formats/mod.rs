@@ -11,10 +11,13 @@ use crate::text::decode;
 mod own;
 mod sampling;
 mod lattice;
+mod flat;
 mod csv;
 mod zemax;
 mod integra;
 mod ssdd;
+mod pab;
+mod astm;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -56,7 +59,8 @@ pub struct Writer {
 }
 
 /// Every format; the order is that of detection.
-pub static FORMATS: &[Format] = &[zemax::FORMAT, integra::FORMAT, ssdd::FORMAT, csv::FORMAT];
+pub static FORMATS: &[Format] =
+    &[zemax::FORMAT, integra::FORMAT, ssdd::FORMAT, pab::FORMAT, astm::FORMAT, csv::FORMAT];
 
 impl Format {
     /// The format of a name in flags.
