@@ -170,30 +170,62 @@ fn astm() {
     check("astm", &Allowed::default());
 }
 
+#[test]
+fn bird() {
+    check("bird", &Allowed::default());
+}
+
+#[test]
+fn openmaterial() {
+    check("openmaterial", &Allowed::default());
+}
+
+#[test]
+fn npz() {
+    check("npz", &Allowed::default());
+}
+
+/// Names of formats that readers of others are given, and their extensions.
+const PEERS: [(&str, &str); 8] = [
+    ("zemax", "bsdf"),
+    ("ssdd", "ssdd"),
+    ("integra", "ddr"),
+    ("astm", "astm"),
+    ("bird", "brdf"),
+    ("openmaterial", "xompt"),
+    ("npz", "npz"),
+    ("pab", "txt"),
+];
+
 /// Writes files for readers of others to `ASPERITY_PEER_FILES`: see `tests/peers`.
 #[test]
 fn files_for_peers() {
     let Some(folder) = std::env::var_os("ASPERITY_PEER_FILES").map(std::path::PathBuf::from) else {
         return;
     };
+    let incidences = [0.0_f64, 30.0, 60.0].iter().map(|d| [d.to_radians(), 0.0]).collect();
+    let options = Options { incidences, ..Options::default() };
     for (law, subject) in lobes(0.2).into_iter().take(2) {
-        let degrees = [0.0_f64, 30.0, 60.0];
-        let options = Options {
-            incidences: degrees.iter().map(|d| [d.to_radians(), 0.0]).collect(),
-            ..Options::default()
-        };
-        for (name, extensions) in
-            [("zemax", ["bsdf"; 2]), ("ssdd", ["ssdd"; 2]), ("integra", ["ddr", "ddt"])]
-        {
-            let format = Format::of_name(name).unwrap();
-            let write = format.write.unwrap();
-            let sampled = (write.sample)(&law, &subject, &options).unwrap();
-            let is_reflection = subject.lobe == Lobe::Reflection;
-            let extension = extensions[usize::from(!is_reflection)];
-            let stem = folder.join(format!("{name}-{}", subject.lobe.name()));
-            let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
-            std::fs::write(stem.with_extension(extension), bytes).unwrap();
-            std::fs::write(stem.with_extension("csv"), over_horizon(&sampled)).unwrap();
+        for (name, extension) in PEERS {
+            let write = Format::of_name(name).unwrap().write.unwrap();
+            let Ok(sampled) = (write.sample)(&law, &subject, &options) else { continue };
+            let is_ddt = name == "integra" && subject.lobe == Lobe::Transmission;
+            let extension = if is_ddt { "ddt" } else { extension };
+            let stem = format!("{name}-{}", subject.lobe.name());
+            std::fs::write(folder.join(format!("{stem}.csv")), over_horizon(&sampled)).unwrap();
+            let put = |stem: String, sampled: &crate::sampled::SampledBsdf| {
+                let bytes = (write.encode)(std::slice::from_ref(sampled)).unwrap();
+                std::fs::write(folder.join(format!("{stem}.{extension}")), bytes).unwrap();
+            };
+            if name != "pab" {
+                put(stem, &sampled);
+                continue;
+            }
+            for (k, incidence) in sampled.incidences.iter().enumerate() {
+                let mut one = sampled.clone();
+                one.incidences = vec![incidence.clone()];
+                put(format!("{stem}-{k}"), &one);
+            }
         }
     }
 }
