@@ -232,15 +232,18 @@ fn files_for_peers() {
 
 /// The readings of a lobe over the horizon, as CSV of angles about the sample.
 fn over_horizon(sampled: &crate::sampled::SampledBsdf) -> String {
+    use std::fmt::Write as _;
+
     let mut rows = String::from("theta_i,phi_i,theta_o,phi_o,f\n");
     for (k, incidence) in sampled.incidences.iter().enumerate() {
-        println!("{} {:?} {}", incidence.theta.to_degrees(), sampled.lobe, sampled.flux(k, 0));
+        let degrees = incidence.theta.to_degrees();
+        println!("{degrees:.3} {} flux {:.6}", sampled.lobe.name(), sampled.flux(k, 0));
         for (at, f) in incidence.nodes.directions().iter().zip(sampled.band(k, 0)) {
             let out = Global::of_outgoing(sampled.side, sampled.lobe, incidence.phi, *at);
             if at[0] < 1.57 {
                 let angles = [incidence.theta, incidence.phi, out.theta, out.phi];
                 let angles = angles.map(crate::text::degrees).join(",");
-                rows.push_str(&format!("{angles},{f:e}\n"));
+                let _ = writeln!(rows, "{angles},{f:e}");
             }
         }
     }

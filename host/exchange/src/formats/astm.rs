@@ -29,8 +29,9 @@ pub(super) const FORMAT: Format = Format {
     },
     read: Some(read),
     write: Some(Writer {
-        sample: |law, subject, options| Ok(absolute(law, subject, options)),
+        sample: |law, subject, options| Ok(absolute(false, law, subject, options)),
         encode,
+        // readers make a table of all angles that occur: the same ones for all incidences leave no gaps in it
         notes: &["readers that take no hint from the file must be told that it is of transmission"],
     }),
 };

@@ -1,4 +1,4 @@
-//! BRDF look-up table of ASAM OpenMATERIAL 3D (`.xompt`, JSON).
+//! BRDF look-up table of ASAM `OpenMATERIAL` 3D (`.xompt`, JSON).
 //!
 //! Layout: the JSON schema of version 1.0.0. Rows of wavelength (m), polar angle of the incidence, polar angle and azimuth of the exit (radians, the azimuth
 //! from that of the incidence), BRDF (1/sr), sorted by columns. The incidence points to its source, as is usual for a BRDF, so that the
@@ -32,7 +32,7 @@ pub(super) const FORMAT: Format = Format {
     read: Some(read),
     write: Some(Writer {
         sample: |law, subject, options| match subject.lobe {
-            Lobe::Reflection => Ok(absolute(law, subject, options)),
+            Lobe::Reflection => Ok(absolute(true, law, subject, options)),
             Lobe::Transmission => Err(transmission()),
         },
         encode,
@@ -144,7 +144,7 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
             let values = lobe.band(k, b);
             rows.extend(places.iter().map(|place| {
                 let [theta_o, phi] = place.out;
-                let phi_o = (around(phi + PI)).min(6.283_185);
+                let phi_o = (around(phi + PI)).min(TAU - 1e-6);
                 let f = values.get(place.node).copied().unwrap_or(0.0);
                 ([*metres, incidence.theta.min(HORIZON), theta_o, phi_o], f)
             }));
@@ -234,7 +234,7 @@ mod tests {
             (1.518_436, 9.944_78e-4),
             (1.535_89, 6.631_54e-4),
             (1.553_343, 3.316_27e-4),
-            (1.570_796, 3.316_44e-5),
+            ("1.570796".parse().unwrap(), 3.316_44e-5),
         ];
         assert_eq!(lobe.incidences.len(), levels.len());
         for ((k, incidence), (theta, level)) in lobe.incidences.iter().enumerate().zip(levels) {

@@ -30,7 +30,7 @@ pub(super) const FORMAT: Format = Format {
     },
     read: Some(read),
     write: Some(Writer {
-        sample: |law, subject, options| Ok(absolute(law, subject, options)),
+        sample: |law, subject, options| Ok(absolute(true, law, subject, options)),
         encode,
         notes: &[
             "one incidence a file; pabopto2bsdf takes all files of a pair of sides at once",

@@ -27,11 +27,16 @@ pub(super) fn about_ray(
     Ok(sampled)
 }
 
-/// A grid of absolute angles for each incidence, linear between nodes.
-pub(super) fn absolute(law: &dyn Law, subject: &Subject, options: &Options) -> SampledBsdf {
+/// Grids of absolute angles, one for each incidence or the same for all, linear between nodes.
+pub(super) fn absolute(
+    own_grids: bool,
+    law: &dyn Law,
+    subject: &Subject,
+    options: &Options,
+) -> SampledBsdf {
     let layout = Layout {
         coordinates: Coordinates::Absolute,
-        own_grids: true,
+        own_grids,
         interpolation: Interpolation::Linear,
     };
     plan(law, subject, layout, options)

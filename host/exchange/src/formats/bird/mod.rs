@@ -1,4 +1,4 @@
-//! Universal BRDF file of the BiRD project (`.brdf`, JSON).
+//! Universal BRDF file of the `BiRD` project (`.brdf`, JSON).
 //!
 //! Layout: JSON schemas v1.0 of BiRD-project/BiRD_view (EMPIR 16NRM08); Lanevski et al., Color Research and Application (2022). Lists of readings:
 //! `theta_i`, `phi_i`, `theta_r`, `phi_r`, `BRDF` and what else was measured. Polar angles are from the normal of the side the light comes from,
@@ -37,7 +37,7 @@ pub(super) const FORMAT: Format = Format {
     },
     read: Some(read),
     write: Some(Writer {
-        sample: |law, subject, options| Ok(absolute(law, subject, options)),
+        sample: |law, subject, options| Ok(absolute(true, law, subject, options)),
         encode,
         notes: &[
             "the schema has no BTDF: theta_r above 90 degrees is transmission, which it does not allow",

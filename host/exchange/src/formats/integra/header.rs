@@ -160,8 +160,8 @@ fn data_type(tokens: &mut Tokens<'_>) -> Result<(bool, bool), Fault> {
 fn list(tokens: &mut Tokens<'_>, what: &str, most: f64) -> Result<Vec<f64>, Fault> {
     let n = tokens.count(what)?;
     let angles = tokens.exactly(n, what, f64::NEG_INFINITY)?;
-    if let Some(w) = angles.windows(2).find(|w| w[1] <= w[0]) {
-        return Err(tokens.fault(format!("{what} do not ascend: {} after {}", w[1], w[0])));
+    if let Some([a, b]) = angles.array_windows().find(|[a, b]| b <= a) {
+        return Err(tokens.fault(format!("{what} do not ascend: {b} after {a}")));
     }
     if let Some(a) = angles.iter().find(|a| !(0.0..=most).contains(*a)) {
         return Err(tokens.fault(format!("{what} is outside 0 to {most}: {a}")));

@@ -31,7 +31,7 @@ pub(super) fn text_array(lines: &[String]) -> Vec<u8> {
 fn header(descr: &str, n: usize) -> Vec<u8> {
     let mut text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({n},), }}");
     let start = MAGIC.len() + 4;
-    while (start + text.len() + 1) % 64 != 0 {
+    while !(start + text.len() + 1).is_multiple_of(64) {
         text.push(' ');
     }
     text.push('\n');

@@ -44,7 +44,7 @@ pub(super) const FORMAT: Format = Format {
     },
     read: Some(read),
     write: Some(Writer {
-        sample: |law, subject, options| Ok(absolute(law, subject, options)),
+        sample: |law, subject, options| Ok(absolute(true, law, subject, options)),
         encode,
         notes: &[],
     }),

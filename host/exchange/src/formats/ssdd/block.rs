@@ -152,14 +152,14 @@ impl Open {
             "COLOR_MODEL" => self.colours = Some(value.to_owned()),
             "WAVELENGTH_LIST" => self.wavelengths = numbers(rest, key, value)?,
             "PARAM_TYPE" => {
-                self.coordinates = value.trim_end_matches("_coordinate_system").to_owned();
+                value.trim_end_matches("_coordinate_system").clone_into(&mut self.coordinates);
             }
             "REDUCTION_TYPE" => {
                 self.is_bilateral =
                     value.split_whitespace().any(|word| word == "bilateral_symmetry");
             }
             "PARAM0_LIST" | "PARAM1_LIST" | "PARAM2_LIST" | "PARAM3_LIST" | "PARAM4_LIST" => {
-                let k = key.bytes().nth(5).map_or(0, |b| usize::from(b - b'0'));
+                let k = key.as_bytes().get(5).map_or(0, |b| usize::from(b - b'0'));
                 self.lists[k] = angles(rest, key, value)?;
             }
             "DATA" => match value {
@@ -235,8 +235,8 @@ fn numbers(rest: &Rest<'_>, key: &str, text: &str) -> Result<Vec<f64>, Fault> {
 fn angles(rest: &Rest<'_>, key: &str, text: &str) -> Result<Vec<f64>, Fault> {
     let list = numbers(rest, key, text)?;
     let is_offset = key == "PARAM4_LIST";
-    if let Some(w) = list.windows(2).find(|w| !is_offset && w[1] <= w[0]) {
-        return Err(rest.fault(format!("{key} does not ascend: {} after {}", w[1], w[0])));
+    if let Some([a, b]) = list.array_windows().find(|[a, b]| !is_offset && b <= a) {
+        return Err(rest.fault(format!("{key} does not ascend: {b} after {a}")));
     }
     let (least, most) = match key {
         "PARAM0_LIST" => (0.0, 90.0),

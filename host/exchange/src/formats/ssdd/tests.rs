@@ -1,6 +1,7 @@
 //! The examples of the specification, and damaged files.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt::Write as _;
 
 use crate::error::Fault;
 use crate::formats::{Format, read_bytes};
@@ -24,7 +25,7 @@ fn spherical() -> String {
         for radius in 0..2 {
             for theta in 0..2 {
                 let v = 100 * (azimuth % 4) + 10 * radius + theta;
-                text.push_str(&format!("{v} {}\n", v + 1000));
+                writeln!(text, "{v} {}", v + 1000).unwrap();
             }
         }
     }
@@ -34,7 +35,7 @@ fn spherical() -> String {
 #[test]
 fn a_single_point_is_a_perfect_diffuser() {
     let lobe = &read(ONE_POINT.as_bytes()).unwrap()[0];
-    assert!((lobe.flux(0, 0) - 0.3183 * PI).abs() < 1e-5);
+    assert!((lobe.flux(0, 0) - 3183.0 / 1e4 * PI).abs() < 1e-5);
     assert_eq!(lobe.bands, [Band::Unknown]);
 }
 
@@ -66,7 +67,9 @@ fn specular(is_binary: bool) -> Vec<u8> {
         bytes.push(b'\n');
     } else {
         bytes.extend(b"DATA ascii\n");
-        values.iter().for_each(|v| bytes.extend(format!("{v}\r\n").bytes()));
+        for v in values {
+            bytes.extend(format!("{v}\r\n").bytes());
+        }
     }
     bytes.extend(b"\n# sheen\nDATA_TYPE specular_transmittance\nCOLOR_MODEL monochrome\nPARAM0_LIST 0 90\nDATA ascii\n0.7\n0.1");
     bytes
@@ -109,7 +112,10 @@ fn damaged_files_are_named_by_line_and_remedy() {
         (good.replace("0 1000\n", "nan 1000\n"), 12, "not a number"),
         (good.replace("0 1000\n", "-1 1000\n"), 12, "negative"),
         (
-            good.replace("270 360", &(271..360).map(|k| format!(" {k}")).collect::<String>()),
+            good.replace(
+                "270 360",
+                &(271..360).map(|k| k.to_string()).collect::<Vec<_>>().join(" "),
+            ),
             10,
             "more values",
         ),
