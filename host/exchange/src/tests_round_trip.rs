@@ -162,3 +162,116 @@ fn zemax() {
 fn csv() {
     check("csv", &Allowed::default());
 }
+
+#[test]
+fn integra() {
+    check("integra", &Allowed::default());
+}
+
+#[test]
+fn ssdd() {
+    check("ssdd", &Allowed::default());
+}
+
+/// pab-opto has a file for each incidence.
+#[test]
+fn pab() {
+    let format = Format::of_name("pab").unwrap();
+    let allowed = Allowed { node: 1e-3, ..Allowed::default() };
+    for (law, subject) in lobes(0.2) {
+        for degrees in [0.0_f64, 45.0] {
+            let incidences = vec![[degrees.to_radians(), 0.0]];
+            let options = Options { incidences, ..Options::default() };
+            for row in rows(format, &law, &subject, &options).unwrap() {
+                assert!(row.node_error_percent < allowed.node, "{row:?}");
+                assert!(row.peak_law == 0.0 || row.flux_percent().abs() < allowed.flux, "{row:?}");
+                assert!(row.peak_law == 0.0 || row.peak_percent().abs() < allowed.peak, "{row:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn astm() {
+    check("astm", &Allowed::default());
+}
+
+#[test]
+fn bird() {
+    check("bird", &Allowed::default());
+}
+
+#[test]
+fn openmaterial() {
+    check("openmaterial", &Allowed::default());
+}
+
+#[test]
+fn npz() {
+    check("npz", &Allowed::default());
+}
+
+/// Names of formats that readers of others are given, and their extensions.
+const PEERS: [(&str, &str); 8] = [
+    ("zemax", "bsdf"),
+    ("ssdd", "ssdd"),
+    ("integra", "ddr"),
+    ("astm", "astm"),
+    ("bird", "brdf"),
+    ("openmaterial", "xompt"),
+    ("npz", "npz"),
+    ("pab", "txt"),
+];
+
+/// Writes files for readers of others to `ASPERITY_PEER_FILES`: see `tests/peers`.
+#[test]
+fn files_for_peers() {
+    let Some(folder) = std::env::var_os("ASPERITY_PEER_FILES").map(std::path::PathBuf::from) else {
+        return;
+    };
+    let incidences = [0.0_f64, 30.0, 60.0].iter().map(|d| [d.to_radians(), 0.0]).collect();
+    let options = Options { incidences, ..Options::default() };
+    for (law, subject) in lobes(0.2).into_iter().take(2) {
+        for (name, extension) in PEERS {
+            let write = Format::of_name(name).unwrap().write.unwrap();
+            let Ok(sampled) = (write.sample)(&law, &subject, &options) else { continue };
+            let is_ddt = name == "integra" && subject.lobe == Lobe::Transmission;
+            let extension = if is_ddt { "ddt" } else { extension };
+            let stem = format!("{name}-{}", subject.lobe.name());
+            std::fs::write(folder.join(format!("{stem}.csv")), over_horizon(&sampled)).unwrap();
+            let put = |stem: String, sampled: &crate::sampled::SampledBsdf| {
+                let bytes = (write.encode)(std::slice::from_ref(sampled)).unwrap();
+                std::fs::write(folder.join(format!("{stem}.{extension}")), bytes).unwrap();
+            };
+            if name != "pab" {
+                put(stem, &sampled);
+                continue;
+            }
+            for (k, incidence) in sampled.incidences.iter().enumerate() {
+                let mut one = sampled.clone();
+                one.incidences = vec![incidence.clone()];
+                put(format!("{stem}-{k}"), &one);
+            }
+        }
+    }
+}
+
+/// The readings of a lobe over the horizon, as CSV of angles about the sample.
+fn over_horizon(sampled: &crate::sampled::SampledBsdf) -> String {
+    use std::fmt::Write as _;
+
+    let mut rows = String::from("theta_i,phi_i,theta_o,phi_o,f\n");
+    for (k, incidence) in sampled.incidences.iter().enumerate() {
+        let degrees = incidence.theta.to_degrees();
+        println!("{degrees:.3} {} flux {:.6}", sampled.lobe.name(), sampled.flux(k, 0));
+        for (at, f) in incidence.nodes.directions().iter().zip(sampled.band(k, 0)) {
+            let out = Global::of_outgoing(sampled.side, sampled.lobe, incidence.phi, *at);
+            if at[0] < 1.57 {
+                let angles = [incidence.theta, incidence.phi, out.theta, out.phi];
+                let angles = angles.map(crate::text::degrees).join(",");
+                let _ = writeln!(rows, "{angles},{f:e}");
+            }
+        }
+    }
+    rows
+}

@@ -9,8 +9,18 @@ use crate::sampled::SampledBsdf;
 use crate::text::decode;
 
 mod own;
+mod sampling;
+mod lattice;
+mod flat;
 mod csv;
 mod zemax;
+mod integra;
+mod ssdd;
+mod pab;
+mod astm;
+mod bird;
+mod openmaterial;
+mod npz;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -55,7 +65,17 @@ pub struct Writer {
 }
 
 /// Every format; the order is that of detection.
-pub static FORMATS: &[Format] = &[zemax::FORMAT, csv::FORMAT];
+pub static FORMATS: &[Format] = &[
+    zemax::FORMAT,
+    integra::FORMAT,
+    ssdd::FORMAT,
+    pab::FORMAT,
+    astm::FORMAT,
+    bird::FORMAT,
+    openmaterial::FORMAT,
+    npz::FORMAT,
+    csv::FORMAT,
+];
 
 impl Format {
     /// The format of a name in flags.
