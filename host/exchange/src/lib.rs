@@ -23,6 +23,10 @@ pub mod formats;
 pub mod compare;
 #[cfg(test)]
 mod tests_round_trip;
+#[cfg(test)]
+mod tests_texts;
+#[cfg(test)]
+mod tests_faults;
 
 pub use error::{Fault, FileError};
 pub use formats::{FORMATS, Format, read, read_bytes};

@@ -11,6 +11,11 @@ use crate::text::decode;
 mod own;
 mod csv;
 mod zemax;
+mod rt300s;
+mod speos;
+mod blacklab;
+mod fred;
+mod lighttools;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -52,7 +57,15 @@ pub struct Writer {
 }
 
 /// Every format; the order is that of detection.
-pub static FORMATS: &[Format] = &[zemax::FORMAT, csv::FORMAT];
+pub static FORMATS: &[Format] = &[
+    zemax::FORMAT,
+    rt300s::FORMAT,
+    speos::FORMAT,
+    lighttools::FORMAT,
+    fred::FORMAT,
+    blacklab::FORMAT,
+    csv::FORMAT,
+];
 
 impl Format {
     /// The format of a name in flags.
