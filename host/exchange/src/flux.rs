@@ -164,6 +164,8 @@ const SQUARE: usize = 256;
 /// Single directions: each stands for the directions that are nearer to it than to any other, found on a lattice of equal projected solid angles.
 fn scattered(points: &[[f64; 2]], values: &[f64]) -> f64 {
     let nodes: Vec<_> = points.iter().map(|p| direction(*p)).collect();
+    // readings on one side of the plane of incidence stand for the other side too
+    let is_half = nodes.iter().all(|node| node.y >= -1e-9);
     let mut order: Vec<usize> = (0..nodes.len()).collect();
     order.sort_by(|a, b| nodes[*a].x.total_cmp(&nodes[*b].x));
     let xs: Vec<f64> = order.iter().map(|k| nodes[*k].x).collect();
@@ -207,7 +209,9 @@ fn scattered(points: &[[f64; 2]], values: &[f64]) -> f64 {
             // rings of equal area of the disc of direction cosines
             let rho = ((i as f64 + 0.5) / SQUARE as f64).sqrt();
             let phi = TAU * (j as f64 + 0.5) / SQUARE as f64;
-            let to = glam::DVec3::new(rho * phi.cos(), rho * phi.sin(), (1.0 - rho * rho).sqrt());
+            let (sin, cos) = phi.sin_cos();
+            let y = if is_half { sin.abs() } else { sin };
+            let to = glam::DVec3::new(rho * cos, rho * y, (1.0 - rho * rho).sqrt());
             sum += values.get(nearest(to)).copied().unwrap_or(0.0);
         }
         sum

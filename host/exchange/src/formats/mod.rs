@@ -13,6 +13,7 @@ mod csv;
 mod zemax;
 mod rt300s;
 mod speos;
+mod scattering;
 mod blacklab;
 mod fred;
 mod lighttools;
@@ -61,6 +62,7 @@ pub static FORMATS: &[Format] = &[
     zemax::FORMAT,
     rt300s::FORMAT,
     speos::FORMAT,
+    scattering::FORMAT,
     lighttools::FORMAT,
     fred::FORMAT,
     blacklab::FORMAT,

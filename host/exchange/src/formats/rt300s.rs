@@ -2,8 +2,9 @@
 //!
 //! Read off files of ua-loft/bsdf-tools. Lines may end with CR alone; a file holds a section for each incidence, and the whole set again
 //! for each run. Polar angles are signed, the plane of incidence is at azimuth -90, and positive angles there are those of the
-//! specular ray: the instrument calibrates at polar 30, azimuth -90, lighting 30. Readings stand for scatter of an unknown scale if any of them is below
-//! zero, as after the subtraction of a blank: they are kept as they are, and `has_level` is false, so that none of them is fitted as a BSDF in 1/sr.
+//! specular ray: the instrument calibrates at polar 30, azimuth -90, lighting 30. The files call their values raw data or an intensity and name
+//! no unit: they are readings of unknown scale, `has_level` is false. Readings below zero, as after the subtraction of a blank, are kept as they are and
+//! counted in the notes; a fit must leave them out.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -119,15 +120,16 @@ fn lobes(run: Vec<Section>) -> Vec<SampledBsdf> {
         }
     }
     let (all, below) = (readings.len(), readings.iter().filter(|r| r.f < 0.0).count());
+    notes.push("the export names no unit: the scale is unknown".into());
     if below > 0 {
         notes.push(format!(
-            "{below} of {all} readings are below zero, as after the subtraction of a blank: kept as readings of unknown scale, not as a BSDF"
+            "{below} of {all} readings are below zero, as after the subtraction of a blank: kept as readings, no BSDF is below zero"
         ));
     }
     let mut lobes = collect(readings, false);
     for lobe in &mut lobes {
         lobe.notes.clone_from(&notes);
-        lobe.has_level = below == 0;
+        lobe.has_level = false;
     }
     lobes
 }
