@@ -117,10 +117,9 @@ fn header(out: &mut String, sampled: &SampledBsdf, parts: &[(Lobe, Vec<Table<'_>
     }
 }
 
-/// The percentage at the incidence of the largest flux.
+/// The percentage at the first incidence that has light: the open converter of Ansys takes it for that of the first table, whatever the file names.
 fn spectrum(out: &mut String, tables: &[Table<'_>], band: &Band) {
-    let larger = |a: &&Table<'_>, b: &&Table<'_>| a.flux.total_cmp(&b.flux);
-    let Some(table) = tables.iter().filter(|t| t.flux <= 1.0).max_by(larger) else { return };
+    let Some(table) = tables.iter().find(|t| t.flux > 0.0 && t.flux <= 1.0) else { return };
     let [mut low, mut high] = FLAT;
     if let Band::Wavelength(nm) = band {
         (low, high) = (low.min(nm * 0.9), high.max(nm * 1.1));
