@@ -148,7 +148,7 @@ impl Grid {
                         let out = self.frame.absolute(at);
                         let cos = out[0].cos();
                         if cos > 0.0 {
-                            sum += wu * wv * f(at, out) * cos * self.frame.jacobian(at[0]);
+                            sum += wu * wv * f(at, out) * self.frame.projected(at[0], cos);
                         }
                     }
                 }

@@ -17,6 +17,7 @@ pub mod interpolate;
 pub mod flux;
 pub mod table;
 pub mod plan;
+mod cosines;
 pub mod error;
 pub mod text;
 pub mod formats;

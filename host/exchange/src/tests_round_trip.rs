@@ -147,6 +147,11 @@ fn lighttools() {
     check("lighttools", &Allowed::default());
 }
 
+#[test]
+fn tracepro() {
+    check("tracepro", &Allowed::default());
+}
+
 /// The file of FRED says neither side nor lobe nor index, so the reader is told.
 #[test]
 fn fred() {

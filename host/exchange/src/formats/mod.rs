@@ -17,6 +17,7 @@ mod scattering;
 mod blacklab;
 mod fred;
 mod lighttools;
+mod tracepro;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -64,6 +65,7 @@ pub static FORMATS: &[Format] = &[
     speos::FORMAT,
     scattering::FORMAT,
     lighttools::FORMAT,
+    tracepro::FORMAT,
     fred::FORMAT,
     blacklab::FORMAT,
     csv::FORMAT,

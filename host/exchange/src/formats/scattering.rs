@@ -6,7 +6,7 @@
 //! percent, then the Lambertian and the Gaussian part in percent of what is not absorbed and the full width; the rest is specular.
 //!
 //! Assumed, for the help gives no formula: the Gaussian part is `exp(-4 ln 2 delta^2 / FWHM^2)` of scattered flux per solid angle, `delta` the angle from
-//! the ray, cut at the horizon and scaled to its percentage. The direct ray has the angle of the incident one, as no index is given. The specular part is not
+//! the ray, cut at the horizon and scaled to its percentage; the BSDF of it goes on from 89 degrees as it is there. The direct ray has the angle of the incident one, as no index is given. The specular part is not
 //! scatter: it is told in the notes.
 
 use std::f64::consts::{FRAC_PI_2, LN_2, PI};
@@ -243,7 +243,7 @@ impl Parts {
         if self.gaussian <= 0.0 {
             return coordinates.map(|_| 0.0).collect();
         }
-        let near_horizon = FRAC_PI_2 - 1e-3;
+        let near_horizon = FRAC_PI_2 - 1.0_f64.to_radians();
         let bsdf = |(c, out): ([f64; 2], [f64; 2])| self.shape(c) / out[0].min(near_horizon).cos();
         let own: Vec<f64> = coordinates.zip(grid.directions()).map(bsdf).collect();
         let sum = grid.integral(&|c, _| grid.value(&own, c, Interpolation::Linear));
