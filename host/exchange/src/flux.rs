@@ -161,7 +161,7 @@ impl Grid {
                 let out = self.frame.absolute(at);
                 let cos = out[0].cos();
                 if cos > 0.0 {
-                    sum += wu * wv * f(at, out) * cos * self.frame.jacobian(at[0]);
+                    sum += wu * wv * f(at, out) * self.frame.projected(at[0], cos);
                 }
             }
         }
@@ -175,13 +175,17 @@ const SQUARE: usize = 256;
 /// Single directions: each stands for the directions that are nearer to it than to any other, found on a lattice of equal projected solid angles.
 fn scattered(points: &[[f64; 2]], values: &[f64]) -> f64 {
     let nearest = Nearest::new(points.iter().copied());
+    // readings on one side of the plane of incidence stand for the other side too
+    let is_half = points.iter().all(|p| direction(*p).y >= -1e-9);
     let row = |i: usize| {
         let mut sum = 0.0;
         for j in 0..SQUARE {
             // rings of equal area of the disc of direction cosines
             let rho = ((i as f64 + 0.5) / SQUARE as f64).sqrt();
             let phi = TAU * (j as f64 + 0.5) / SQUARE as f64;
-            let to = glam::DVec3::new(rho * phi.cos(), rho * phi.sin(), (1.0 - rho * rho).sqrt());
+            let (sin, cos) = phi.sin_cos();
+            let y = if is_half { sin.abs() } else { sin };
+            let to = glam::DVec3::new(rho * cos, rho * y, (1.0 - rho * rho).sqrt());
             sum += nearest.find(to).and_then(|k| values.get(k)).copied().unwrap_or(0.0);
         }
         sum

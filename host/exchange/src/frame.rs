@@ -1,6 +1,6 @@
 //! Parametrisations of the outgoing direction, and their way to absolute angles.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
@@ -12,6 +12,12 @@ pub enum Frame {
     /// Angle from the specular (reflection) or direct (transmission) ray, whose own polar angle this is, and azimuth about it: 0 points from
     /// the ray towards the normal, counter-clockwise for one who looks against the light.
     Specular {
+        /// Polar angle of that ray.
+        theta: f64,
+    },
+    /// Difference of direction cosines in the plane of the surface to those of the specular or direct ray, whose polar angle this is: its length and its
+    /// azimuth, 0 away from the source, counter-clockwise seen from the air.
+    Cosines {
         /// Polar angle of that ray.
         theta: f64,
     },
@@ -27,6 +33,16 @@ impl Frame {
                 let (sin, cos) = radius.sin_cos();
                 let out = axis * cos + (towards * azimuth.cos() + left * azimuth.sin()) * sin;
                 angles(out)
+            }
+            Self::Cosines { theta } => {
+                let (sin, cos) = azimuth.sin_cos();
+                let (x, y) = (theta.sin() + radius * cos, radius * sin);
+                let length = x.hypot(y);
+                // beyond 1 there is no direction: below the horizon
+                let polar =
+                    if length <= 1.0 { length.asin() } else { FRAC_PI_2 + (length - 1.0).atan() };
+                let phi = if length == 0.0 { 0.0 } else { y.atan2(x) };
+                [polar, around(phi)]
             }
         }
     }
@@ -44,12 +60,21 @@ impl Frame {
                 let azimuth = if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) };
                 [radius, around(azimuth)]
             }
+            Self::Cosines { theta } => {
+                let x = theta_o.sin() * phi.cos() - theta.sin();
+                let y = theta_o.sin() * phi.sin();
+                let azimuth = if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) };
+                [x.hypot(y), around(azimuth)]
+            }
         }
     }
 
-    /// Solid angle per unit of the two coordinates.
-    pub fn jacobian(self, radius: f64) -> f64 {
-        radius.sin()
+    /// Projected solid angle per unit of the two coordinates, where `cos` is the cosine of the outgoing polar angle.
+    pub fn projected(self, radius: f64, cos: f64) -> f64 {
+        match self {
+            Self::Absolute | Self::Specular { .. } => radius.sin() * cos,
+            Self::Cosines { .. } => radius,
+        }
     }
 }
 
@@ -105,10 +130,15 @@ mod tests {
 
     #[test]
     fn coordinates_come_back() {
-        for frame in
-            [Frame::Absolute, Frame::Specular { theta: 0.0 }, Frame::Specular { theta: 1.2 }]
-        {
-            for k in 0..200 {
+        for frame in [
+            Frame::Absolute,
+            Frame::Specular { theta: 0.0 },
+            Frame::Specular { theta: 1.2 },
+            Frame::Cosines { theta: 0.4 },
+        ] {
+            // differences of cosines have directions as far as the horizon only
+            let n = if matches!(frame, Frame::Cosines { .. }) { 80 } else { 200 };
+            for k in 0..n {
                 let at = [0.01 + 0.007 * f64::from(k), (0.001 + 0.3 * f64::from(k)) % 6.25];
                 let back = frame.coordinates(frame.absolute(at));
                 assert!((back[0] - at[0]).abs() < 1e-12, "{frame:?} {at:?} {back:?}");

@@ -21,6 +21,7 @@ pub mod table;
 pub mod law;
 mod refine;
 pub mod plan;
+mod cosines;
 pub mod error;
 pub mod text;
 pub mod formats;
@@ -28,6 +29,10 @@ pub mod resample;
 pub mod compare;
 #[cfg(test)]
 mod tests_round_trip;
+#[cfg(test)]
+mod tests_texts;
+#[cfg(test)]
+mod tests_faults;
 
 pub use error::{Fault, FileError};
 pub use formats::{FORMATS, Format, read, read_bytes};

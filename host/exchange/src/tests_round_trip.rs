@@ -275,3 +275,54 @@ fn over_horizon(sampled: &crate::sampled::SampledBsdf) -> String {
     }
     rows
 }
+
+#[test]
+fn speos() {
+    check("speos", &Allowed::default());
+}
+
+#[test]
+fn lighttools() {
+    check("lighttools", &Allowed::default());
+}
+
+#[test]
+fn tracepro() {
+    check("tracepro", &Allowed::default());
+}
+
+/// The file of FRED says neither side nor lobe nor index, so the reader is told.
+#[test]
+fn fred() {
+    let format = Format::of_name("fred").unwrap();
+    let write = format.write.unwrap();
+    for (law, subject) in lobes(0.2) {
+        let incidences = [0.0_f64, 30.0, 60.0].map(|d| [d.to_radians(), 0.0]).to_vec();
+        let options = Options { incidences, ..Options::default() };
+        let sampled = (write.sample)(&law, &subject, &options).unwrap();
+        let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+        let (found, read) = read_bytes("file", &bytes).unwrap();
+        assert_eq!(found.name, "fred");
+        let mut read = read.into_iter().next().unwrap();
+        (read.side, read.lobe, read.index) = (subject.side, subject.lobe, subject.index);
+        assert_eq!(read.symmetry, Symmetry::Isotropic);
+        assert_eq!(read.incidences.len(), sampled.incidences.len());
+        for (incidence, ought) in read.incidences.iter_mut().zip(&sampled.incidences) {
+            let ray = sampled.specular(ought.theta).unwrap();
+            assert!((incidence.theta - ray).abs() < 1e-9);
+            incidence.theta = ought.theta;
+            assert!(incidence.values.iter().all(|v| *v > 0.0));
+            let edge = incidence.nodes.directions().iter().map(|d| d[0]).fold(0.0, f64::max);
+            assert!(edge < 89.95_f64.to_radians());
+        }
+        for row in compare(&read, &sampled, &law) {
+            println!("{:?} {:?}: {row:?}", subject.side, subject.lobe);
+            if row.peak_law == 0.0 {
+                continue;
+            }
+            assert!(row.node_error_percent < 1e-4, "{row:?}");
+            assert!(row.flux_percent().abs() < 0.1, "{row:?}");
+            assert!(row.peak_percent().abs() < 0.5, "{row:?}");
+        }
+    }
+}

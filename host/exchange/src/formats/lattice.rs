@@ -38,8 +38,8 @@ impl<'a> Lattice<'a> {
             match &incidence.nodes {
                 Nodes::Grid(grid) => match grid.frame {
                     Frame::Specular { theta } => grids.push((grid, theta)),
-                    Frame::Absolute => {
-                        return Err(refuse("a grid of absolute angles", "sample it anew"));
+                    Frame::Absolute | Frame::Cosines { .. } => {
+                        return Err(refuse("a grid of other angles", "sample it anew"));
                     }
                 },
                 _ => return Err(refuse("single directions", "sample it anew, or write csv")),

@@ -21,6 +21,13 @@ mod astm;
 mod bird;
 mod openmaterial;
 mod npz;
+mod rt300s;
+mod speos;
+mod scattering;
+mod blacklab;
+mod fred;
+mod lighttools;
+mod tracepro;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -74,6 +81,13 @@ pub static FORMATS: &[Format] = &[
     bird::FORMAT,
     openmaterial::FORMAT,
     npz::FORMAT,
+    rt300s::FORMAT,
+    speos::FORMAT,
+    scattering::FORMAT,
+    lighttools::FORMAT,
+    tracepro::FORMAT,
+    fred::FORMAT,
+    blacklab::FORMAT,
     csv::FORMAT,
 ];
 

@@ -3,7 +3,8 @@
 use super::{Law, Options, Subject};
 use crate::error::CannotHold;
 use crate::interpolate::Interpolation;
-use crate::plan::{Coordinates, Layout, plan};
+use crate::law::{Coordinates, Layout};
+use crate::plan::plan;
 use crate::sampled::SampledBsdf;
 
 /// One grid about the specular or direct ray for all incidences, linear between nodes.

@@ -54,7 +54,8 @@ impl Refined<'_> {
             for l in 0..PARTS {
                 let c = [point(radii, k), point(azimuths, l)];
                 if Self::is_over(at, c) {
-                    let weight = grid.frame.jacobian(c[0]).abs().max(1e-12);
+                    let cosine = grid.frame.absolute(c)[0].cos();
+                    let weight = grid.frame.projected(c[0], cosine).max(1e-12);
                     sum += weight * self.value(at, c);
                     weights += weight;
                 }

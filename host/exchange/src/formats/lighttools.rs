@@ -1,0 +1,443 @@
+//! Text BSDF of `LightTools` (Mini-Diff and the like).
+//!
+//! Layout and meaning: the reader of libbsdf, for no public file is known. Keywords as those of Zemax, then a block for each incidence, side, lobe
+//! and tristimulus value. Angles are absolute: `AOI` from the normal of the front, beyond 90 from the back; `ScatterRadial` from the
+//! normal of the side the light leaves to (beyond 90 is taken as 180 less the angle), `ScatterAzimuth` about the sample, whose
+//! source is at azimuth 90 where there is one `POI` only (libbsdf), else at `POI`. Front is the air. Assumed: the program interpolates linearly.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::fmt::Write as _;
+
+use super::own::{self, Said};
+use super::{Format, Source, Writer};
+use crate::error::{CannotHold, Fault};
+use crate::frame::{Frame, around};
+use crate::interpolate::Interpolation;
+use crate::law::{Coordinates, Layout};
+use crate::plan::plan;
+use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
+use crate::text::{Lines, degrees, excerpt, fields};
+
+const NAME: &str = "LightTools";
+
+pub(super) const FORMAT: Format = Format {
+    name: "lighttools",
+    title: "LightTools text BSDF",
+    extensions: &["bsdf"],
+    sniff: |source| {
+        let text = source.start();
+        text.contains("ScatterRadial") && !text.contains("SampleRotation")
+    },
+    read: Some(read),
+    write: Some(Writer {
+        sample: |law, subject, options| Ok(plan(law, subject, LAYOUT, options)),
+        encode,
+        notes: &["AOI beyond 90 is the back, the inside of the body; the front is the air"],
+    }),
+};
+
+const LAYOUT: Layout = Layout {
+    coordinates: Coordinates::Absolute,
+    own_grids: false,
+    interpolation: Interpolation::Linear,
+};
+
+/// Where libbsdf and the program have the source.
+const SOURCE: f64 = FRAC_PI_2;
+
+/// The names of tristimulus values.
+const TRISTIMULUS: [&str; 3] = ["TrisX", "TrisY", "TrisZ"];
+
+/// The lists of a header.
+#[derive(Default)]
+struct Header {
+    symmetry: Option<String>,
+    content: Option<String>,
+    azimuths: Vec<f64>,
+    radii: Vec<f64>,
+}
+
+/// The values of one incidence, as the file has them.
+struct Block {
+    side: Side,
+    lobe: Lobe,
+    theta: f64,
+    /// Azimuth of the source.
+    source: f64,
+    /// `Wavelength`, whose unit is taken as nm.
+    wavelength: Option<f64>,
+    /// Which tristimulus value.
+    band: usize,
+    stated: f64,
+    values: Vec<f64>,
+}
+
+fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
+    let said = own::said(source.text.lines().take_while(|line| line.starts_with('#')));
+    let mut lines = Lines::new(NAME, &source.text);
+    let mut notes = Vec::new();
+    let header = read_header(&mut lines, &mut notes)?;
+    let bands = match header.content.as_deref() {
+        Some("Monochrome") => 1,
+        Some("XYZ") => 3,
+        other => {
+            let other = excerpt(other.unwrap_or(""));
+            return Err(lines.fault(format!("SpectralContent is not Monochrome or XYZ: '{other}'")));
+        }
+    };
+    let mut blocks = Vec::new();
+    while let Some(block) = read_block(&mut lines, &header)? {
+        blocks.push(block);
+    }
+    if blocks.is_empty() {
+        return Err(lines.fault("no blocks of values"));
+    }
+    let turns = blocks.iter().any(|b| b.source.to_bits() != blocks[0].source.to_bits());
+    let mut lobes = Vec::new();
+    for side in [Side::Air, Side::Dielectric] {
+        for lobe in [Lobe::Reflection, Lobe::Transmission] {
+            let of: Vec<&Block> =
+                blocks.iter().filter(|b| b.side == side && b.lobe == lobe).collect();
+            if of.is_empty() {
+                continue;
+            }
+            let mut new = sampled(&lines, &header, &of, bands, turns)?;
+            tell(&mut new, &said);
+            new.notes.clone_from(&notes);
+            lobes.push(new);
+        }
+    }
+    Ok(lobes)
+}
+
+/// What the comments of the project add.
+fn tell(sampled: &mut SampledBsdf, said: &Said) {
+    sampled.index = said.index;
+    if let (Some(nm), [band]) = (said.wavelength_nm, &mut sampled.bands[..]) {
+        *band = Band::Wavelength(nm);
+    }
+    if let Some(symmetry) = said.symmetry {
+        sampled.symmetry = symmetry;
+    }
+}
+
+fn read_header(lines: &mut Lines<'_>, notes: &mut Vec<String>) -> Result<Header, Fault> {
+    let mut header = Header::default();
+    loop {
+        let line = lines.expect("DataBegin")?;
+        if let Some(note) = line.strip_prefix('#') {
+            if !own::is_own(note) && note.chars().any(char::is_alphanumeric) {
+                notes.push(note.trim().to_owned());
+            }
+            continue;
+        }
+        let mut words = fields(line);
+        let key = words.next().unwrap_or("");
+        let word = words.next();
+        match key {
+            "Symmetry" => header.symmetry = word.map(str::to_ascii_lowercase),
+            "SpectralContent" => header.content = word.map(str::to_owned),
+            "ScatterAzimuth" => header.azimuths = list(lines, key, word)?,
+            "ScatterRadial" => header.radii = list(lines, key, word)?,
+            "DataBegin" => break,
+            // other words of the header say nothing that is needed
+            _ if key.starts_with(|c: char| c.is_alphabetic()) => notes.push(line.to_owned()),
+            _ => return Err(lines.fault(format!("no keyword: '{}'", excerpt(line)))),
+        }
+    }
+    match header.symmetry.as_deref() {
+        Some("planesymmetrical" | "asymmetric" | "asymmetrical") => {}
+        other => {
+            let other = excerpt(other.unwrap_or(""));
+            return Err(
+                lines.fault(format!("Symmetry is not PlaneSymmetrical or Asymmetric: '{other}'"))
+            );
+        }
+    }
+    for (name, angles) in [("ScatterAzimuth", &header.azimuths), ("ScatterRadial", &header.radii)] {
+        if angles.is_empty() {
+            return Err(lines.fault(format!("no {name} before the data")));
+        }
+    }
+    Ok(header)
+}
+
+/// A list of angles, degrees.
+fn list(lines: &mut Lines<'_>, what: &str, count: Option<&str>) -> Result<Vec<f64>, Fault> {
+    let n = lines.count(count.unwrap_or(""), what)?;
+    let angles = lines.exactly(n, what)?;
+    lines.ascending(&angles, what)?;
+    let most = if what == "ScatterRadial" { 0.0..=180.0 } else { -360.0..=360.0 };
+    if angles.iter().any(|a| !most.contains(a)) {
+        return Err(lines.fault(format!("{what} holds angles that are none, in degrees")));
+    }
+    Ok(angles)
+}
+
+/// The next block; `None` at the end of the data.
+fn read_block(lines: &mut Lines<'_>, header: &Header) -> Result<Option<Block>, Fault> {
+    let (mut aoi, mut poi, mut side, mut lobe) = (None, 0.0, None, None);
+    let (mut wavelength, mut band) = (None, 0);
+    loop {
+        let line = lines.expect("DataEnd")?;
+        if line.starts_with('#') {
+            continue;
+        }
+        let mut words = fields(line);
+        let key = words.next().unwrap_or("");
+        let word = words.next().unwrap_or("");
+        match key {
+            "AOI" => aoi = Some(lines.number_of(word, key)?),
+            "POI" => poi = lines.number_of(word, key)?,
+            "Side" => {
+                side = Some(match word.to_ascii_lowercase().as_str() {
+                    "front" => Side::Air,
+                    "back" => Side::Dielectric,
+                    _ => return Err(lines.fault("Side is not Front or Back")),
+                });
+            }
+            "Wavelength" => wavelength = Some(lines.number_of(word, key)?),
+            "ScatterType" => {
+                lobe = Some(match word.to_ascii_uppercase().as_str() {
+                    "BRDF" => Lobe::Reflection,
+                    "BTDF" => Lobe::Transmission,
+                    _ => return Err(lines.fault("ScatterType is not BRDF or BTDF")),
+                });
+            }
+            "TristimulusValue" => {
+                let found = TRISTIMULUS.iter().position(|name| *name == word);
+                band = found.ok_or_else(|| lines.fault("TristimulusValue is not TrisX, Y or Z"))?;
+            }
+            "TIS" => {
+                let stated = lines.number_of(word, key)?;
+                let aoi = aoi.ok_or_else(|| lines.fault("no AOI before TIS"))?;
+                let lobe = lobe.ok_or_else(|| lines.fault("no ScatterType before TIS"))?;
+                if !(0.0..=180.0).contains(&aoi) {
+                    return Err(lines.fault(format!("AOI is outside 0 to 180: {aoi}")));
+                }
+                let of_angle = if aoi > 90.0 { Side::Dielectric } else { Side::Air };
+                if of_angle == Side::Dielectric && side == Some(Side::Air) {
+                    return Err(lines.fault(format!("AOI {aoi} is on the back, but Side is Front")));
+                }
+                let n = header.radii.len() * header.azimuths.len();
+                let values = lines.exactly(n, "values of a block")?;
+                if let Some(v) = values.iter().find(|v| **v < 0.0) {
+                    return Err(lines.fault(format!("a negative BSDF: {v}")));
+                }
+                return Ok(Some(Block {
+                    side: side.unwrap_or(of_angle),
+                    lobe,
+                    theta: (if aoi > 90.0 { 180.0 - aoi } else { aoi }).to_radians().min(FRAC_PI_2),
+                    source: around(poi.to_radians()),
+                    wavelength: wavelength.filter(|nm| *nm > 0.0),
+                    band,
+                    stated,
+                    values,
+                }));
+            }
+            "DataEnd" => {
+                if aoi.is_some() || lobe.is_some() {
+                    return Err(lines.fault("the last block has no TIS"));
+                }
+                return Ok(None);
+            }
+            _ => return Err(lines.fault(format!("unknown keyword '{}'", excerpt(line)))),
+        }
+    }
+}
+
+fn sampled(
+    lines: &Lines<'_>,
+    header: &Header,
+    blocks: &[&Block],
+    bands: usize,
+    turns: bool,
+) -> Result<SampledBsdf, Fault> {
+    let mut incidences: Vec<Incidence> = Vec::new();
+    let first: Vec<&&Block> = blocks.iter().filter(|b| b.band == 0).collect();
+    let same = |a: &Block, b: &Block| {
+        a.theta.to_bits() == b.theta.to_bits() && a.source.to_bits() == b.source.to_bits()
+    };
+    for block in first {
+        let own: Vec<&&Block> = blocks.iter().filter(|b| same(b, block)).collect();
+        if own.len() != bands || own.iter().enumerate().any(|(k, b)| b.band != k) {
+            let deg = block.theta.to_degrees();
+            return Err(lines.fault(format!(
+                "{} blocks at {deg} degrees where {bands} in order are expected",
+                own.len()
+            )));
+        }
+        let at = if turns { block.source } else { SOURCE };
+        let (grid, order) = grid(header, at, block.side)
+            .ok_or_else(|| lines.fault("the azimuths do not go round the plane of incidence"))?;
+        let values = own.iter().flat_map(|b| order.iter().map(|k| b.values[*k])).collect();
+        incidences.push(Incidence {
+            theta: block.theta,
+            phi: if turns { around(block.source - SOURCE) } else { 0.0 },
+            nodes: Nodes::Grid(grid),
+            values,
+            stated: own.iter().map(|b| b.stated).collect(),
+        });
+    }
+    incidences.sort_by(|a, b| a.phi.total_cmp(&b.phi).then(a.theta.total_cmp(&b.theta)));
+    let mirrored = |i: &Incidence| matches!(&i.nodes, Nodes::Grid(g) if g.mirrored);
+    let symmetry = match (turns, incidences.iter().all(mirrored)) {
+        (true, _) => Symmetry::None,
+        (false, true) => Symmetry::Isotropic,
+        (false, false) => Symmetry::Rotational,
+    };
+    let names = ["X", "Y", "Z"].map(|name| Band::Named(name.into()));
+    let bands = match (bands, blocks[0].wavelength) {
+        (3, _) => names.to_vec(),
+        (_, Some(nm)) => vec![Band::Wavelength(nm)],
+        _ => vec![Band::Unknown],
+    };
+    Ok(SampledBsdf {
+        side: blocks[0].side,
+        lobe: blocks[0].lobe,
+        index: None,
+        symmetry,
+        bands,
+        interpolation: Interpolation::Linear,
+        incidences,
+        has_level: true,
+        notes: Vec::new(),
+    })
+}
+
+/// The grid about the plane of incidence of a source, and the place in the file of each of its values.
+fn grid(header: &Header, source: f64, side: Side) -> Option<(Grid, Vec<usize>)> {
+    const SAME: f64 = 2e-9;
+    let n = header.radii.len();
+    let mut radii: Vec<(f64, usize)> = Vec::new();
+    for (k, degrees) in header.radii.iter().enumerate() {
+        let own = if *degrees > 90.0 { 180.0 - degrees } else { *degrees };
+        radii.push((own.to_radians().min(FRAC_PI_2), k));
+    }
+    radii.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if radii.windows(2).any(|w| w[1].0 - w[0].0 < SAME) {
+        return None;
+    }
+    let _ = side; // azimuths are about the sample, whichever side the light comes from
+    let relative = |(k, degrees): (usize, &f64)| (around(degrees.to_radians() - source - PI), k);
+    let mut azimuths: Vec<(f64, usize)> =
+        header.azimuths.iter().enumerate().map(relative).collect();
+    azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
+    azimuths.dedup_by(|b, a| (b.0 - a.0).abs() < SAME);
+    // half a turn on either side of the plane of incidence
+    let below = azimuths.iter().all(|(a, _)| *a >= PI - SAME || *a < SAME);
+    if below && azimuths.len() > 2 {
+        azimuths.iter_mut().for_each(|(a, _)| *a = around(-*a));
+        azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    let last = azimuths.last()?.0;
+    let mirrored = azimuths[0].0 < SAME && (last - PI).abs() < SAME;
+    if header.symmetry.as_deref() == Some("planesymmetrical") && !mirrored && last <= PI + SAME {
+        return None;
+    }
+    let place = |(_, j): &(f64, usize)| radii.iter().map(|(_, i)| j * n + i).collect::<Vec<_>>();
+    let order = azimuths.iter().flat_map(place).collect();
+    let grid = Grid {
+        frame: Frame::Absolute,
+        radii: radii.iter().map(|r| r.0).collect(),
+        azimuths: azimuths.iter().map(|a| a.0).collect(),
+        mirrored,
+    };
+    Some((grid, order))
+}
+
+fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
+    let refuse = |what: &str, remedy: &str| CannotHold {
+        format: NAME,
+        what: what.into(),
+        remedy: remedy.into(),
+    };
+    let first = lobes.first().ok_or_else(|| refuse("no lobe", "give one"))?;
+    let all = lobes.iter().flat_map(|lobe| &lobe.incidences);
+    let grids: Option<Vec<&Grid>> = all
+        .map(|i| match &i.nodes {
+            Nodes::Grid(grid) if grid.frame == Frame::Absolute => Some(grid),
+            _ => None,
+        })
+        .collect();
+    let grids = grids.ok_or_else(|| {
+        refuse("directions that are no grid of absolute angles", "sample it anew")
+    })?;
+    let grid = *grids.first().ok_or_else(|| refuse("a lobe without incidences", "give some"))?;
+    if grids.iter().any(|g| *g != grid) {
+        return Err(refuse("incidences with different grids", "sample it anew"));
+    }
+    let bands = first.bands.len();
+    if lobes.iter().any(|lobe| lobe.bands != first.bands || ![1, 3].contains(&bands)) {
+        return Err(refuse("wavelengths other than one, or X, Y and Z", "write a file for each"));
+    }
+    let turns = lobes.iter().any(|lobe| {
+        lobe.incidences.iter().any(|i| i.phi.to_bits() != lobe.incidences[0].phi.to_bits())
+    });
+    if turns {
+        return Err(refuse(
+            "rotations of the sample, whose azimuths would differ",
+            "use speos or zemax",
+        ));
+    }
+    let mut out = String::new();
+    for line in own::lines(first) {
+        let _ = writeln!(out, "# {line}");
+    }
+    let symmetry = if grid.mirrored { "PlaneSymmetrical" } else { "Asymmetric" };
+    let content = if bands == 3 { "XYZ" } else { "Monochrome" };
+    let _ = write!(out, "Symmetry {symmetry}\nSpectralContent {content}\n");
+    // relative 0 is opposite to the source; of a mirrored grid the half beyond it ascends from the source
+    let azimuth = |a: &f64| if grid.mirrored { SOURCE + PI - a } else { SOURCE + PI + a };
+    let mut azimuths: Vec<(f64, usize)> =
+        grid.azimuths.iter().enumerate().map(|(j, a)| (azimuth(a), j)).collect();
+    azimuths.iter_mut().for_each(|(a, _)| {
+        if *a >= 2.0 * PI {
+            *a -= 2.0 * PI;
+        }
+    });
+    azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (name, angles) in [
+        ("ScatterAzimuth", azimuths.iter().map(|a| a.0).collect::<Vec<_>>()),
+        ("ScatterRadial", grid.radii.clone()),
+    ] {
+        let list: Vec<_> = angles.iter().map(|a| degrees(*a)).collect();
+        let _ = writeln!(out, "{name} {}\n{}", angles.len(), list.join(" "));
+    }
+    out.push_str("DataBegin\n");
+    for lobe in lobes {
+        for (k, incidence) in lobe.incidences.iter().enumerate() {
+            for (band, tristimulus) in TRISTIMULUS.iter().enumerate().take(bands) {
+                block(&mut out, lobe, k, band);
+                if bands == 3 {
+                    let _ = writeln!(out, "TristimulusValue {tristimulus}");
+                }
+                let _ = writeln!(out, "TIS {:.9}", lobe.flux(k, band));
+                let values = &lobe.band(k, band);
+                let n = incidence.nodes.len() / azimuths.len().max(1);
+                for (_, j) in &azimuths {
+                    let row = values.get(j * n..(j + 1) * n).unwrap_or(&[]);
+                    let row: Vec<_> = row.iter().map(|v| format!("{v:.7e}")).collect();
+                    let _ = writeln!(out, "{}", row.join(" "));
+                }
+            }
+        }
+    }
+    out.push_str("DataEnd\n");
+    Ok(out.into_bytes())
+}
+
+/// The lines before the values.
+fn block(out: &mut String, lobe: &SampledBsdf, k: usize, band: usize) {
+    let theta = lobe.incidences[k].theta;
+    let (aoi, side) = match lobe.side {
+        Side::Air => (theta, "Front"),
+        Side::Dielectric => (PI - theta, "Back"),
+    };
+    let kind = if lobe.lobe == Lobe::Reflection { "BRDF" } else { "BTDF" };
+    let _ = write!(out, "AOI {}\nPOI {}\nSide {side}\n", degrees(aoi), degrees(SOURCE));
+    if let Some(Band::Wavelength(nm)) = lobe.bands.get(band) {
+        let _ = writeln!(out, "Wavelength {nm}");
+    }
+    let _ = writeln!(out, "ScatterType {kind}");
+}
