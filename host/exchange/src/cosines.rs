@@ -258,9 +258,8 @@ impl<'a> Axes<'a> {
     fn share(&self, at: &At, cell: Cell) -> f64 {
         let middles = [cell.radii, cell.azimuths].map(|ends| ends[0].midpoint(ends[1]));
         let middle = self.value(at, middles);
-        let mean = |points: [[f64; 2]; 2]| {
-            self.value(at, points[0]).midpoint(self.value(at, points[1]))
-        };
+        let mean =
+            |points: [[f64; 2]; 2]| self.value(at, points[0]).midpoint(self.value(at, points[1]));
         let along = (mean(cell.radii.map(|r| [r, middles[1]])) - middle).abs();
         let across = (mean(cell.azimuths.map(|a| [middles[0], a])) - middle).abs();
         if along + across > 0.0 { along / (along + across) } else { 0.5 }

@@ -39,11 +39,8 @@ impl Frame {
                 let (x, y) = (theta.sin() + radius * cos, radius * sin);
                 let length = x.hypot(y);
                 // beyond 1 there is no direction: below the horizon
-                let polar = if length <= 1.0 {
-                    length.asin()
-                } else {
-                    FRAC_PI_2 + (length - 1.0).atan()
-                };
+                let polar =
+                    if length <= 1.0 { length.asin() } else { FRAC_PI_2 + (length - 1.0).atan() };
                 let phi = if length == 0.0 { 0.0 } else { y.atan2(x) };
                 [polar, around(phi)]
             }

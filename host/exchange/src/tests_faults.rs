@@ -19,7 +19,7 @@ fn refused(name: &str, text: &str, at: usize, what: &str) {
 fn survives(name: &str, text: &str) {
     assert!(read_bytes(name, text.as_bytes()).is_ok(), "{name}");
     for end in 0..text.len() {
-        let _ = read_bytes(name, text[..end].as_bytes());
+        let _ = read_bytes(name, &text.as_bytes()[..end]);
     }
     for at in 0..text.len() {
         for other in ["9", "-", "x", "\n", " "] {
@@ -60,7 +60,9 @@ mine
 #[test]
 fn speos() {
     survives("a.anisotropicbsdf", SPEOS);
-    let broken = |at, line, fault_at, what| refused("a.anisotropicbsdf", &with(SPEOS, at, line), fault_at, what);
+    let broken = |at, line, fault_at, what| {
+        refused("a.anisotropicbsdf", &with(SPEOS, at, line), fault_at, what);
+    };
     broken(1, "OPTIS - Anisotropic BSDF surface file v7.0", 0, "version 7.0");
     broken(2, "1", 0, "binary");
     broken(2, "2", 2, "mode");
@@ -101,7 +103,8 @@ mine
 #[test]
 fn speos_spectral() {
     survives("a.brdf", SPECTRAL);
-    let broken = |at, line, fault_at, what| refused("a.brdf", &with(SPECTRAL, at, line), fault_at, what);
+    let broken =
+        |at, line, fault_at, what| refused("a.brdf", &with(SPECTRAL, at, line), fault_at, what);
     broken(8, "0 1", 8, "incidences");
     broken(9, "-10", 9, "outside 0 to 90");
     broken(10, "0", 10, "nm");
@@ -110,7 +113,8 @@ fn speos_spectral() {
     broken(15, "90 2 1 nan", 15, "not a number");
 }
 
-const SIMPLE: &str = "OPTIS - Simple scattering surface file v2.0\nLeather\nReflection\n20 30 70 50\n";
+const SIMPLE: &str =
+    "OPTIS - Simple scattering surface file v2.0\nLeather\nReflection\n20 30 70 50\n";
 
 const TABLE: &str = "OPTIS - Scattering surface file v1.0
 Scattering surface
@@ -126,17 +130,20 @@ Scattering surface
 #[test]
 fn speos_scattering() {
     for end in 0..SIMPLE.len() {
-        let _ = read_bytes("a.simplescattering", SIMPLE[..end].as_bytes());
+        let _ = read_bytes("a.simplescattering", &SIMPLE.as_bytes()[..end]);
     }
     survives("a.scattering", TABLE);
-    let simple = |at, line, fault_at, what| refused("a.simplescattering", &with(SIMPLE, at, line), fault_at, what);
+    let simple = |at, line, fault_at, what| {
+        refused("a.simplescattering", &with(SIMPLE, at, line), fault_at, what);
+    };
     simple(3, "Emission", 3, "neither");
     simple(3, "Reflection and transmission", 0, "both reflects and transmits");
     simple(4, "20 30 70", 4, "four numbers");
     simple(4, "20 30 80 50", 4, "more than 100");
     simple(4, "120 30 70 50", 4, "percentage");
     simple(4, "20 30 70 0", 4, "width");
-    let table = |at, line, fault_at, what| refused("a.scattering", &with(TABLE, at, line), fault_at, what);
+    let table =
+        |at, line, fault_at, what| refused("a.scattering", &with(TABLE, at, line), fault_at, what);
     table(3, "1 1000001", 3, "wavelengths");
     table(4, "-550", 4, "nm");
     table(5, "95 4 0", 5, "0 to 90");
@@ -145,7 +152,8 @@ fn speos_scattering() {
     table(8, "0 0", 9, "width");
 }
 
-const FRED: &str = "type bsdf_data\nformat angles=deg bsdf=value scale=1\n10 0\n0 0 0.1\n10 0 0.2\n";
+const FRED: &str =
+    "type bsdf_data\nformat angles=deg bsdf=value scale=1\n10 0\n0 0 0.1\n10 0 0.2\n";
 
 #[test]
 fn fred() {
@@ -160,7 +168,12 @@ fn fred() {
     broken(4, "0 0 -0.1", 4, "negative");
     broken(4, "0 0 0 1", 4, "neither two numbers nor three");
     refused("a.txt", "!!EDS\n10 0\n", 3, "no values");
-    refused("a.txt", "type bsdf_data\nformat angles=sin bsdf=value\n0 0\n0.9 0.9 1\n", 4, "beyond 1");
+    refused(
+        "a.txt",
+        "type bsdf_data\nformat angles=sin bsdf=value\n0 0\n0.9 0.9 1\n",
+        4,
+        "beyond 1",
+    );
 }
 
 const LIGHTTOOLS: &str = "# mine
@@ -186,7 +199,8 @@ DataEnd
 #[test]
 fn lighttools() {
     survives("a.bsdf", LIGHTTOOLS);
-    let broken = |at, line, fault_at, what| refused("a.bsdf", &with(LIGHTTOOLS, at, line), fault_at, what);
+    let broken =
+        |at, line, fault_at, what| refused("a.bsdf", &with(LIGHTTOOLS, at, line), fault_at, what);
     broken(2, "Symmetry Round", 8, "Symmetry");
     broken(3, "SpectralContent RGB", 8, "SpectralContent");
     broken(4, "ScatterAzimuth many", 4, "ScatterAzimuth");
@@ -235,7 +249,8 @@ src_z src_a view_z view_a 500nm
 #[test]
 fn blacklab() {
     survives("a.txt", BLACKLAB);
-    let broken = |at, line, fault_at, what| refused("a.txt", &with(BLACKLAB, at, line), fault_at, what);
+    let broken =
+        |at, line, fault_at, what| refused("a.txt", &with(BLACKLAB, at, line), fault_at, what);
     broken(2, "src_z src_a view_z view_a", 2, "no column of a wavelength");
     broken(2, "src_z src_a view_a view_z 500nm", 2, "view_z");
     broken(2, "src_z src_a view_z view_a 500um", 2, "no wavelength");

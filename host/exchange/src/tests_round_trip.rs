@@ -177,7 +177,6 @@ fn fred() {
             assert!(edge < 89.95_f64.to_radians());
         }
         for row in compare(&read, &law) {
-            println!("{:?} {:?}: {row:?}", subject.side, subject.lobe);
             if row.peak_law == 0.0 {
                 continue;
             }

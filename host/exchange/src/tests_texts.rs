@@ -13,13 +13,8 @@ fn open(relative: &str, format: &str) -> Option<Vec<SampledBsdf>> {
     for lobe in &lobes {
         for (k, incidence) in lobe.incidences.iter().enumerate() {
             assert_eq!(incidence.values.len(), incidence.nodes.len() * lobe.bands.len());
-            println!(
-                "{relative}: {:.0} deg, {} directions, integral {:.5}, stated {:?}",
-                incidence.theta.to_degrees(),
-                incidence.nodes.len(),
-                lobe.flux(k, 0),
-                incidence.stated.first()
-            );
+            let what = format!("{relative}: {:?}", incidence.theta);
+            assert!((0..lobe.bands.len()).all(|band| lobe.flux(k, band).is_finite()), "{what}");
         }
     }
     Some(lobes)
@@ -107,7 +102,6 @@ fn the_pair_of_ansys_agrees() {
             }
             let of = |file: &SampledBsdf| file.incidences[k].value(0, at, file.interpolation);
             let ratio = of(speos) / (of(zemax) * gain);
-            println!("{k} {theta} {phi}: {ratio}");
             near(ratio, 1.0, 0.05);
             sum += ratio;
             compared += 1;
@@ -166,13 +160,18 @@ fn fred_blocks_without_a_header() {
 #[test]
 fn rt300s_exports_agree() {
     let mut all = Vec::new();
-    for name in
-        ["rt300s_test.jdv", "rt300s_test_raywiz.jdv", "rt300s_test_lighttools.txt", "rt300s_test_speos.rtd"]
-    {
+    for name in [
+        "rt300s_test.jdv",
+        "rt300s_test_raywiz.jdv",
+        "rt300s_test_lighttools.txt",
+        "rt300s_test_speos.rtd",
+    ] {
         let Some(lobes) = open(&format!("formats/ua-loft/{name}"), "rt300s") else { return };
         assert_eq!(lobes.len(), 2, "{name}: two runs");
         assert!(lobes.iter().all(|lobe| !lobe.has_level));
-        assert!(lobes[1].notes.iter().any(|note| note.contains("12 of 12 readings are below zero")));
+        assert!(
+            lobes[1].notes.iter().any(|note| note.contains("12 of 12 readings are below zero"))
+        );
         all.push(lobes);
     }
     let degrees = |lobe: &SampledBsdf| -> Vec<f64> {
@@ -196,9 +195,9 @@ fn rt300s_exports_agree() {
         });
         *found.unwrap().1
     };
-    assert_eq!(at(30.0, 0.0), -49096.61);
-    assert_eq!(at(30.0, 180.0), -33840.56);
-    assert_eq!(at(30.0, 10.0), -42487.36);
+    near(at(30.0, 0.0), -49096.61, 1e-12);
+    near(at(30.0, 180.0), -33840.56, 1e-12);
+    near(at(30.0, 10.0), -42487.36, 1e-12);
 }
 
 #[test]
@@ -219,12 +218,18 @@ fn blacklab_factors_are_pi_times_the_brdf() {
         i.nodes.directions().iter().any(|d| (d[0].to_degrees() - 45.0).abs() < 1e-9 && d[1] < 1e-9)
     };
     assert!(oblique.into_iter().any(|i| specular(&i)));
-    near(*sampled.incidences.last().unwrap().values.last().unwrap() * std::f64::consts::PI, 0.831_699, 1e-12);
+    near(
+        *sampled.incidences.last().unwrap().values.last().unwrap() * std::f64::consts::PI,
+        0.831_699,
+        1e-12,
+    );
 }
 
 #[test]
 fn speos_scattering_surfaces() {
-    let Some(lobes) = open("formats/ansys/Black_Paint.scattering", "speos-scattering") else { return };
+    let Some(lobes) = open("formats/ansys/Black_Paint.scattering", "speos-scattering") else {
+        return;
+    };
     assert_eq!(lobes.len(), 1);
     let sampled = &lobes[0];
     assert_eq!(sampled.lobe, Lobe::Reflection);
@@ -272,7 +277,7 @@ fn speos_levels_follow_the_percentages() {
     let table = |thetas: [f64; 3], values: [f64; 3]| {
         let mut text = "3 2\n\t0\t180\n".to_owned();
         for (theta, v) in thetas.into_iter().zip(values) {
-            text += &format!("{theta}\t{v}\t{v}\n");
+            text = format!("{text}{theta}\t{v}\t{v}\n");
         }
         text
     };
@@ -303,7 +308,8 @@ fn speos_levels_follow_the_percentages() {
     };
     // half-way between the tables 3 and 4 of the rotation of 90: the factor is the mean of 1/3 and 1/4 over their common integral
     let integral = |k: f64| k * (1.0 / 3.0 + 1.0 / 4.0) / 2.0;
-    for (theta, phi, k) in [(10.0, 0.0, 1.0), (30.0, 0.0, 2.0), (10.0, 270.0, 3.0), (30.0, 270.0, 4.0)]
+    for (theta, phi, k) in
+        [(10.0, 0.0, 1.0), (30.0, 0.0, 2.0), (10.0, 270.0, 3.0), (30.0, 270.0, 4.0)]
     {
         let i = at(r, theta, phi);
         let ratio = r.band(i, 1)[0] / r.band(i, 0)[0];
@@ -317,7 +323,10 @@ fn speos_levels_follow_the_percentages() {
         assert!(r.band(i, 0)[0] * std::f64::consts::PI < exact / coarse * 1.1);
     }
     let Nodes::Grid(grid) = &t.incidences[0].nodes else { panic!("no grid") };
-    assert_eq!(grid.radii.iter().map(|r| r.to_degrees().round()).collect::<Vec<_>>(), [0.0, 60.0, 90.0]);
+    assert_eq!(
+        grid.radii.iter().map(|r| r.to_degrees().round()).collect::<Vec<_>>(),
+        [0.0, 60.0, 90.0]
+    );
     // at the horizon an intensity says nothing: the value before it goes on
     let values = t.band(0, 0);
     near(values[1], values[0], 1e-12);
@@ -329,9 +338,12 @@ fn speos_levels_follow_the_percentages() {
 #[test]
 fn speos_spectral_tables_have_their_own_percentages() {
     let block = |percent: f64, peak: f64| {
-        format!("{percent}\n3 3\n\t0\t90\t180\n0\t{peak}\t{peak}\t{peak}\n45\t{peak}\t1\t1\n90\t1\t1\t1\n")
+        format!(
+            "{percent}\n3 3\n\t0\t90\t180\n0\t{peak}\t{peak}\t{peak}\n45\t{peak}\t1\t1\n90\t1\t1\t1\n"
+        )
     };
-    let text = "OPTIS - brdf surface file v8.0\n0\n\n0\n\n1\t0\n1\n2\t2\n0 45\n450 650\n".to_owned()
+    let text = "OPTIS - brdf surface file v8.0\n0\n\n0\n\n1\t0\n1\n2\t2\n0 45\n450 650\n"
+        .to_owned()
         + &[block(10.0, 1.0), block(20.0, 2.0), block(30.0, 3.0), block(40.0, 4.0)].concat();
     let (_, lobes) = read_bytes("x.brdf", text.as_bytes()).unwrap();
     assert_eq!(lobes.len(), 1);
@@ -352,7 +364,7 @@ fn fred_in_plane_data_in_every_form() {
     let open = |text: &str| read_bytes("plane.txt", text.as_bytes()).unwrap().1.remove(0);
     let (a, b) = (open(degrees), open(cosines));
     for (x, y) in a.incidences.iter().zip(&b.incidences) {
-        assert!((x.theta - y.theta).abs() < 1e-9 && x.phi == y.phi);
+        assert!((x.theta - y.theta).abs() < 1e-9 && x.phi.abs() + y.phi.abs() < 1e-9);
         for (p, q) in x.nodes.directions().iter().zip(y.nodes.directions()) {
             assert!((p[0] - q[0]).abs() < 1e-9 && (p[1] - q[1]).abs() < 1e-9, "{p:?} {q:?}");
         }
@@ -361,7 +373,9 @@ fn fred_in_plane_data_in_every_form() {
         }
     }
     let back = a.incidences[1].nodes.directions()[0];
-    assert!((back[0].to_degrees() - 60.0).abs() < 1e-9 && (back[1].to_degrees() - 180.0).abs() < 1e-9);
+    assert!(
+        (back[0].to_degrees() - 60.0).abs() < 1e-9 && (back[1].to_degrees() - 180.0).abs() < 1e-9
+    );
     near(a.incidences[1].values[1], 1.0, 1e-12);
     assert_eq!(a.symmetry, Symmetry::Isotropic);
     // the lobe of a file that does not say it

@@ -148,7 +148,9 @@ fn read_header(lines: &mut Lines<'_>, notes: &mut Vec<String>) -> Result<Header,
         Some("planesymmetrical" | "asymmetric" | "asymmetrical") => {}
         other => {
             let other = excerpt(other.unwrap_or(""));
-            return Err(lines.fault(format!("Symmetry is not PlaneSymmetrical or Asymmetric: '{other}'")));
+            return Err(
+                lines.fault(format!("Symmetry is not PlaneSymmetrical or Asymmetric: '{other}'"))
+            );
         }
     }
     for (name, angles) in [("ScatterAzimuth", &header.azimuths), ("ScatterRadial", &header.radii)] {
@@ -317,13 +319,16 @@ fn grid(header: &Header, source: f64, side: Side) -> Option<(Grid, Vec<usize>)> 
     }
     let _ = side; // azimuths are about the sample, whichever side the light comes from
     let relative = |(k, degrees): (usize, &f64)| (around(degrees.to_radians() - source - PI), k);
-    let mut azimuths: Vec<(f64, usize)> = header.azimuths.iter().enumerate().map(relative).collect();
+    let mut azimuths: Vec<(f64, usize)> =
+        header.azimuths.iter().enumerate().map(relative).collect();
     azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
     azimuths.dedup_by(|b, a| (b.0 - a.0).abs() < SAME);
     // half a turn on either side of the plane of incidence
     let below = azimuths.iter().all(|(a, _)| *a >= PI - SAME || *a < SAME);
     if below && azimuths.len() > 2 {
-        azimuths.iter_mut().for_each(|(a, _)| *a = around(-*a));
+        for (a, _) in &mut azimuths {
+            *a = around(-*a);
+        }
         azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
     let last = azimuths.last()?.0;
@@ -356,7 +361,9 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
             _ => None,
         })
         .collect();
-    let grids = grids.ok_or_else(|| refuse("directions that are no grid of absolute angles", "sample it anew"))?;
+    let grids = grids.ok_or_else(|| {
+        refuse("directions that are no grid of absolute angles", "sample it anew")
+    })?;
     let grid = *grids.first().ok_or_else(|| refuse("a lobe without incidences", "give some"))?;
     if grids.iter().any(|g| *g != grid) {
         return Err(refuse("incidences with different grids", "sample it anew"));
@@ -369,7 +376,10 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
         lobe.incidences.iter().any(|i| i.phi.to_bits() != lobe.incidences[0].phi.to_bits())
     });
     if turns {
-        return Err(refuse("rotations of the sample, whose azimuths would differ", "use speos or zemax"));
+        return Err(refuse(
+            "rotations of the sample, whose azimuths would differ",
+            "use speos or zemax",
+        ));
     }
     let mut out = String::new();
     for line in own::lines(first) {
@@ -382,11 +392,11 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
     let azimuth = |a: &f64| if grid.mirrored { SOURCE + PI - a } else { SOURCE + PI + a };
     let mut azimuths: Vec<(f64, usize)> =
         grid.azimuths.iter().enumerate().map(|(j, a)| (azimuth(a), j)).collect();
-    azimuths.iter_mut().for_each(|(a, _)| {
+    for (a, _) in &mut azimuths {
         if *a >= 2.0 * PI {
             *a -= 2.0 * PI;
         }
-    });
+    }
     azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (name, angles) in [
         ("ScatterAzimuth", azimuths.iter().map(|a| a.0).collect::<Vec<_>>()),

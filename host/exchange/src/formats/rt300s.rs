@@ -62,7 +62,8 @@ fn kind(start: &str) -> Option<Kind> {
     if first.starts_with("OPTIS - Anisotropic BSDF surface file v1") {
         return second.starts_with("SampleID").then_some(Kind::Rtd);
     }
-    (first.starts_with("Name / Comment") && start.contains("Theta measure")).then_some(Kind::LightTools)
+    (first.starts_with("Name / Comment") && start.contains("Theta measure"))
+        .then_some(Kind::LightTools)
 }
 
 fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
@@ -134,12 +135,15 @@ fn lobes(run: Vec<Section>) -> Vec<SampledBsdf> {
     lobes
 }
 
+/// Lines `key: value`.
+type Pairs<'a> = Vec<(String, &'a str)>;
+
 /// Reads `key: value` lines up to one that `end` knows, which is the last one read.
 fn header<'a>(
     lines: &mut Lines<'a>,
     end: fn(&str) -> bool,
     what: &str,
-) -> Result<(Vec<(String, &'a str)>, &'a str), Fault> {
+) -> Result<(Pairs<'a>, &'a str), Fault> {
     let mut all = Vec::new();
     loop {
         let line = lines.expect(what)?;
@@ -163,11 +167,7 @@ fn notes(header: &[(String, &str)]) -> Vec<String> {
     header.iter().filter(told).map(|(key, value)| format!("{key}: {value}")).collect()
 }
 
-fn value<'a>(
-    lines: &Lines<'_>,
-    header: &[(String, &'a str)],
-    key: &str,
-) -> Result<&'a str, Fault> {
+fn value<'a>(lines: &Lines<'_>, header: &[(String, &'a str)], key: &str) -> Result<&'a str, Fault> {
     let found = header.iter().find(|(name, _)| name == key).map(|(_, value)| *value);
     found.ok_or_else(|| lines.fault(format!("no line '{key}' before the values")))
 }
@@ -178,9 +178,8 @@ fn row(lines: &mut Lines<'_>, n: usize) -> Result<(f64, Vec<f64>), Fault> {
     let mut row = lines.numbers(line, "a value")?;
     if row.len() != n + 1 {
         let is = row.len();
-        return Err(
-            lines.fault(format!("a row of {is} numbers where an angle and {n} values are expected"))
-        );
+        return Err(lines
+            .fault(format!("a row of {is} numbers where an angle and {n} values are expected")));
     }
     let angle = row.remove(0);
     Ok((angle, row))
@@ -227,10 +226,15 @@ fn raywiz(lines: &mut Lines<'_>) -> Result<Section, Fault> {
     let (header, counts) = header(lines, is_number, "three counts")?;
     let counts = lines.numbers(counts, "a count")?;
     let [incidences, azimuthal, polar] = counts[..] else {
-        return Err(lines.fault("expected three counts: incidences, steps of azimuth and polar angle"));
+        return Err(
+            lines.fault("expected three counts: incidences, steps of azimuth and polar angle")
+        );
     };
     let ends = lines.exactly(4, "first and last azimuth and polar angle")?;
-    if incidences != 1.0 || !(1.0..=1e5).contains(&azimuthal) || !(1.0..=1e5).contains(&polar) {
+    if (incidences - 1.0).abs() > 0.0
+        || !(1.0..=1e5).contains(&azimuthal)
+        || !(1.0..=1e5).contains(&polar)
+    {
         return Err(lines.fault(format!(
             "counts that are none of one incidence: {incidences} {azimuthal} {polar}"
         )));
@@ -242,7 +246,13 @@ fn raywiz(lines: &mut Lines<'_>) -> Result<Section, Fault> {
     for _ in &polar {
         rows.push(lines.exactly(azimuths.len(), "a row of values")?);
     }
-    Ok(Section { incidence, values: across(&rows, azimuths.len()), polar, azimuths, notes: notes(&header) })
+    Ok(Section {
+        incidence,
+        values: across(&rows, azimuths.len()),
+        polar,
+        azimuths,
+        notes: notes(&header),
+    })
 }
 
 /// Values azimuth after azimuth, of rows polar angle after polar angle.
@@ -252,7 +262,8 @@ fn across(rows: &[Vec<f64>], azimuths: usize) -> Vec<f64> {
 }
 
 fn lighttools(lines: &mut Lines<'_>) -> Result<Section, Fault> {
-    let (header, line) = header(lines, |line| line.starts_with("Theta Lighting"), "Theta Lighting")?;
+    let (header, line) =
+        header(lines, |line| line.starts_with("Theta Lighting"), "Theta Lighting")?;
     let field = fields(line).nth(2).unwrap_or("");
     let incidence = lines.number_of(field, "Theta Lighting")?;
     let angles = |name: &str| -> Result<Vec<f64>, Fault> {
@@ -269,7 +280,13 @@ fn lighttools(lines: &mut Lines<'_>) -> Result<Section, Fault> {
         polar.push(angle);
         rows.push(values);
     }
-    Ok(Section { incidence, values: across(&rows, azimuths.len()), polar, azimuths, notes: notes(&header) })
+    Ok(Section {
+        incidence,
+        values: across(&rows, azimuths.len()),
+        polar,
+        azimuths,
+        notes: notes(&header),
+    })
 }
 
 /// The incidence is in the name of the sample alone; the table of absolute angles that follows holds the same readings, partly averaged, and is passed over.

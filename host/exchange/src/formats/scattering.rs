@@ -155,7 +155,8 @@ fn table(lines: &mut Lines<'_>) -> Result<(Lobes, Vec<Band>), Fault> {
         [Lobe::Reflection, Lobe::Transmission].map(|lobe| (lobe, Vec::new())).into();
     let mut last = -1.0;
     for _ in 0..n {
-        let first = lines.exactly_in_line(2 * m + 1, "an incidence and its specular percentages")?;
+        let first =
+            lines.exactly_in_line(2 * m + 1, "an incidence and its specular percentages")?;
         let theta = first[0];
         if !(0.0..=90.0).contains(&theta) || theta <= last {
             return Err(lines.fault(format!("incidences do not ascend from 0 to 90: {theta}")));
@@ -239,7 +240,8 @@ fn incidence(row: &Row) -> Incidence {
 impl Parts {
     /// BSDF of the Gaussian part at the nodes of a grid.
     fn gaussian_bsdf(&self, grid: &Grid) -> Vec<f64> {
-        let coordinates = grid.azimuths.iter().flat_map(|a| grid.radii.iter().map(move |r| [*r, *a]));
+        let coordinates =
+            grid.azimuths.iter().flat_map(|a| grid.radii.iter().map(move |r| [*r, *a]));
         if self.gaussian <= 0.0 {
             return coordinates.map(|_| 0.0).collect();
         }

@@ -1,7 +1,7 @@
 //! Surface property text of `TracePro` with a table of scatter (`Table_BSDF_Data`).
 //!
 //! Layout and meaning: `TracePro` help, "Surface Property Import/Export Format"; User's Manual 2019, "Asymmetric Table BSDF", figures 7.6 and 7.7; files of
-//! bazjo/brdf_utils. `ScatterBeta` is the length of the difference of the projections of the scattered and the specular (or direct) ray on the surface,
+//! `bazjo/brdf_utils`. `ScatterBeta` is the length of the difference of the projections of the scattered and the specular (or direct) ray on the surface,
 //! `ScatterAzimuth` its azimuth. The axis of azimuth 0 floats: it is at right angles to the plane of incidence, and the direction away from
 //! the source lies at 90 degrees (figure 7.7). Kelvin, micrometres, degrees, 1/sr. Assumed: the program interpolates linearly.
 
@@ -47,7 +47,7 @@ pub(super) const FORMAT: Format = Format {
 /// Between the lines of the description, which is one.
 const BETWEEN: &str = " | ";
 
-/// The largest number of columns or rows that a rectangle of readings may miss: none, but angles nearer than this are the same.
+/// Lengths and azimuths nearer than this are the same.
 const SAME: f64 = 1e-9;
 
 fn refuse(what: &str, remedy: &str) -> CannotHold {
@@ -83,7 +83,9 @@ fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
     }
     let names = lines.expect("the names of the columns")?;
     if !names.starts_with("Temperature") {
-        return Err(lines.fault(format!("expected the names of columns, found '{}'", excerpt(names))));
+        return Err(
+            lines.fault(format!("expected the names of columns, found '{}'", excerpt(names)))
+        );
     }
     let blocks = blocks(&mut lines)?;
     let said = own::said(description.split(BETWEEN));
@@ -148,7 +150,8 @@ fn blocks(lines: &mut Lines<'_>) -> Result<Vec<Block>, Fault> {
         let [kelvin, micrometres, incidence, azimuth, length, at, brdf, btdf] = row[..] else {
             return Err(lines.fault(format!("{} numbers where 8 are expected", row.len())));
         };
-        if *temperature.get_or_insert(kelvin) != kelvin || azimuth != 0.0 {
+        let first = *temperature.get_or_insert(kelvin);
+        if (first - kelvin).abs() > 0.0 || azimuth.abs() > 0.0 {
             let what = "a second temperature, or an azimuth of incidence other than 0,".to_owned();
             let remedy = "export one temperature and one azimuth";
             return Err(Fault::Unsupported { format: NAME, what, remedy });
@@ -157,23 +160,25 @@ fn blocks(lines: &mut Lines<'_>) -> Result<Vec<Block>, Fault> {
             return Err(lines.fault("a wavelength in micrometres or an incidence out of range"));
         }
         if !(0.0..=2.0 + 1e-9).contains(&length) || at.abs() > 360.0 {
-            return Err(lines.fault(format!("ScatterBeta or ScatterAzimuth out of range: {length}, {at}")));
+            return Err(
+                lines.fault(format!("ScatterBeta or ScatterAzimuth out of range: {length}, {at}"))
+            );
         }
         if brdf < 0.0 || btdf < 0.0 {
             return Err(lines.fault(format!("a negative BSDF: {}", brdf.min(btdf))));
         }
-        let same = |b: &&mut Block| {
-            b.wavelength.to_bits() == micrometres.to_bits() && b.incidence.to_bits() == incidence.to_bits()
+        let same = |b: &Block| {
+            b.wavelength.to_bits() == micrometres.to_bits()
+                && b.incidence.to_bits() == incidence.to_bits()
         };
         let values = [length, at, brdf, btdf];
-        let last = blocks.last_mut().filter(same).is_some();
-        let found = if last { Some(blocks.len() - 1) } else { blocks.iter_mut().position(|mut b| same(&&mut b)) };
-        match found {
-            Some(k) => blocks[k].rows.push(values),
-            None => {
-                let line = lines.number();
-                blocks.push(Block { wavelength: micrometres, incidence, rows: vec![values], line });
-            }
+        // files run through the rows of an incidence: it is mostly the last one
+        let found = blocks.iter().rposition(same);
+        if let Some(k) = found {
+            blocks[k].rows.push(values);
+        } else {
+            let line = lines.number();
+            blocks.push(Block { wavelength: micrometres, incidence, rows: vec![values], line });
         }
     }
     if blocks.is_empty() {
@@ -181,6 +186,9 @@ fn blocks(lines: &mut Lines<'_>) -> Result<Vec<Block>, Fault> {
     }
     Ok(blocks)
 }
+
+/// An azimuth, and the lengths and values there.
+type Column = (f64, Vec<(f64, f64)>);
 
 impl Block {
     /// The rows as a grid; they must be a rectangle of lengths and azimuths.
@@ -192,7 +200,7 @@ impl Block {
         rows.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         // 0 and 360 degrees are one
         rows.dedup_by(|b, a| (b.0 - a.0).abs() < SAME && (b.1 - a.1).abs() < SAME);
-        let mut columns: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
         for (azimuth, length, value) in rows {
             match columns.last_mut().filter(|c| (c.0 - azimuth).abs() < SAME) {
                 Some(column) => column.1.push((length, value)),
@@ -201,10 +209,13 @@ impl Block {
         }
         let radii: Vec<f64> = columns[0].1.iter().map(|(length, _)| *length).collect();
         let is_whole = columns.iter().all(|(_, list)| {
-            list.len() == radii.len() && list.iter().zip(&radii).all(|(a, b)| (a.0 - b).abs() < SAME)
+            list.len() == radii.len()
+                && list.iter().zip(&radii).all(|(a, b)| (a.0 - b).abs() < SAME)
         });
         if !is_whole {
-            return Err(fault("the rows of an incidence are no rectangle of ScatterBeta and ScatterAzimuth"));
+            return Err(fault(
+                "the rows of an incidence are no rectangle of ScatterBeta and ScatterAzimuth",
+            ));
         }
         let mirrored = fold(&mut columns);
         let azimuths = columns.iter().map(|c| c.0).collect();
@@ -215,14 +226,16 @@ impl Block {
 }
 
 /// Leaves the half from 0 to pi if the other is its mirror image.
-fn fold(columns: &mut Vec<(f64, Vec<(f64, f64)>)>) -> bool {
+fn fold(columns: &mut Vec<Column>) -> bool {
     let pi = std::f64::consts::PI;
     let has = |at: f64| columns.iter().position(|c| (c.0 - at).abs() < SAME);
     let is_mirrored = has(0.0).is_some()
         && has(pi).is_some()
         && columns.iter().all(|(azimuth, list)| {
             let other = has(around(TAU - azimuth)).map(|k| &columns[k].1);
-            other.is_some_and(|other| other.iter().zip(list).all(|(a, b)| a.1.to_bits() == b.1.to_bits()))
+            other.is_some_and(|other| {
+                other.iter().zip(list).all(|(a, b)| a.1.to_bits() == b.1.to_bits())
+            })
         });
     if is_mirrored {
         columns.retain(|c| c.0 <= pi + SAME);
@@ -235,7 +248,10 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
         return Err(refuse("more than one lobe", "write a file for each"));
     };
     let [Band::Wavelength(nm)] = sampled.bands[..] else {
-        return Err(refuse("a lobe without a wavelength, or of several", "give one with --wavelength-nm"));
+        return Err(refuse(
+            "a lobe without a wavelength, or of several",
+            "give one with --wavelength-nm",
+        ));
     };
     let grids: Option<Vec<&Grid>> = sampled
         .incidences
@@ -260,7 +276,8 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
         let absorbed = (1.0 - sampled.flux(k, 0)).max(0.0);
         let theta = degrees(incidence.theta);
         let zeros = "\t0".repeat(SURFACE.len() - 6);
-        let _ = writeln!(out, "300\t{micrometres}\t{theta}\t0\t{absorbed:.9}\t{absorbed:.9}{zeros}");
+        let _ =
+            writeln!(out, "300\t{micrometres}\t{theta}\t0\t{absorbed:.9}\t{absorbed:.9}{zeros}");
     }
     let _ = writeln!(out, "Table_BSDF_Data\n{}", TABLE.join("\t"));
     for (k, (incidence, grid)) in sampled.incidences.iter().zip(grids).enumerate() {
@@ -293,12 +310,38 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
 
 /// The columns of the specular part.
 const SURFACE: [&str; 22] = [
-    "Temperature", "Wavelength", "IncAngle", "AziAngle", "Abso_S", "Abso_P", "Refl_S", "Refl_P", "Tran_S",
-    "Tran_P", "PhaseRefl", "PhaseTran", "BRDF_A", "BRDF_B", "BRDF_By", "BRDF_g", "BRDF_gy", "BTDF_A",
-    "BTDF_B", "BTDF_By", "BTDF_g", "BTDF_gy",
+    "Temperature",
+    "Wavelength",
+    "IncAngle",
+    "AziAngle",
+    "Abso_S",
+    "Abso_P",
+    "Refl_S",
+    "Refl_P",
+    "Tran_S",
+    "Tran_P",
+    "PhaseRefl",
+    "PhaseTran",
+    "BRDF_A",
+    "BRDF_B",
+    "BRDF_By",
+    "BRDF_g",
+    "BRDF_gy",
+    "BTDF_A",
+    "BTDF_B",
+    "BTDF_By",
+    "BTDF_g",
+    "BTDF_gy",
 ];
 
 /// Those of the table.
 const TABLE: [&str; 8] = [
-    "Temperature", "Wavelength", "IncAngle", "AziAngle", "ScatterBeta", "ScatterAzimuth", "BRDF", "BTDF",
+    "Temperature",
+    "Wavelength",
+    "IncAngle",
+    "AziAngle",
+    "ScatterBeta",
+    "ScatterAzimuth",
+    "BRDF",
+    "BTDF",
 ];

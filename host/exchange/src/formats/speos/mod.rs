@@ -151,11 +151,10 @@ impl Head {
 /// Two flags, reflection and transmission.
 fn flags(lines: &mut Lines<'_>) -> Result<[bool; 2], Fault> {
     let line = lines.expect("the flags of reflection and transmission")?;
-    let numbers = lines.numbers(line, "a flag of reflection or transmission")?;
-    match numbers[..] {
-        [r, t] if [r, t].iter().all(|f| *f == 0.0 || *f == 1.0) && r + t > 0.0 => {
-            Ok([r == 1.0, t == 1.0])
-        }
+    match crate::text::fields(line).collect::<Vec<_>>()[..] {
+        ["1", "0"] => Ok([true, false]),
+        ["0", "1"] => Ok([false, true]),
+        ["1", "1"] => Ok([true, true]),
         _ => Err(lines.fault("expected two flags, reflection and transmission, one of them 1")),
     }
 }
