@@ -74,11 +74,13 @@ struct Allowed {
     node: f64,
     flux: f64,
     peak: f64,
+    /// Whether reflection from inside, whose jump at total reflection takes long to sample, is left to long runs.
+    is_slow: bool,
 }
 
 impl Default for Allowed {
     fn default() -> Self {
-        Self { node: 1e-4, flux: 0.1, peak: 0.5 }
+        Self { node: 1e-4, flux: 0.1, peak: 0.5, is_slow: false }
     }
 }
 
@@ -91,7 +93,8 @@ fn check(name: &str, allowed: &Allowed) {
         for (law, subject) in lobes(alpha) {
             let is_narrow = alpha < 0.1;
             let is_first = subject.side == Side::Air && subject.lobe == Lobe::Transmission;
-            if is_narrow && !is_first && !is_long {
+            let is_inner = subject.side == Side::Dielectric && subject.lobe == Lobe::Reflection;
+            if (is_narrow && !is_first || allowed.is_slow && is_inner) && !is_long {
                 continue;
             }
             let degrees: &[f64] = if is_narrow && !is_long { &[30.0] } else { &[0.0, 30.0, 60.0] };
@@ -149,7 +152,7 @@ fn lighttools() {
 
 #[test]
 fn tracepro() {
-    check("tracepro", &Allowed::default());
+    check("tracepro", &Allowed { is_slow: true, ..Allowed::default() });
 }
 
 /// The file of FRED says neither side nor lobe nor index, so the reader is told.
