@@ -383,3 +383,27 @@ fn fred_in_plane_data_in_every_form() {
     assert_eq!((a.lobe, named.lobe), (Lobe::Reflection, Lobe::Transmission));
     assert!(a.notes.iter().any(|note| note.contains("taken as reflection")));
 }
+
+/// A table that is linear in the length has the flux of the mean distance from a point to those of the unit disc: 2/3 from its middle, 32/(9 pi) from its edge.
+#[test]
+fn tracepro_fluxes_are_integrals_over_the_disc() {
+    let mut text =
+        "TracePro Surface Property Data\nScatter 5\nTable_BSDF_Data\nTemperature\n".to_owned();
+    for theta in [0, 90] {
+        for step in 0..=20 {
+            for azimuth in (0..360).step_by(10) {
+                let length = f64::from(step) / 10.0;
+                let (r, t) = (0.1 * length, 0.05);
+                text = format!("{text}300\t0.55\t{theta}\t0\t{length}\t{azimuth}\t{r}\t{t}\n");
+            }
+        }
+    }
+    let (_, lobes) = read_bytes("x.txt", text.as_bytes()).unwrap();
+    let pi = std::f64::consts::PI;
+    for (k, flux) in [(0, 0.1 * pi * 2.0 / 3.0), (1, 0.1 * 32.0 / 9.0)] {
+        near(lobes[0].flux(k, 0), flux, 1e-3);
+        near(lobes[1].flux(k, 0), 0.05 * pi, 1e-3);
+    }
+    assert_eq!((lobes[0].lobe, lobes[1].lobe), (Lobe::Reflection, Lobe::Transmission));
+    assert_eq!(lobes[0].symmetry, Symmetry::Isotropic);
+}

@@ -3,10 +3,10 @@
 //! Layout and meaning: Ansys Speos help, "Structure of Anisotropic BSDF Files", "Structure of BRDF files" and "Anisotropic BSDF Surface Overview";
 //! files and converter of ansys/optical-automation. Angles are absolute, the specular direction lies at azimuth 0, reflection has polar
 //! angles 0 to 90 and transmission 90 to 180. Tables are shapes alone: the percentages of the spectrum say what flux they have.
-//! Assumed: values between the nodes are linear in both angles. A second file of the name, of the help of version 8, is binary and not read.
+//! Assumed: values between the nodes are linear in both angles. The binary mode is not documented and not read.
 
-mod anisotropic;
 mod block;
+mod anisotropic;
 mod spectral;
 mod write;
 
