@@ -157,18 +157,28 @@ impl<'a> Axes<'a> {
     }
 
     fn refine(&mut self) {
+        let mut are_values_met = false;
         for _ in 0..PASSES {
             let none = || Marks::none(self);
             let join = |a: Marks, b: Marks| a.or(&b);
             let nodes = |r: &[f64], a: &[f64]| r.len() * a.len() * self.group.len();
-            let mut marks = self.group.par_iter().map(|at| self.by_value(at)).reduce(none, join);
-            let mut radii = halved(&self.radii, &marks.radial);
-            let mut azimuths = halved(&self.ends_of_azimuths(), &marks.around);
-            if !marks.any() || nodes(&radii, &azimuths) > self.options.most_nodes / FOR_VALUES {
-                marks = self.group.par_iter().map(|at| self.by_flux(at)).reduce(none, join);
-                radii = halved(&self.radii, &marks.radial);
-                azimuths = halved(&self.ends_of_azimuths(), &marks.around);
+            let halved = |marks: &Marks| {
+                (
+                    halved(&self.radii, &marks.radial),
+                    halved(&self.ends_of_azimuths(), &marks.around),
+                )
+            };
+            let mut marks = none();
+            if !are_values_met {
+                marks = self.group.par_iter().map(|at| self.by_value(at)).reduce(none, join);
+                let (radii, azimuths) = halved(&marks);
+                are_values_met =
+                    !marks.any() || nodes(&radii, &azimuths) > self.options.most_nodes / FOR_VALUES;
             }
+            if are_values_met {
+                marks = self.group.par_iter().map(|at| self.by_flux(at)).reduce(none, join);
+            }
+            let (radii, azimuths) = halved(&marks);
             if !marks.any() {
                 return;
             }
@@ -242,7 +252,8 @@ impl<'a> Axes<'a> {
         all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
         let mut won = 0.0;
         for spoiler in all {
-            if won >= excess || spoiler.error == 0.0 {
+            // twice what is needed: a pass costs more than the nodes
+            if won >= 2.0 * excess || spoiler.error == 0.0 {
                 break;
             }
             // halving takes three quarters of an error away

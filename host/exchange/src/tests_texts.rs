@@ -13,13 +13,8 @@ fn open(relative: &str, format: &str) -> Option<Vec<SampledBsdf>> {
     for lobe in &lobes {
         for (k, incidence) in lobe.incidences.iter().enumerate() {
             assert_eq!(incidence.values.len(), incidence.nodes.len() * lobe.bands.len());
-            println!(
-                "{relative}: {:.0} deg, {} directions, integral {:.5}, stated {:?}",
-                incidence.theta.to_degrees(),
-                incidence.nodes.len(),
-                lobe.flux(k, 0),
-                incidence.stated.first()
-            );
+            let what = format!("{relative}: {:?}", incidence.theta);
+            assert!((0..lobe.bands.len()).all(|band| lobe.flux(k, band).is_finite()), "{what}");
         }
     }
     Some(lobes)
@@ -29,49 +24,37 @@ fn near(is: f64, ought: f64, relative: f64) {
     assert!((is / ought - 1.0).abs() < relative, "{is} instead of {ought}");
 }
 
-/// The same with zero beyond the last radius of an incidence.
-fn zero_beyond(sampled: &SampledBsdf, k: usize) -> SampledBsdf {
-    let mut cut = sampled.clone();
-    let incidence = &mut cut.incidences[k];
-    let Nodes::Grid(grid) = &mut incidence.nodes else { panic!("no grid") };
-    let n = grid.radii.len();
-    grid.radii.push(grid.radii[n - 1] + 1e-6);
-    let rows = incidence.values.chunks(n).map(|row| [row, &[0.0]].concat());
-    incidence.values = rows.collect::<Vec<_>>().concat();
-    cut
-}
-
-/// Integrals by numpy: bilinear about the specular ray, constant beyond the last radius. The table ends 80 degrees from the ray; a reader that has zero
-/// beyond that finds 3 to 20 % less, and those are figures one meets for this file: the second column.
+/// Integrals by numpy: bilinear about the specular ray, nothing beyond the last radius, 80 degrees from the ray. A reader that goes on with the last value
+/// finds 4 to 25 % more.
 #[test]
 fn zemax_brown_vinyl_has_other_integrals_than_it_states() {
     let name = "formats/ansys/test_13_planesymmetric_brdf_zemax.bsdf";
     let Some(lobes) = open(name, "zemax") else { return };
     let sampled = &lobes[0];
     assert_eq!(sampled.symmetry, Symmetry::Isotropic);
-    for (k, stated, constant, zero) in [
-        (0, 0.134506, 0.13588, 0.1300),
-        (4, 0.145646, 0.14934, 0.1320),
-        (8, 0.167749, 0.17308, 0.1406),
-        (12, 0.257189, 0.27598, 0.2214),
+    for (k, stated, integral) in [
+        (0, 0.134506, 0.1300),
+        (4, 0.145646, 0.1320),
+        (8, 0.167749, 0.1406),
+        (12, 0.257189, 0.2214),
     ] {
         near(sampled.incidences[k].stated[0], stated, 1e-5);
-        near(sampled.flux(k, 0), constant, 1e-3);
-        near(zero_beyond(sampled, k).flux(k, 0), zero, 3e-3);
+        near(sampled.flux(k, 0), integral, 2e-3);
     }
 }
 
+/// Integrals by a midpoint rule of 900 by 720 cells in plain Python.
 #[test]
 fn zemax_files_of_ua_loft() {
     for (name, fluxes) in [
-        ("ValidationTest_of_TIS_via_BrownVinyl", [0.13229, 0.13064, 0.14235, 0.19024]),
-        ("AnoBlackEC1onAlum", [0.05071, 0.05081, 0.05367, 0.08825]),
+        ("ValidationTest_of_TIS_via_BrownVinyl", [0.132286, 0.130645, 0.142354, 0.190244]),
+        ("AnoBlackEC1onAlum", [0.050693, 0.049354, 0.049867, 0.081808]),
     ] {
         let Some(lobes) = open(&format!("formats/ua-loft/{name}.zemax.bsdf"), "zemax") else {
             return;
         };
         for (k, flux) in fluxes.into_iter().enumerate() {
-            near(lobes[0].flux(k, 0), flux, 1e-3);
+            near(lobes[0].flux(k, 0), flux, 1e-4);
         }
     }
 }
@@ -96,10 +79,9 @@ fn the_pair_of_ansys_agrees() {
     let (mut sum, mut compared) = (0.0, 0);
     for (k, incidence) in zemax.incidences.iter().enumerate() {
         // the converter has zero beyond the last radius, gives its table the stated flux and resamples every 5 degrees
-        let gain = incidence.stated[0] / zero_beyond(zemax, k).flux(k, 0);
+        let gain = incidence.stated[0] / zemax.flux(k, 0);
         near(speos.flux(k, 0), incidence.stated[0], 0.013);
-        let cut = zero_beyond(zemax, k);
-        let Nodes::Grid(grid) = &cut.incidences[k].nodes else { panic!("no grid") };
+        let Nodes::Grid(grid) = &zemax.incidences[k].nodes else { panic!("no grid") };
         for (theta, phi) in [(10.0, 20.0), (20.0, 0.0), (30.0, 180.0), (40.0, 90.0), (5.0, 270.0)] {
             let at = [f64::to_radians(theta), f64::to_radians(phi)];
             if grid.frame.coordinates(at)[0] > 70.0_f64.to_radians() {
@@ -107,7 +89,6 @@ fn the_pair_of_ansys_agrees() {
             }
             let of = |file: &SampledBsdf| file.incidences[k].value(0, at, file.interpolation);
             let ratio = of(speos) / (of(zemax) * gain);
-            println!("{k} {theta} {phi}: {ratio}");
             near(ratio, 1.0, 0.05);
             sum += ratio;
             compared += 1;
@@ -201,9 +182,9 @@ fn rt300s_exports_agree() {
         });
         *found.unwrap().1
     };
-    assert_eq!(at(30.0, 0.0), -49096.61);
-    assert_eq!(at(30.0, 180.0), -33840.56);
-    assert_eq!(at(30.0, 10.0), -42487.36);
+    near(at(30.0, 0.0), -49096.61, 1e-12);
+    near(at(30.0, 180.0), -33840.56, 1e-12);
+    near(at(30.0, 10.0), -42487.36, 1e-12);
 }
 
 #[test]
@@ -283,7 +264,7 @@ fn speos_levels_follow_the_percentages() {
     let table = |thetas: [f64; 3], values: [f64; 3]| {
         let mut text = "3 2\n\t0\t180\n".to_owned();
         for (theta, v) in thetas.into_iter().zip(values) {
-            text += &format!("{theta}\t{v}\t{v}\n");
+            text = format!("{text}{theta}\t{v}\t{v}\n");
         }
         text
     };
@@ -370,7 +351,7 @@ fn fred_in_plane_data_in_every_form() {
     let open = |text: &str| read_bytes("plane.txt", text.as_bytes()).unwrap().1.remove(0);
     let (a, b) = (open(degrees), open(cosines));
     for (x, y) in a.incidences.iter().zip(&b.incidences) {
-        assert!((x.theta - y.theta).abs() < 1e-9 && x.phi == y.phi);
+        assert!((x.theta - y.theta).abs() < 1e-9 && x.phi.abs() + y.phi.abs() < 1e-9);
         for (p, q) in x.nodes.directions().iter().zip(y.nodes.directions()) {
             assert!((p[0] - q[0]).abs() < 1e-9 && (p[1] - q[1]).abs() < 1e-9, "{p:?} {q:?}");
         }
@@ -388,4 +369,28 @@ fn fred_in_plane_data_in_every_form() {
     let named = read_bytes("plate_btdf.txt", degrees.as_bytes()).unwrap().1.remove(0);
     assert_eq!((a.lobe, named.lobe), (Lobe::Reflection, Lobe::Transmission));
     assert!(a.notes.iter().any(|note| note.contains("taken as reflection")));
+}
+
+/// A table that is linear in the length has the flux of the mean distance from a point to those of the unit disc: 2/3 from its middle, 32/(9 pi) from its edge.
+#[test]
+fn tracepro_fluxes_are_integrals_over_the_disc() {
+    let mut text =
+        "TracePro Surface Property Data\nScatter 5\nTable_BSDF_Data\nTemperature\n".to_owned();
+    for theta in [0, 90] {
+        for step in 0..=20 {
+            for azimuth in (0..360).step_by(10) {
+                let length = f64::from(step) / 10.0;
+                let (r, t) = (0.1 * length, 0.05);
+                text = format!("{text}300\t0.55\t{theta}\t0\t{length}\t{azimuth}\t{r}\t{t}\n");
+            }
+        }
+    }
+    let (_, lobes) = read_bytes("x.txt", text.as_bytes()).unwrap();
+    let pi = std::f64::consts::PI;
+    for (k, flux) in [(0, 0.1 * pi * 2.0 / 3.0), (1, 0.1 * 32.0 / 9.0)] {
+        near(lobes[0].flux(k, 0), flux, 1e-3);
+        near(lobes[1].flux(k, 0), 0.05 * pi, 1e-3);
+    }
+    assert_eq!((lobes[0].lobe, lobes[1].lobe), (Lobe::Reflection, Lobe::Transmission));
+    assert_eq!(lobes[0].symmetry, Symmetry::Isotropic);
 }

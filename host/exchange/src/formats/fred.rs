@@ -206,7 +206,9 @@ struct Floored<'a> {
 
 impl Law for Floored<'_> {
     fn value(&self, incidence: [f64; 2], out: [f64; 2]) -> f64 {
-        let least = self.least.iter().find(|(at, _)| *at == incidence).map_or(0.0, |l| l.1);
+        let least =
+            self.least.iter().find(|(at, _)| at.map(f64::to_bits) == incidence.map(f64::to_bits));
+        let least = least.map_or(0.0, |l| l.1);
         self.law.value(incidence, out).max(least)
     }
 

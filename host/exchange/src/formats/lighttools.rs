@@ -327,7 +327,9 @@ fn grid(header: &Header, source: f64, side: Side) -> Option<(Grid, Vec<usize>)> 
     // half a turn on either side of the plane of incidence
     let below = azimuths.iter().all(|(a, _)| *a >= PI - SAME || *a < SAME);
     if below && azimuths.len() > 2 {
-        azimuths.iter_mut().for_each(|(a, _)| *a = around(-*a));
+        for (a, _) in &mut azimuths {
+            *a = around(-*a);
+        }
         azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
     let last = azimuths.last()?.0;
@@ -391,11 +393,11 @@ fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
     let azimuth = |a: &f64| if grid.mirrored { SOURCE + PI - a } else { SOURCE + PI + a };
     let mut azimuths: Vec<(f64, usize)> =
         grid.azimuths.iter().enumerate().map(|(j, a)| (azimuth(a), j)).collect();
-    azimuths.iter_mut().for_each(|(a, _)| {
+    for (a, _) in &mut azimuths {
         if *a >= 2.0 * PI {
             *a -= 2.0 * PI;
         }
-    });
+    }
     azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
     for (name, angles) in [
         ("ScatterAzimuth", azimuths.iter().map(|a| a.0).collect::<Vec<_>>()),

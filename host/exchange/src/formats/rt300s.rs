@@ -135,12 +135,15 @@ fn lobes(run: Vec<Section>) -> Vec<SampledBsdf> {
     lobes
 }
 
+/// Lines `key: value`.
+type Pairs<'a> = Vec<(String, &'a str)>;
+
 /// Reads `key: value` lines up to one that `end` knows, which is the last one read.
 fn header<'a>(
     lines: &mut Lines<'a>,
     end: fn(&str) -> bool,
     what: &str,
-) -> Result<(Vec<(String, &'a str)>, &'a str), Fault> {
+) -> Result<(Pairs<'a>, &'a str), Fault> {
     let mut all = Vec::new();
     loop {
         let line = lines.expect(what)?;
@@ -228,7 +231,10 @@ fn raywiz(lines: &mut Lines<'_>) -> Result<Section, Fault> {
         );
     };
     let ends = lines.exactly(4, "first and last azimuth and polar angle")?;
-    if incidences != 1.0 || !(1.0..=1e5).contains(&azimuthal) || !(1.0..=1e5).contains(&polar) {
+    if (incidences - 1.0).abs() > 0.0
+        || !(1.0..=1e5).contains(&azimuthal)
+        || !(1.0..=1e5).contains(&polar)
+    {
         return Err(lines.fault(format!(
             "counts that are none of one incidence: {incidences} {azimuthal} {polar}"
         )));

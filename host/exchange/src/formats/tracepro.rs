@@ -1,7 +1,7 @@
 //! Surface property text of `TracePro` with a table of scatter (`Table_BSDF_Data`).
 //!
 //! Layout and meaning: `TracePro` help, "Surface Property Import/Export Format"; User's Manual 2019, "Asymmetric Table BSDF", figures 7.6 and 7.7; files of
-//! bazjo/brdf_utils. `ScatterBeta` is the length of the difference of the projections of the scattered and the specular (or direct) ray on the surface,
+//! `bazjo/brdf_utils`. `ScatterBeta` is the length of the difference of the projections of the scattered and the specular (or direct) ray on the surface,
 //! `ScatterAzimuth` its azimuth. The axis of azimuth 0 floats: it is at right angles to the plane of incidence, and the direction away from
 //! the source lies at 90 degrees (figure 7.7). Kelvin, micrometres, degrees, 1/sr. Assumed: the program interpolates linearly.
 
@@ -47,7 +47,7 @@ pub(super) const FORMAT: Format = Format {
 /// Between the lines of the description, which is one.
 const BETWEEN: &str = " | ";
 
-/// The largest number of columns or rows that a rectangle of readings may miss: none, but angles nearer than this are the same.
+/// Lengths and azimuths nearer than this are the same.
 const SAME: f64 = 1e-9;
 
 fn refuse(what: &str, remedy: &str) -> CannotHold {
@@ -150,7 +150,8 @@ fn blocks(lines: &mut Lines<'_>) -> Result<Vec<Block>, Fault> {
         let [kelvin, micrometres, incidence, azimuth, length, at, brdf, btdf] = row[..] else {
             return Err(lines.fault(format!("{} numbers where 8 are expected", row.len())));
         };
-        if *temperature.get_or_insert(kelvin) != kelvin || azimuth != 0.0 {
+        let first = *temperature.get_or_insert(kelvin);
+        if (first - kelvin).abs() > 0.0 || azimuth.abs() > 0.0 {
             let what = "a second temperature, or an azimuth of incidence other than 0,".to_owned();
             let remedy = "export one temperature and one azimuth";
             return Err(Fault::Unsupported { format: NAME, what, remedy });
@@ -166,23 +167,18 @@ fn blocks(lines: &mut Lines<'_>) -> Result<Vec<Block>, Fault> {
         if brdf < 0.0 || btdf < 0.0 {
             return Err(lines.fault(format!("a negative BSDF: {}", brdf.min(btdf))));
         }
-        let same = |b: &&mut Block| {
+        let same = |b: &Block| {
             b.wavelength.to_bits() == micrometres.to_bits()
                 && b.incidence.to_bits() == incidence.to_bits()
         };
         let values = [length, at, brdf, btdf];
-        let last = blocks.last_mut().filter(same).is_some();
-        let found = if last {
-            Some(blocks.len() - 1)
+        // files run through the rows of an incidence: it is mostly the last one
+        let found = blocks.iter().rposition(same);
+        if let Some(k) = found {
+            blocks[k].rows.push(values);
         } else {
-            blocks.iter_mut().position(|mut b| same(&&mut b))
-        };
-        match found {
-            Some(k) => blocks[k].rows.push(values),
-            None => {
-                let line = lines.number();
-                blocks.push(Block { wavelength: micrometres, incidence, rows: vec![values], line });
-            }
+            let line = lines.number();
+            blocks.push(Block { wavelength: micrometres, incidence, rows: vec![values], line });
         }
     }
     if blocks.is_empty() {
@@ -190,6 +186,9 @@ fn blocks(lines: &mut Lines<'_>) -> Result<Vec<Block>, Fault> {
     }
     Ok(blocks)
 }
+
+/// An azimuth, and the lengths and values there.
+type Column = (f64, Vec<(f64, f64)>);
 
 impl Block {
     /// The rows as a grid; they must be a rectangle of lengths and azimuths.
@@ -201,7 +200,7 @@ impl Block {
         rows.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         // 0 and 360 degrees are one
         rows.dedup_by(|b, a| (b.0 - a.0).abs() < SAME && (b.1 - a.1).abs() < SAME);
-        let mut columns: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+        let mut columns: Vec<Column> = Vec::new();
         for (azimuth, length, value) in rows {
             match columns.last_mut().filter(|c| (c.0 - azimuth).abs() < SAME) {
                 Some(column) => column.1.push((length, value)),
@@ -227,7 +226,7 @@ impl Block {
 }
 
 /// Leaves the half from 0 to pi if the other is its mirror image.
-fn fold(columns: &mut Vec<(f64, Vec<(f64, f64)>)>) -> bool {
+fn fold(columns: &mut Vec<Column>) -> bool {
     let pi = std::f64::consts::PI;
     let has = |at: f64| columns.iter().position(|c| (c.0 - at).abs() < SAME);
     let is_mirrored = has(0.0).is_some()

@@ -49,7 +49,7 @@ pub(super) fn read(lines: &mut Lines<'_>, head: &Head) -> Result<Vec<SampledBsdf
         for _ in &part.tables {
             blocks.push(Block::read(lines, meaning)?);
         }
-        let mut sampled = lobe(lines, part, blocks, side)?;
+        let mut sampled = lobe(lines, &part, blocks, side)?;
         sampled.index = said.index;
         if let (Some(nm), [band]) = (said.wavelength_nm, &mut sampled.bands[..]) {
             *band = Band::Wavelength(nm);
@@ -111,15 +111,15 @@ fn spectrum(lines: &mut Lines<'_>) -> Result<([f64; 2], Vec<[f64; 2]>), Fault> {
 
 fn lobe(
     lines: &Lines<'_>,
-    part: Part,
+    part: &Part,
     blocks: Vec<Block>,
     side: Side,
 ) -> Result<SampledBsdf, Fault> {
-    let factor = factor(&part, &blocks).ok_or_else(|| {
+    let factor = factor(part, &blocks).ok_or_else(|| {
         lines.fault("the table that the percentages of the spectrum hold for is zero: no level")
     })?;
     let mut notes = Vec::new();
-    let is_flat = part.spectrum.windows(2).all(|w| w[0][1] == w[1][1]);
+    let is_flat = part.spectrum.windows(2).all(|w| w[0][1].to_bits() == w[1][1].to_bits());
     let (bands, percents): (Vec<Band>, Vec<f64>) = match part.spectrum[..] {
         [[nm, percent]] => (vec![Band::Wavelength(nm)], vec![percent]),
         [[first, percent], .., [last, _]] if is_flat => {
@@ -133,7 +133,7 @@ fn lobe(
         return Err(lines.fault("more than a hundred million values of all wavelengths"));
     }
     let mirrored = blocks.iter().all(|block| block.grid.mirrored);
-    let turned = part.tables.iter().any(|table| table[0] != part.tables[0][0]);
+    let turned = part.tables.iter().any(|table| table[0].to_bits() != part.tables[0][0].to_bits());
     let sign = if side == Side::Air { -1.0 } else { 1.0 };
     let mut incidences = Vec::new();
     for (table, block) in part.tables.iter().zip(blocks) {
@@ -141,7 +141,7 @@ fn lobe(
             let k = factor * percent / 100.0;
             block.values.iter().map(move |v| v * k).collect::<Vec<_>>()
         };
-        let is_named = table[1] == part.at[0] && table[0] == part.at[1];
+        let is_named = (table[1] - part.at[0]).abs() < 1e-9 && (table[0] - part.at[1]).abs() < 1e-9;
         let stated = if is_named { percents.iter().map(|p| p / 100.0).collect() } else { vec![] };
         incidences.push(Incidence {
             theta: table[1].to_radians().min(FRAC_PI_2),

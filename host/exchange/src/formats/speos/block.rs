@@ -70,7 +70,9 @@ impl Block {
                 return Err(lines.fault(format!("a negative value: {v}")));
             }
             polar.push(polar_angle(lines, meaning.lobe, row[0])?);
-            columns.iter_mut().zip(&row[1..]).for_each(|(column, v)| column.values.push(*v));
+            for (column, v) in columns.iter_mut().zip(&row[1..]) {
+                column.values.push(*v);
+            }
         }
         Self::of_columns(lines, &polar, columns, meaning)
     }
@@ -90,7 +92,9 @@ impl Block {
         let mut columns = once_round(columns, meaning.side);
         if is_descending && radii.len() > 1 {
             radii.reverse();
-            columns.iter_mut().for_each(|column| column.values.reverse());
+            for column in &mut columns {
+                column.values.reverse();
+            }
         }
         let mirrored = fold(&mut columns);
         let azimuths = columns.iter().map(|column| column.azimuth).collect();

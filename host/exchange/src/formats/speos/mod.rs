@@ -3,10 +3,10 @@
 //! Layout and meaning: Ansys Speos help, "Structure of Anisotropic BSDF Files", "Structure of BRDF files" and "Anisotropic BSDF Surface Overview";
 //! files and converter of ansys/optical-automation. Angles are absolute, the specular direction lies at azimuth 0, reflection has polar
 //! angles 0 to 90 and transmission 90 to 180. Tables are shapes alone: the percentages of the spectrum say what flux they have.
-//! Assumed: values between the nodes are linear in both angles. A second file of the name, of the help of version 8, is binary and not read.
+//! Assumed: values between the nodes are linear in both angles. The binary mode is not documented and not read.
 
-mod anisotropic;
 mod block;
+mod anisotropic;
 mod spectral;
 mod write;
 
@@ -152,11 +152,10 @@ impl Head {
 /// Two flags, reflection and transmission.
 fn flags(lines: &mut Lines<'_>) -> Result<[bool; 2], Fault> {
     let line = lines.expect("the flags of reflection and transmission")?;
-    let numbers = lines.numbers(line, "a flag of reflection or transmission")?;
-    match numbers[..] {
-        [r, t] if [r, t].iter().all(|f| *f == 0.0 || *f == 1.0) && r + t > 0.0 => {
-            Ok([r == 1.0, t == 1.0])
-        }
+    match crate::text::fields(line).collect::<Vec<_>>()[..] {
+        ["1", "0"] => Ok([true, false]),
+        ["0", "1"] => Ok([false, true]),
+        ["1", "1"] => Ok([true, true]),
         _ => Err(lines.fault("expected two flags, reflection and transmission, one of them 1")),
     }
 }
