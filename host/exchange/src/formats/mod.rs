@@ -21,6 +21,8 @@ mod astm;
 mod bird;
 mod openmaterial;
 mod npz;
+#[cfg(test)]
+mod mutation;
 
 /// A file to be read.
 #[derive(Debug)]
