@@ -172,7 +172,7 @@ fn check_each(name: &str) -> usize {
 
 #[test]
 fn pab() {
-    assert_eq!(check_each("pab"), 7);
+    assert_eq!(check_each("pab"), 8);
 }
 
 #[test]
