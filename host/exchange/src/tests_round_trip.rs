@@ -178,22 +178,32 @@ fn ssdd() {
     check("ssdd", &Allowed::default());
 }
 
-/// pab-opto has a file for each incidence.
-#[test]
-fn pab() {
-    let format = Format::of_name("pab").unwrap();
+/// The same with a file for each incidence; returns how many were compared.
+fn check_each(name: &str) -> usize {
+    let format = Format::of_name(name).unwrap();
     let allowed = Allowed { node: 1e-3, ..Allowed::default() };
+    let mut compared = 0;
     for (law, subject) in lobes(0.2) {
         for degrees in [0.0_f64, 45.0] {
             let incidences = vec![[degrees.to_radians(), 0.0]];
             let options = Options { incidences, ..Options::default() };
-            for row in rows(format, &law, &subject, &options).unwrap() {
+            for row in rows(format, &law, &subject, &options).unwrap_or_default() {
+                if row.peak_law == 0.0 {
+                    continue; // nothing is transmitted there
+                }
+                compared += 1;
                 assert!(row.node_error_percent < allowed.node, "{row:?}");
-                assert!(row.peak_law == 0.0 || row.flux_percent().abs() < allowed.flux, "{row:?}");
-                assert!(row.peak_law == 0.0 || row.peak_percent().abs() < allowed.peak, "{row:?}");
+                assert!(row.flux_percent().abs() < allowed.flux, "{row:?}");
+                assert!(row.peak_percent().abs() < allowed.peak, "{row:?}");
             }
         }
     }
+    compared
+}
+
+#[test]
+fn pab() {
+    assert_eq!(check_each("pab"), 8);
 }
 
 #[test]
@@ -208,7 +218,8 @@ fn bird() {
 
 #[test]
 fn openmaterial() {
-    check("openmaterial", &Allowed::default());
+    // it holds reflection alone
+    assert_eq!(check_each("openmaterial"), 4);
 }
 
 #[test]

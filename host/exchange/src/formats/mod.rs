@@ -28,6 +28,8 @@ mod blacklab;
 mod fred;
 mod lighttools;
 mod tracepro;
+#[cfg(test)]
+mod mutation;
 
 /// A file to be read.
 #[derive(Debug)]

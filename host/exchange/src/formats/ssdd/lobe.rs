@@ -1,6 +1,6 @@
 //! The lobe of a block.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::block::{Block, Kind};
 use crate::error::Fault;
@@ -78,7 +78,7 @@ fn about_ray(block: &Block) -> Vec<Incidence> {
         let ray = thetas[t] + offsets.get(t).copied().unwrap_or(0.0);
         let nodes = Nodes::Grid(Grid {
             frame: Frame::Specular { theta: ray },
-            radii: radii.clone(),
+            radii: reach(radii, PI),
             azimuths: azimuths.clone(),
             mirrored: block.is_bilateral,
         });
@@ -103,13 +103,21 @@ fn absolute(block: &Block) -> Vec<Incidence> {
         let order: Vec<usize> = places.iter().map(|(_, k)| *k).collect();
         let nodes = Nodes::Grid(Grid {
             frame: Frame::Absolute,
-            radii: radii.clone(),
+            radii: reach(radii, FRAC_PI_2),
             azimuths: places.iter().map(|(a, _)| *a).collect(),
             mirrored: block.is_bilateral,
         });
         let values = values(block, [t, p], &order);
         Incidence { theta: thetas[t], phi: around(phis[p]), nodes, values, stated: Vec::new() }
     })
+}
+
+/// A single radius stands for all up to the end.
+fn reach(radii: &[f64], end: f64) -> Vec<f64> {
+    match radii {
+        [one] => vec![*one, end.max(*one + 1e-9)],
+        _ => radii.to_vec(),
+    }
 }
 
 /// Values of an incidence, band after band, the radius fastest, of the azimuths in `order`.
@@ -119,10 +127,12 @@ fn values(block: &Block, [t, p]: [usize; 2], order: &[usize]) -> Vec<f64> {
     let at = |i2: usize, i3: usize, band: usize| {
         block.values[(t + n0 * (p + n1 * (i2 + n2 * i3))) * bands + band]
     };
-    let mut all = Vec::with_capacity(bands * n2 * order.len());
+    // as `reach` has it
+    let radii: &[usize] = &if n2 == 1 { vec![0; 2] } else { (0..n2).collect() };
+    let mut all = Vec::with_capacity(bands * radii.len() * order.len());
     for band in 0..bands {
         for i3 in order {
-            all.extend((0..n2).map(|i2| at(i2, *i3, band)));
+            all.extend(radii.iter().map(|i2| at(*i2, *i3, band)));
         }
     }
     all
