@@ -17,12 +17,17 @@ pub mod interpolate;
 pub mod flux;
 pub mod table;
 pub mod plan;
+mod square;
+mod patches;
 pub mod error;
 pub mod text;
 pub mod formats;
 pub mod compare;
+pub mod compare_patches;
 #[cfg(test)]
 mod tests_round_trip;
+#[cfg(test)]
+mod tests_radiance;
 
 pub use error::{Fault, FileError};
 pub use formats::{FORMATS, Format, read, read_bytes};

@@ -11,6 +11,10 @@ use crate::text::decode;
 mod own;
 mod csv;
 mod zemax;
+mod window;
+mod klems;
+mod tree_sample;
+mod tree;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -52,7 +56,20 @@ pub struct Writer {
 }
 
 /// Every format; the order is that of detection.
-pub static FORMATS: &[Format] = &[zemax::FORMAT, csv::FORMAT];
+pub static FORMATS: &[Format] = &[
+    zemax::FORMAT,
+    klems::HALF,
+    klems::QUARTER,
+    tree::ISOTROPIC,
+    tree::ANISOTROPIC,
+    klems::FULL,
+    csv::FORMAT,
+];
+
+/// A law as the patches of each incidence of a file see it; `None` of files without patches.
+pub(crate) fn seen(file: &SampledBsdf, law: &dyn Law) -> Option<Vec<crate::patches::Seen>> {
+    klems::seen(file, law)
+}
 
 impl Format {
     /// The format of a name in flags.
