@@ -209,24 +209,36 @@ fn grid(
     Ok(())
 }
 
-/// The incidences of a tree, ascending by azimuth and polar angle, and whether they are all.
-pub(super) fn slices(leaves: &[Leaf], rank: usize) -> (Vec<Incidence>, bool) {
+/// A part of the incident coordinates that no cell divides, and the cells over it.
+#[derive(Clone, Debug)]
+pub(super) struct Slice {
+    pub(super) low: [f64; 2],
+    pub(super) width: f64,
+    pub(super) inside: Vec<usize>,
+}
+
+/// The slices of a tree, fewer of one with too many values.
+pub(super) fn slices_of(leaves: &[Leaf], rank: usize) -> Vec<Slice> {
     let all: Vec<usize> = (0..leaves.len()).collect();
     // fewer halvings of the incidence until the values are not too many
     let mut depth = DEEPEST;
-    let mut count = total(leaves, &all, [0.0; 2], 1.0, rank, depth);
-    let is_whole = count <= MOST;
-    if !is_whole {
-        depth = 12;
-        while depth > 0 && count > MOST {
-            depth -= 1;
-            count = total(leaves, &all, [0.0; 2], 1.0, rank, depth);
-        }
+    while depth > 0 && total(leaves, &all, [0.0; 2], 1.0, rank, depth) > MOST {
+        depth = depth.min(13) - 1;
     }
     let mut found = Vec::new();
     visit(leaves, &all, [0.0; 2], 1.0, rank, depth, &mut |low, width, inside| {
-        found.push(incidence(leaves, inside, low, width, rank));
+        found.push(Slice { low, width, inside: inside.to_vec() });
     });
+    found
+}
+
+/// The incidences of a tree, ascending by azimuth and polar angle, and whether they are all.
+pub(super) fn slices(leaves: &[Leaf], rank: usize) -> (Vec<Incidence>, bool) {
+    let slices = slices_of(leaves, rank);
+    let is_whole =
+        slices.iter().all(|slice| slice.inside.iter().all(|k| leaves[*k].width >= slice.width));
+    let of = |slice: &Slice| incidence(leaves, slice, rank);
+    let mut found: Vec<Incidence> = slices.iter().map(of).collect();
     let whole = |angle: f64| (angle * 1e9).round() as i64;
     found.sort_by_key(|i| (whole(i.phi), whole(i.theta)));
     (found, is_whole)
@@ -292,13 +304,8 @@ fn visit(
     }
 }
 
-fn incidence(
-    leaves: &[Leaf],
-    inside: &[usize],
-    low: [f64; 2],
-    width: f64,
-    rank: usize,
-) -> Incidence {
+fn incidence(leaves: &[Leaf], slice: &Slice, rank: usize) -> Incidence {
+    let Slice { low, width, inside } = slice;
     let middle = [low[0] + width / 2.0, low[1] + width / 2.0];
     let [theta, towards] =
         if rank == 3 { [(1.0 - 2.0 * middle[0]).asin(), 0.0] } else { angles_of(disc_of(middle)) };

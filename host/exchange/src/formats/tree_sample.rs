@@ -1,11 +1,10 @@
 //! The cells of a tensor tree for a law: small where the law is steep, so that peak and flux come right where values are not interpolated.
 
-use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
 
-use super::tree::{Leaf, corner, slices};
+use super::tree::{Leaf, Slice, corner, slices, slices_of};
 use crate::error::CannotHold;
 use crate::frame::{Frame, around, specular};
 use crate::interpolate::Interpolation;
@@ -47,7 +46,7 @@ pub(super) fn isotropic(
         });
     }
     let ranges = &[0.3, 0.15, 0.08];
-    let limits = Limits { rank: 3, least: 4, most: 12, cells: options.most_nodes / 2, ranges };
+    let limits = Limits { rank: 3, least: 4, most: 12, cells: options.most_nodes / 4, ranges };
     Ok(sampled(law, subject, options, &limits))
 }
 
@@ -115,10 +114,10 @@ struct Cell {
     /// Half of the range of the values in it.
     range: f64,
     most: f64,
-    /// How much more the mean of the upper half of the first coordinate is than that of the lower.
-    slope: f64,
     /// Largest value of the law at its incidence.
     peak: f64,
+    /// Narrowest width of the lobe there.
+    lobe: f64,
 }
 
 impl Cell {
@@ -147,7 +146,9 @@ impl<'a> Growth<'a> {
         let at = |k: usize| {
             let sin = ((k / turns) as f64 + 0.5) / STEPS as f64;
             let incidence = [sin.asin(), std::f64::consts::TAU * (k % turns) as f64 / turns as f64];
-            [peak(law, incidence, ratio), full_width(law, incidence, ratio)]
+            // in direction cosines a lobe that leaves aslant is narrower
+            let cos = specular(incidence[0], ratio).map_or(1.0, |ray| ray.cos().max(0.15));
+            [peak(law, incidence, ratio), full_width(law, incidence, ratio) * cos]
         };
         let peaks = (0..STEPS * turns).into_par_iter().map(at).collect();
         let finest = (options.resolution / 2.0).max(0.5_f64.powi(limits.most as i32));
@@ -191,7 +192,7 @@ impl<'a> Growth<'a> {
 
     fn cell(&self, low: [f64; 4], level: usize) -> Cell {
         let (rank, width) = (self.limits.rank, 0.5_f64.powi(level as i32));
-        let (mut sum, mut slope) = (0.0, 0.0);
+        let mut sum = 0.0;
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         for point in 0..1_usize << rank {
             let mut at = low;
@@ -200,7 +201,6 @@ impl<'a> Growth<'a> {
             }
             let v = self.value(at);
             sum += v;
-            slope += if point & 1 == 0 { -v } else { v };
             least = least.min(v);
             most = most.max(v);
         }
@@ -208,17 +208,14 @@ impl<'a> Growth<'a> {
         // from the points of Gauss to the edges
         let stretch = 1.0 / (1.0 - 2.0 * INNER);
         let range = (most - least) / 2.0 * stretch;
-        // halves are half of the width apart
-        let slope = slope / n * stretch;
-        let [peak, _] = self.peak(low, width);
-        Cell { low, level, mean: sum / n, range, most, slope, peak }
+        let [peak, lobe] = self.peak(low, width);
+        Cell { low, level, mean: sum / n, range, most, peak, lobe }
     }
 
     /// Whether the specular or direct ray runs through a cell that is wider than the lobe.
     fn hides_ray(&self, cell: &Cell) -> bool {
         let width = cell.width();
-        let [_, lobe] = self.peak(cell.low, width);
-        if 4.0 * width < lobe {
+        if 4.0 * width < cell.lobe {
             return false;
         }
         let rank = self.limits.rank;
@@ -230,31 +227,37 @@ impl<'a> Growth<'a> {
         distance < 2.0 * width * (1.0 + self.ratio)
     }
 
+    /// Whether values in a cell differ too much. A jump of the law, such as that of GGX where a facet would stand upright, is not
+    /// followed below a part of the width of the lobe.
+    fn is_coarse(cell: &Cell, range: f64) -> bool {
+        cell.range > range * cell.peak && cell.lobe.min(0.3) < 40.0 * cell.width()
+    }
+
     fn grow(&self) -> Vec<Leaf> {
         let mut cells = self.base();
         self.split(&mut cells, &|cell| self.hides_ray(cell));
         let mut ranges = self.limits.ranges.iter();
         if let Some(range) = ranges.next() {
-            self.split(&mut cells, &|cell| cell.range > range * cell.peak);
+            self.split(&mut cells, &|cell| Self::is_coarse(cell, *range));
         }
         if self.limits.rank == 3 {
             // the peak itself: nearly all of it is in a few cells
             self.split(&mut cells, &|cell| {
-                cell.most + cell.range > (1.0 - 3.0 * self.tolerance) * cell.peak
+                cell.lobe.min(0.3) < 80.0 * cell.width()
+                    && cell.most + cell.range > (1.0 - 3.0 * self.tolerance) * cell.peak
                     && cell.range > 1.2 * self.tolerance * cell.peak
             });
         }
         for range in ranges {
-            self.split(&mut cells, &|cell| cell.range > range * cell.peak);
+            self.split(&mut cells, &|cell| Self::is_coarse(cell, *range));
         }
-        if self.limits.rank == 3 {
-            self.level_flux(&mut cells);
-        }
+        let worth = if self.limits.rank == 3 { 0.02 } else { 0.15 };
         let leaf = |cell: &Cell| {
-            let value = if cell.range > 0.005 * cell.peak { self.better(cell) } else { cell.mean };
+            let value = if cell.range > worth * cell.peak { self.better(cell) } else { cell.mean };
             Leaf { low: cell.low, width: cell.width(), value }
         };
         let mut leaves: Vec<Leaf> = cells.par_iter().map(leaf).collect();
+        let mut ranges: Vec<f64> = cells.iter().map(|cell| cell.range).collect();
         if self.is_mirrored {
             let other = |leaf: &Leaf| {
                 let mut low = leaf.low;
@@ -263,7 +266,9 @@ impl<'a> Growth<'a> {
             };
             let others: Vec<Leaf> = leaves.iter().map(other).collect();
             leaves.extend(others);
+            ranges.extend_from_within(..);
         }
+        self.balance(&mut leaves, &ranges);
         leaves
     }
 
@@ -329,69 +334,100 @@ impl<'a> Growth<'a> {
         (0..children).map(child).sum::<f64>() / children as f64
     }
 
-    /// Halves cells that are too long in the incidence: a cell has one value there, and the flux of the incidences at its ends is wrong by
-    /// its slope unless others make up for it.
-    fn level_flux(&self, cells: &mut Vec<Cell>) {
-        for _ in 0..12 {
-            let Some(finest) = cells.iter().map(|c| c.level).max() else { return };
-            let n = 1_usize << (finest - 1);
-            let step = 0.5_f64.powi(finest as i32);
-            // of each incidence and level: the error of the flux, the cells; and the flux
-            let mut sums: Vec<HashMap<usize, [f64; 2]>> = vec![HashMap::new(); n];
-            let mut flux = vec![0.0; n];
-            let span = |cell: &Cell| {
-                let first = (cell.low[0] / step).round() as usize;
-                first..(first + (1 << (finest - cell.level))).min(n)
+    /// Scattered flux of the law at the incidence of a slice, by the points of Gauss of its cells.
+    fn flux(&self, leaves: &[Leaf], slice: &Slice) -> f64 {
+        let rank = self.limits.rank;
+        let middle = slice.low.map(|x| x + slice.width / 2.0);
+        let known = {
+            let [theta, towards] = if rank == 3 {
+                [(1.0 - 2.0 * middle[0]).asin(), -PI]
+            } else {
+                angles_of(disc_of(middle))
             };
-            let error = |cell: &Cell, k: usize| {
-                let width = cell.width();
-                let middle = (k as f64 + 0.5) * step - cell.low[0] - width / 2.0;
-                // the slope is between the middles of the halves, half a width apart
-                -cell.slope * middle / (width / 2.0) * width * width
-            };
-            for cell in cells.iter() {
-                for k in span(cell) {
-                    flux[k] += cell.mean * cell.width().powi(2);
-                    let sum = sums[k].entry(cell.level).or_insert([0.0; 2]);
-                    sum[0] += error(cell, k);
-                    sum[1] += 1.0;
+            self.law.flux([theta, around(towards + PI)])
+        };
+        if let Some(flux) = known {
+            return flux;
+        }
+        let of_leaf = |k: &usize| {
+            let leaf = &leaves[*k];
+            // wide cells lie at the horizon too, where a direction changes fast
+            let parts = if leaf.width > 0.03 { 6 } else { 2 };
+            let step = leaf.width / f64::from(parts);
+            let mut sum = 0.0;
+            for i in 0..2 * parts {
+                for j in 0..2 * parts {
+                    let at = |axis: usize, k: i32| {
+                        let share = if k % 2 == 0 { INNER } else { 1.0 - INNER };
+                        leaf.low[axis] + (f64::from(k / 2) + share) * step
+                    };
+                    sum += self.value(if rank == 3 {
+                        [middle[0], at(1, i), at(2, j), 0.0]
+                    } else {
+                        [middle[0], middle[1], at(2, i), at(3, j)]
+                    });
                 }
             }
-            // the level of each incidence where halving helps most for what it costs
-            let worst: Vec<Option<(usize, f64)>> = sums
-                .iter()
-                .zip(&flux)
-                .map(|(levels, flux)| {
-                    let all: f64 = levels.values().map(|sum| sum[0]).sum();
-                    if all.abs() <= 0.4 * self.flux_tolerance * flux {
-                        return None;
+            sum / 4.0 * step * step
+        };
+        PI * slice.inside.iter().map(of_leaf).sum::<f64>()
+    }
+
+    /// Moves values within the range of their cells until the flux of every incidence is that of the law: cells of different lengths in the
+    /// incidence show a moving lobe at different places.
+    fn balance(&self, leaves: &mut [Leaf], ranges: &[f64]) {
+        let slices = slices_of(leaves, self.limits.rank);
+        let step = (slices.len() / FLUXES).max(1);
+        let exact: Vec<f64> = if self.limits.rank == 4 {
+            slices.par_iter().map(|slice| self.flux(leaves, slice)).collect()
+        } else {
+            // along the incidence the flux is smooth
+            let last = slices.len().saturating_sub(1);
+            let places: Vec<usize> = (0..last).step_by(step).chain(std::iter::once(last)).collect();
+            let found: Vec<f64> =
+                places.par_iter().map(|k| self.flux(leaves, &slices[*k])).collect();
+            let middle = |k: usize| slices[k].low[0] + slices[k].width / 2.0;
+            let between = |k: usize| {
+                let high = places.partition_point(|p| *p <= k).min(places.len() - 1);
+                let low = high.saturating_sub(1);
+                let (a, b) = (middle(places[low]), middle(places[high]));
+                let share = if b > a { (middle(k) - a) / (b - a) } else { 0.0 };
+                found[low] + share * (found[high] - found[low])
+            };
+            (0..slices.len()).map(between).collect()
+        };
+        let mut order: Vec<usize> = (0..slices.len()).collect();
+        for _ in 0..SWEEPS {
+            let mut worst = 0.0_f64;
+            // to and fro
+            order.reverse();
+            for (slice, exact) in order.iter().map(|k| (&slices[*k], &exact[*k])) {
+                let (mut sum, mut room) = (0.0, 0.0);
+                for k in &slice.inside {
+                    let area = leaves[*k].width * leaves[*k].width;
+                    sum += leaves[*k].value * area;
+                    room += ranges[*k] * area;
+                }
+                let missing = exact / PI - sum;
+                worst = worst.max((missing * PI / exact.max(1e-9)).abs());
+                if room > 0.0 {
+                    for k in &slice.inside {
+                        let to = leaves[*k].value + missing * ranges[*k] / room;
+                        leaves[*k].value = to.max(0.0);
                     }
-                    let same = levels.iter().filter(|(level, sum)| {
-                        **level < finest && sum[0].signum() * all.signum() > 0.0
-                    });
-                    let gain = |sum: &[f64; 2]| sum[0].abs() / sum[1];
-                    let best = same.max_by(|a, b| gain(a.1).total_cmp(&gain(b.1)))?;
-                    Some((*best.0, all.signum()))
-                })
-                .collect();
-            let bad: Vec<bool> = cells
-                .par_iter()
-                .map(|cell| {
-                    let is = |k: usize| {
-                        worst[k].is_some_and(|(level, sign)| {
-                            level == cell.level
-                                && error(cell, k) * sign > 1e-6 * self.flux_tolerance * flux[k]
-                        })
-                    };
-                    cell.width() / 2.0 >= self.finest && span(cell).any(is)
-                })
-                .collect();
-            if !self.halve(cells, &bad) {
+                }
+            }
+            if worst < 0.2 * self.flux_tolerance {
                 return;
             }
         }
     }
 }
+
+/// Incidences whose flux is integrated; others lie between them.
+const FLUXES: usize = 256;
+/// Passes over all incidences at most.
+const SWEEPS: usize = 200;
 
 /// Largest value of a law in the plane of incidence.
 fn peak(law: &dyn Law, incidence: [f64; 2], ratio: f64) -> f64 {
