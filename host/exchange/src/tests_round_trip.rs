@@ -325,5 +325,86 @@ fn tensortree3_narrow() {
 
 #[test]
 fn tensortree4() {
-    check_tree("tensortree4", 0.6, 0, &Allowed { node: 0.0, flux: 1.0, peak: f64::INFINITY });
+    check_tree("tensortree4", 0.6, 0, &Allowed { node: 0.0, flux: 2.0, peak: f64::INFINITY });
+}
+
+/// Writes files for `tests/peers/radiance.py` into the folder `ASPERITY_PEER_FILES`, and what they ought to hold beside them.
+#[test]
+fn files_for_peers() {
+    use std::fmt::Write as _;
+    let Some(folder) = std::env::var_os("ASPERITY_PEER_FILES") else { return };
+    let folder = std::path::PathBuf::from(folder);
+    let all = [
+        ("klems", 0.6),
+        ("klems-half", 0.6),
+        ("klems-quarter", 0.6),
+        ("tensortree3", 0.2),
+        ("tensortree4", 0.6),
+        ("mitsuba", 0.2),
+        ("pbrt", 0.2),
+    ];
+    for (name, alpha) in all {
+        let write = Format::of_name(name).unwrap().write.unwrap();
+        let options = Options { accept: true, ..Options::default() };
+        for (law, subject) in lobes(alpha) {
+            if subject.side == Side::Dielectric
+                && matches!(name, "klems" | "klems-half" | "tensortree4")
+            {
+                continue;
+            }
+            let stem = format!("{name}-{}-{}", subject.side.name(), subject.lobe.name());
+            let sampled = (write.sample)(&law, &subject, &options).unwrap();
+            let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+            let extension = if name == "pbrt" { "pbrt" } else { "xml" };
+            std::fs::write(folder.join(format!("{stem}.{extension}")), &bytes).unwrap();
+            // global angles of source and outgoing direction, value of the file, of the law
+            let mut pairs =
+                String::from("theta_in_deg,phi_in_deg,theta_out_deg,phi_out_deg,file,law\n");
+            let mut fluxes = String::from("theta_in_deg,phi_in_deg,flux\n");
+            let mut pair = |from: [f64; 2], at: [f64; 2], file: f64| {
+                let a = Global::of_incidence(subject.side, from);
+                let b = Global::of_outgoing(subject.side, subject.lobe, from[1], at);
+                let d = f64::to_degrees;
+                let _ = writeln!(
+                    pairs,
+                    "{},{},{},{},{file},{}",
+                    d(a.theta),
+                    d(a.phi),
+                    d(b.theta),
+                    d(b.phi),
+                    law.value(from, at)
+                );
+                [d(a.theta), d(a.phi)]
+            };
+            if sampled.incidences[0].nodes.is_empty() {
+                for k in 0..300 {
+                    let u = |m: f64| (f64::from(k) * m).fract();
+                    pair(
+                        [1.4 * u(0.618_034), 6.28 * u(0.754_877)],
+                        [1.4 * u(0.569_840), 6.28 * u(0.324_718)],
+                        0.0,
+                    );
+                }
+            } else {
+                let n = sampled.incidences.len();
+                for k in (0..n).step_by(n / 37 + 1) {
+                    let incidence = &sampled.incidences[k];
+                    let from = [incidence.theta, incidence.phi];
+                    let directions = incidence.nodes.directions();
+                    let m = directions.len();
+                    let mut shown = from;
+                    for j in (0..m).step_by(m / 23 + 1) {
+                        shown = pair(from, directions[j], incidence.values[j]);
+                    }
+                    let best = (0..m)
+                        .max_by(|a, b| incidence.values[*a].total_cmp(&incidence.values[*b]))
+                        .unwrap();
+                    pair(from, directions[best], incidence.values[best]);
+                    let _ = writeln!(fluxes, "{},{},{}", shown[0], shown[1], sampled.flux(k, 0));
+                }
+            }
+            std::fs::write(folder.join(format!("{stem}.pairs.csv")), pairs).unwrap();
+            std::fs::write(folder.join(format!("{stem}.flux.csv")), fluxes).unwrap();
+        }
+    }
 }

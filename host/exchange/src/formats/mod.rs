@@ -15,6 +15,7 @@ mod window;
 mod klems;
 mod tree_sample;
 mod tree;
+mod scene;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -63,6 +64,8 @@ pub static FORMATS: &[Format] = &[
     tree::ISOTROPIC,
     tree::ANISOTROPIC,
     klems::FULL,
+    scene::MITSUBA,
+    scene::PBRT,
     csv::FORMAT,
 ];
 

@@ -46,7 +46,7 @@ pub(super) fn isotropic(
         });
     }
     let ranges = &[0.3, 0.15, 0.08];
-    let limits = Limits { rank: 3, least: 4, most: 12, cells: options.most_nodes / 4, ranges };
+    let limits = Limits { rank: 3, least: 4, most: 12, cells: options.most_nodes / 5, ranges };
     Ok(sampled(law, subject, options, &limits))
 }
 
@@ -56,7 +56,7 @@ pub(super) fn anisotropic(
     options: &Options,
 ) -> Result<SampledBsdf, CannotHold> {
     let limits =
-        Limits { rank: 4, least: 3, most: 6, cells: options.most_nodes / 2, ranges: &[0.3, 0.15] };
+        Limits { rank: 4, least: 3, most: 6, cells: options.most_nodes / 8, ranges: &[0.3, 0.15] };
     let ratio = ratio(subject);
     let width = [0.1, 0.5, 1.0].map(|theta| full_width(law, [theta, 0.0], ratio));
     let narrowest = width.into_iter().fold(PI, f64::min);
@@ -268,6 +268,8 @@ impl<'a> Growth<'a> {
             leaves.extend(others);
             ranges.extend_from_within(..);
         }
+        // small cells are free to differ from one incidence to the next
+        ranges.iter_mut().zip(&leaves).for_each(|(range, leaf)| *range /= leaf.width);
         self.balance(&mut leaves, &ranges);
         leaves
     }
@@ -352,7 +354,13 @@ impl<'a> Growth<'a> {
         let of_leaf = |k: &usize| {
             let leaf = &leaves[*k];
             // wide cells lie at the horizon too, where a direction changes fast
-            let parts = if leaf.width > 0.03 { 6 } else { 2 };
+            let parts = if leaf.width > 0.1 {
+                4
+            } else if leaf.width > 0.03 && rank == 3 {
+                3
+            } else {
+                1
+            };
             let step = leaf.width / f64::from(parts);
             let mut sum = 0.0;
             for i in 0..2 * parts {
@@ -425,7 +433,7 @@ impl<'a> Growth<'a> {
 }
 
 /// Incidences whose flux is integrated; others lie between them.
-const FLUXES: usize = 256;
+const FLUXES: usize = 128;
 /// Passes over all incidences at most.
 const SWEEPS: usize = 200;
 
