@@ -6,13 +6,13 @@ use crate::frame::{Frame, specular};
 use crate::plan::Law;
 
 /// Largest relative change by halving; the error of a mean is about a tenth of it.
-const RELATIVE: f64 = 3e-3;
+const RELATIVE: f64 = 2e-3;
 /// Accuracy below which a BSDF does not count, 1/sr.
 const FLOOR: f64 = 2e-5;
 /// Most halvings of a box.
 const DEEPEST: usize = 30;
 /// Most boxes of a mean.
-const MOST_BOXES: usize = 300;
+const MOST_BOXES: usize = 1_500;
 
 /// A box of coordinates.
 #[derive(Clone, Copy, Debug)]

@@ -41,15 +41,31 @@ static FULL_BASIS: Known = Known {
         (90.0, 12),
     ],
 };
+/// Named unlike the built-in one of Radiance, which has 73 patches in versions up to 2021 and 77 in later ones: this name is read by the
+/// definition in the file.
 static HALF_BASIS: Known = Known {
-    name: "LBNL/Klems Half",
+    name: "LBNL/Klems Half 73",
     rings: &[(6.5, 1), (19.5, 8), (32.5, 12), (46.5, 16), (61.5, 20), (76.5, 12), (90.0, 4)],
 };
+/// The name without a definition, as Radiance of 2021 has it.
+static OLD_HALF: Known = Known { name: "LBNL/Klems Half", rings: HALF_BASIS.rings };
+/// The same of later versions (table of pyradiance 1.3.1).
+static NEW_HALF: Known = Known {
+    name: "LBNL/Klems Half",
+    rings: &[(6.5, 1), (19.5, 8), (32.5, 12), (45.5, 16), (58.5, 20), (71.5, 12), (90.0, 8)],
+};
+/// Named unlike the built-in one of Radiance, whose rings end at 46 and 66 degrees in versions up to 2021 and at 45 and 63 in later ones.
 static QUARTER_BASIS: Known = Known {
-    name: "LBNL/Klems Quarter",
+    name: "LBNL/Klems Quarter 41",
     rings: &[(9.0, 1), (27.0, 8), (46.0, 12), (66.0, 12), (90.0, 8)],
 };
+static NEW_QUARTER: Known = Known {
+    name: "LBNL/Klems Quarter",
+    rings: &[(9.0, 1), (27.0, 8), (45.0, 12), (63.0, 12), (90.0, 8)],
+};
 static BASES: [&Known; 3] = [&FULL_BASIS, &HALF_BASIS, &QUARTER_BASIS];
+/// What names mean without a definition.
+static NAMED: [&Known; 4] = [&FULL_BASIS, &OLD_HALF, &NEW_HALF, &NEW_QUARTER];
 
 /// Most patches of a basis.
 const MOST: usize = 20_000;
@@ -106,9 +122,9 @@ fn other_basis(source: &Source<'_>) -> Option<&'static str> {
         return Some("tree");
     }
     let basis = window::peek(&source.text, "ColumnAngleBasis").unwrap_or("");
-    if basis.eq_ignore_ascii_case(HALF_BASIS.name) {
+    if basis.to_ascii_lowercase().starts_with("lbnl/klems half") {
         Some("klems-half")
-    } else if basis.eq_ignore_ascii_case(QUARTER_BASIS.name) {
+    } else if basis.to_ascii_lowercase().starts_with("lbnl/klems quarter") {
         Some("klems-quarter")
     } else {
         None
@@ -198,15 +214,15 @@ fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
 }
 
 fn lobe(document: &Document, block: &Block) -> Result<SampledBsdf, Fault> {
-    let [into, out] =
-        [&block.bases[0], &block.bases[1]].map(|name| basis(document, name, block.line));
-    let (mut into, mut out) = (into?, out?);
     let mut values = Vec::new();
     let mut last = block.line;
     for (word, line) in window::words(&block.data, block.line) {
         values.push(window::value_of(word, line)?);
         last = line;
     }
+    let [into, out] = [&block.bases[0], &block.bases[1]]
+        .map(|name| basis(document, name, block.line, values.len()));
+    let (mut into, mut out) = (into?, out?);
     let mut notes = document.notes.clone();
     if values.len() != into.len() * out.len() {
         let side = values.len().isqrt();
@@ -263,10 +279,12 @@ fn flux(incidence: &Incidence) -> f64 {
     patches.iter().zip(&incidence.values).map(|(p, v)| p.projected * v).sum()
 }
 
-/// The patches of a name: as the file defines them, else as they are known.
-fn basis(document: &Document, name: &str, line: usize) -> Result<Vec<Piece>, Fault> {
+/// The patches of a name: as the file defines them, else as they are known; of two with a name that which `count` values are for.
+fn basis(document: &Document, name: &str, line: usize, count: usize) -> Result<Vec<Piece>, Fault> {
     let defined = document.bases.iter().find(|b| b.name.eq_ignore_ascii_case(name));
-    let rings = match (defined, BASES.iter().find(|k| k.name.eq_ignore_ascii_case(name))) {
+    let named = || NAMED.iter().filter(|k| k.name.eq_ignore_ascii_case(name));
+    let known = named().find(|k| k.count() * k.count() == count).or_else(|| named().next());
+    let rings = match (defined, known) {
         (Some(basis), _) if !basis.rings.is_empty() => basis.rings.clone(),
         (_, Some(known)) => known.rings(),
         _ => return Err(fault(line, format!("the basis '{}' is not defined", excerpt(name)))),

@@ -354,12 +354,11 @@ impl<'a> Growth<'a> {
         let of_leaf = |k: &usize| {
             let leaf = &leaves[*k];
             // wide cells lie at the horizon too, where a direction changes fast
-            let parts = if leaf.width > 0.1 {
-                4
-            } else if leaf.width > 0.03 && rank == 3 {
-                3
-            } else {
-                1
+            let parts = match rank {
+                3 if leaf.width > 0.03 => 6,
+                3 if leaf.width > 0.004 => 3,
+                4 if leaf.width > 0.1 => 4,
+                _ => 1,
             };
             let step = leaf.width / f64::from(parts);
             let mut sum = 0.0;
@@ -425,7 +424,7 @@ impl<'a> Growth<'a> {
                     }
                 }
             }
-            if worst < 0.2 * self.flux_tolerance {
+            if worst < 0.1 * self.flux_tolerance {
                 return;
             }
         }
@@ -435,7 +434,7 @@ impl<'a> Growth<'a> {
 /// Incidences whose flux is integrated; others lie between them.
 const FLUXES: usize = 128;
 /// Passes over all incidences at most.
-const SWEEPS: usize = 200;
+const SWEEPS: usize = 300;
 
 /// Largest value of a law in the plane of incidence.
 fn peak(law: &dyn Law, incidence: [f64; 2], ratio: f64) -> f64 {
