@@ -22,17 +22,22 @@ pub mod law;
 mod refine;
 pub mod plan;
 mod cosines;
+mod square;
+mod patches;
 pub mod error;
 pub mod text;
 pub mod formats;
 pub mod resample;
 pub mod compare;
+pub mod compare_patches;
 #[cfg(test)]
 mod tests_round_trip;
 #[cfg(test)]
 mod tests_texts;
 #[cfg(test)]
 mod tests_faults;
+#[cfg(test)]
+mod tests_radiance;
 
 pub use error::{Fault, FileError};
 pub use formats::{FORMATS, Format, read, read_bytes};

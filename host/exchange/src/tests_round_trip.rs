@@ -341,3 +341,289 @@ fn fred() {
         }
     }
 }
+
+/// The same of patches: means against those of midpoints, flux against the sum of the same; a lobe that is too narrow is refused.
+fn check_klems(name: &str, edges: &[f64], counts: &[usize]) {
+    let format = Format::of_name(name).unwrap();
+    let write = format.write.unwrap();
+    let options = Options::default();
+    for (law, subject) in lobes(0.02) {
+        let refused = (write.sample)(&law, &subject, &options);
+        let is_direct = subject.side == Side::Air || subject.lobe == Lobe::Transmission;
+        assert!(!is_direct || refused.unwrap_err().to_string().contains("tensortree3"));
+    }
+    let (law, subject) = lobes(0.6).remove(0);
+    let sampled = (write.sample)(&law, &subject, &options).unwrap();
+    let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+    let (found, read) = read_bytes("file", &bytes).unwrap();
+    assert_eq!(found.name, name);
+    let [one] = &read[..] else { panic!("{} lobes", read.len()) };
+    assert_eq!((one.side, one.lobe, one.index), (subject.side, subject.lobe, subject.index));
+    assert_eq!(one.bands[0], subject.band);
+    assert_eq!(one.incidences.len(), counts.iter().sum::<usize>());
+    for ring in (0..counts.len()).step_by(3) {
+        let upper = edges[ring + 1].to_radians();
+        let lower = edges[ring].to_radians();
+        // the incident patch about azimuth 0, whose source is at pi
+        let of = |i: &crate::sampled::Incidence| {
+            (lower..=upper).contains(&i.theta) && (i.phi - std::f64::consts::PI).abs() < 1e-9
+        };
+        let k = one.incidences.iter().position(of).unwrap();
+        let incidence = &one.incidences[k];
+        let most = one.peak(k, 0);
+        let mut place = 0;
+        let mut flux = 0.0;
+        for (out, count) in counts.iter().enumerate() {
+            for azimuth in 0..*count {
+                let ought = midpoints(
+                    &law,
+                    incidence.phi,
+                    [[ring, counts[ring], 0], [out, *count, azimuth]],
+                    edges,
+                );
+                let is = incidence.values[place];
+                assert!(
+                    (is - ought).abs() < 1e-3 * ought + 1e-4 * most,
+                    "{name} {ring} {out} {azimuth}: {is} {ought}"
+                );
+                let x = |k: usize| edges[k].to_radians().sin().powi(2);
+                flux += ought * std::f64::consts::PI * (x(out + 1) - x(out)) / *count as f64;
+                place += 1;
+            }
+        }
+        let is = one.flux(k, 0);
+        assert!((is / flux - 1.0).abs() < 1e-3, "{name} ring {ring}: flux {is} {flux}");
+    }
+}
+
+/// Mean over a pair of patches `[ring, patches of the ring, place]` by midpoints of polar angles and azimuths.
+fn midpoints(law: &Facets, phi: f64, pair: [[usize; 3]; 2], edges: &[f64]) -> f64 {
+    use std::f64::consts::TAU;
+    let points = |[ring, count, place]: [usize; 3]| {
+        let n = if count < 8 { 40 } else { 16 };
+        let m = if edges[ring + 1] > 89.0 { 40 } else { 8 };
+        let [lower, upper] = [edges[ring].to_radians(), edges[ring + 1].to_radians()];
+        let mut all = Vec::new();
+        for i in 0..m {
+            let theta = lower + (upper - lower) * (f64::from(i) + 0.5) / f64::from(m);
+            for j in 0..n {
+                let part = (f64::from(j) + 0.5) / f64::from(n) - 0.5;
+                let phi = TAU * (place as f64 + part) / count as f64;
+                all.push([theta, phi, (2.0 * theta).sin()]);
+            }
+        }
+        all
+    };
+    let (into, out) = (points(pair[0]), points(pair[1]));
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for a in &into {
+        for b in &out {
+            sum += a[2] * b[2] * law.value([a[0], phi], [b[0], b[1] - a[1]]);
+            weights += a[2] * b[2];
+        }
+    }
+    sum / weights
+}
+
+#[test]
+fn klems() {
+    let edges = [0.0, 5.0, 15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0, 90.0];
+    check_klems("klems", &edges, &[1, 8, 16, 20, 24, 24, 24, 16, 12]);
+}
+
+#[test]
+fn klems_half() {
+    let edges = [0.0, 6.5, 19.5, 32.5, 46.5, 61.5, 76.5, 90.0];
+    check_klems("klems-half", &edges, &[1, 8, 12, 16, 20, 12, 4]);
+}
+
+#[test]
+fn klems_quarter() {
+    check_klems("klems-quarter", &[0.0, 9.0, 27.0, 46.0, 66.0, 90.0], &[1, 8, 12, 12, 8]);
+}
+
+/// Outgoing directions that count for a peak: cells at the horizon are too wide in angle.
+const HIGHEST: f64 = 1.2;
+
+/// A tree beside its law: flux of incidences against sums over a fine square, the largest value against the law.
+fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
+    let format = Format::of_name(name).unwrap();
+    let (law, subject) = lobes(alpha).remove(which);
+    let title = format!("{name} {alpha} {:?} {:?}", subject.side, subject.lobe);
+    let write = format.write.unwrap();
+    let started = std::time::Instant::now();
+    let sampled = (write.sample)(&law, &subject, &Options::default()).unwrap();
+    let took = started.elapsed();
+    let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+    let (found, read) = read_bytes("file", &bytes).unwrap();
+    assert_eq!(found.name, name);
+    let [one] = &read[..] else { panic!("{title}: {} lobes", read.len()) };
+    assert_eq!((one.side, one.lobe, one.index), (subject.side, subject.lobe, subject.index));
+    assert_eq!((one.symmetry, &one.bands[0]), (subject.symmetry, &subject.band));
+    assert_eq!(one.incidences.len(), sampled.incidences.len());
+    let most = one.incidences.iter().map(|i| i.nodes.len()).max();
+    println!(
+        "{title}: {} incidences of up to {most:?} nodes, {} bytes, {took:?}",
+        one.incidences.len(),
+        bytes.len()
+    );
+    let n = one.incidences.len();
+    for k in (0..n).step_by(n / 7 + 1) {
+        let incidence = &one.incidences[k];
+        let from = [incidence.theta, incidence.phi];
+        let (mut flux, mut peak) = (0.0, 0.0_f64);
+        // rings about the ray, closer where the lobe is
+        let ray = one.specular(incidence.theta);
+        let frame = ray
+            .map_or(crate::frame::Frame::Absolute, |theta| crate::frame::Frame::Specular { theta });
+        let radii: Vec<f64> =
+            (0..400).map(|i| 3.2 * ((f64::from(i) + 0.5) / 400.0).powi(3)).collect();
+        for (i, r) in radii.iter().enumerate() {
+            let edge = |i: f64| 3.2 * (i / 400.0).powi(3);
+            let width = edge(i as f64 + 1.0) - edge(i as f64);
+            for j in 0..240 {
+                let at = frame.absolute([*r, std::f64::consts::PI * (f64::from(j) + 0.5) / 120.0]);
+                if at[0] < std::f64::consts::FRAC_PI_2 {
+                    let v = law.value(from, at);
+                    if at[0] < HIGHEST {
+                        peak = peak.max(v);
+                    }
+                    flux += v * at[0].cos() * r.sin() * width * std::f64::consts::PI / 120.0;
+                }
+            }
+        }
+        let is = one.flux(k, 0);
+        let centres = incidence.nodes.directions();
+        let below = centres.iter().zip(&incidence.values).filter(|(at, _)| at[0] < HIGHEST);
+        let top = below.map(|(_, v)| *v).fold(0.0, f64::max);
+        let (flux_error, peak_error) = (100.0 * (is / flux - 1.0), 100.0 * (top / peak - 1.0));
+        println!(
+            "  {:.2} deg, {:.2}: {} nodes, flux {flux:.5} {flux_error:.3} %, peak {peak:.4} {peak_error:.3} %",
+            incidence.theta.to_degrees(),
+            incidence.phi.to_degrees(),
+            incidence.nodes.len()
+        );
+        if flux > 1e-6 && incidence.theta < 1.4 && std::env::var_os("LOOK").is_none() {
+            assert!(flux_error.abs() < allowed.flux, "{title} {flux_error}");
+            assert!(peak_error.abs() < allowed.peak, "{title} {peak_error}");
+        }
+    }
+}
+
+#[test]
+fn tensortree3() {
+    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.2, peak: 0.5, is_slow: false });
+    // a peak at the horizon is none that cells of direction cosines can hold
+    check_tree(
+        "tensortree3",
+        0.6,
+        0,
+        &Allowed { node: 0.0, flux: 0.2, peak: f64::INFINITY, is_slow: false },
+    );
+}
+
+#[test]
+fn tensortree3_narrow() {
+    if std::env::var_os("ASPERITY_EXTENSIVE").is_none() {
+        return;
+    }
+    for which in 0..4 {
+        check_tree(
+            "tensortree3",
+            0.02,
+            which,
+            &Allowed { node: 0.0, flux: 0.2, peak: 1.0, is_slow: false },
+        );
+    }
+}
+
+#[test]
+fn tensortree4() {
+    check_tree(
+        "tensortree4",
+        0.6,
+        0,
+        &Allowed { node: 0.0, flux: 2.0, peak: f64::INFINITY, is_slow: false },
+    );
+}
+
+/// Writes files for `tests/peers/radiance.py` into the folder `ASPERITY_PEER_FILES`, and what they ought to hold beside them.
+#[test]
+fn files_of_patches_for_peers() {
+    use std::fmt::Write as _;
+    let Some(folder) = std::env::var_os("ASPERITY_PEER_FILES") else { return };
+    let folder = std::path::PathBuf::from(folder);
+    let all = [
+        ("klems", 0.6),
+        ("klems-half", 0.6),
+        ("klems-quarter", 0.6),
+        ("tensortree3", 0.2),
+        ("tensortree4", 0.6),
+        ("mitsuba", 0.2),
+        ("pbrt", 0.2),
+    ];
+    for (name, alpha) in all {
+        let write = Format::of_name(name).unwrap().write.unwrap();
+        let options = Options { accept: true, ..Options::default() };
+        for (law, subject) in lobes(alpha) {
+            if subject.side == Side::Dielectric
+                && matches!(name, "klems" | "klems-half" | "tensortree4")
+            {
+                continue;
+            }
+            let stem = format!("{name}-{}-{}", subject.side.name(), subject.lobe.name());
+            let sampled = (write.sample)(&law, &subject, &options).unwrap();
+            let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
+            let extension = if name == "pbrt" { "pbrt" } else { "xml" };
+            std::fs::write(folder.join(format!("{stem}.{extension}")), &bytes).unwrap();
+            // global angles of source and outgoing direction, value of the file, of the law
+            let mut pairs =
+                String::from("theta_in_deg,phi_in_deg,theta_out_deg,phi_out_deg,file,law\n");
+            let mut fluxes = String::from("theta_in_deg,phi_in_deg,flux\n");
+            let mut pair = |from: [f64; 2], at: [f64; 2], file: f64| {
+                let a = Global::of_incidence(subject.side, from);
+                let b = Global::of_outgoing(subject.side, subject.lobe, from[1], at);
+                let d = f64::to_degrees;
+                let _ = writeln!(
+                    pairs,
+                    "{},{},{},{},{file},{}",
+                    d(a.theta),
+                    d(a.phi),
+                    d(b.theta),
+                    d(b.phi),
+                    law.value(from, at)
+                );
+                [d(a.theta), d(a.phi)]
+            };
+            if sampled.incidences[0].nodes.is_empty() {
+                for k in 0..300 {
+                    let u = |m: f64| (f64::from(k) * m).fract();
+                    pair(
+                        [1.4 * u(0.618_034), 6.28 * u(0.754_877)],
+                        [1.4 * u(0.569_840), 6.28 * u(0.324_718)],
+                        0.0,
+                    );
+                }
+            } else {
+                let n = sampled.incidences.len();
+                for k in (0..n).step_by(n / 37 + 1) {
+                    let incidence = &sampled.incidences[k];
+                    let from = [incidence.theta, incidence.phi];
+                    let directions = incidence.nodes.directions();
+                    let m = directions.len();
+                    let mut shown = from;
+                    for j in (0..m).step_by(m / 23 + 1) {
+                        shown = pair(from, directions[j], incidence.values[j]);
+                    }
+                    let best = (0..m)
+                        .max_by(|a, b| incidence.values[*a].total_cmp(&incidence.values[*b]))
+                        .unwrap();
+                    pair(from, directions[best], incidence.values[best]);
+                    let _ = writeln!(fluxes, "{},{},{}", shown[0], shown[1], sampled.flux(k, 0));
+                }
+            }
+            std::fs::write(folder.join(format!("{stem}.pairs.csv")), pairs).unwrap();
+            std::fs::write(folder.join(format!("{stem}.flux.csv")), fluxes).unwrap();
+        }
+    }
+}

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use asperity_exchange::compare::Row;
+use asperity_exchange::compare::{Row, compare};
+use asperity_exchange::compare_patches::compare_patches;
 use asperity_exchange::formats::Writer;
 use asperity_exchange::law::{Law, Options, Subject};
 use asperity_exchange::{FORMATS, Format, Lobe, SampledBsdf, Side, read_bytes};
@@ -196,8 +197,9 @@ impl Writing<'_> {
             Failure::Trouble(format!("the file cannot be read back: {e}; nothing was written"))
         })?;
         let own = |l: &&SampledBsdf| l.side == self.subject.side && l.lobe == self.subject.lobe;
-        let lobe = lobes.iter().find(own).or(lobes.first());
-        Ok(lobe.map(|l| asperity_exchange::compare::compare(l, made, self.law)).unwrap_or_default())
+        let Some(lobe) = lobes.iter().find(own).or(lobes.first()) else { return Ok(Vec::new()) };
+        let patches = compare_patches(lobe, self.law);
+        Ok(patches.unwrap_or_else(|| compare(lobe, made, self.law)))
     }
 
     /// What the user of the file must know.

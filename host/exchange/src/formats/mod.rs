@@ -30,6 +30,11 @@ mod lighttools;
 mod tracepro;
 #[cfg(test)]
 mod mutation;
+mod window;
+mod klems;
+mod tree_sample;
+mod tree;
+mod scene;
 
 /// A file to be read.
 #[derive(Debug)]
@@ -90,8 +95,20 @@ pub static FORMATS: &[Format] = &[
     tracepro::FORMAT,
     fred::FORMAT,
     blacklab::FORMAT,
+    klems::HALF,
+    klems::QUARTER,
+    tree::ISOTROPIC,
+    tree::ANISOTROPIC,
+    klems::FULL,
+    scene::MITSUBA,
+    scene::PBRT,
     csv::FORMAT,
 ];
+
+/// A law as the patches of each incidence of a file see it; `None` of files without patches.
+pub(crate) fn seen(file: &SampledBsdf, law: &dyn Law) -> Option<Vec<crate::patches::Seen>> {
+    klems::seen(file, law)
+}
 
 impl Format {
     /// The format of a name in flags.
