@@ -76,7 +76,7 @@ impl Default for Options {
             tolerance: 0.005,
             flux_tolerance: 0.001,
             resolution: 0.0,
-            most_nodes: 1_000_000,
+            most_nodes: 4_000_000,
             accept: false,
         }
     }

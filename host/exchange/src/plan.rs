@@ -32,7 +32,8 @@ pub fn plan(law: &dyn Law, subject: &Subject, layout: Layout, options: &Options)
     }
     let groups: Vec<&[At]> =
         if layout.own_grids { frames.chunks(1).collect() } else { vec![&frames[..]] };
-    let share = options.most_nodes / groups.len().max(1);
+    // text of more than a quarter is more than its readers like
+    let share = options.most_nodes / 4 / groups.len().max(1);
     for group in groups.into_iter().filter(|g| !g.is_empty()) {
         let mut refined = Refined::new(law, group, subject.symmetry, layout, options);
         refined.refine(share);

@@ -1,52 +1,20 @@
-//! Text BSDF of `LightTools` (Mini-Diff and the like).
-//!
-//! Layout and meaning: the reader of libbsdf, for no public file is known. Keywords as those of Zemax, then a block for each incidence, side, lobe
-//! and tristimulus value. Angles are absolute: `AOI` from the normal of the front, beyond 90 from the back; `ScatterRadial` from the
-//! normal of the side the light leaves to (beyond 90 is taken as 180 less the angle), `ScatterAzimuth` about the sample, whose
-//! source is at azimuth 90 where there is one `POI` only (libbsdf), else at `POI`. Front is the air. Assumed: the program interpolates linearly.
+//! Reading: the header, the blocks, and the lobes they make.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::fmt::Write as _;
 
-use super::own::{self, Said};
-use super::{Format, Source, Writer};
-use crate::error::{CannotHold, Fault};
+use super::{NAME, SOURCE, TRISTIMULUS};
+use crate::error::Fault;
+use crate::formats::Source;
+use crate::formats::own::{self, Said};
 use crate::frame::{Frame, around};
 use crate::interpolate::Interpolation;
+<<<<<<< HEAD:host/exchange/src/formats/lighttools.rs
 use crate::law::{Coordinates, Layout};
 use crate::plan::plan;
+=======
+>>>>>>> texts:host/exchange/src/formats/lighttools/read.rs
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
-use crate::text::{Lines, degrees, excerpt, fields};
-
-const NAME: &str = "LightTools";
-
-pub(super) const FORMAT: Format = Format {
-    name: "lighttools",
-    title: "LightTools text BSDF",
-    extensions: &["bsdf"],
-    sniff: |source| {
-        let text = source.start();
-        text.contains("ScatterRadial") && !text.contains("SampleRotation")
-    },
-    read: Some(read),
-    write: Some(Writer {
-        sample: |law, subject, options| Ok(plan(law, subject, LAYOUT, options)),
-        encode,
-        notes: &["AOI beyond 90 is the back, the inside of the body; the front is the air"],
-    }),
-};
-
-const LAYOUT: Layout = Layout {
-    coordinates: Coordinates::Absolute,
-    own_grids: false,
-    interpolation: Interpolation::Linear,
-};
-
-/// Where libbsdf and the program have the source.
-const SOURCE: f64 = FRAC_PI_2;
-
-/// The names of tristimulus values.
-const TRISTIMULUS: [&str; 3] = ["TrisX", "TrisY", "TrisZ"];
+use crate::text::{Lines, excerpt, fields};
 
 /// The lists of a header.
 #[derive(Default)]
@@ -72,7 +40,7 @@ struct Block {
     values: Vec<f64>,
 }
 
-fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
+pub(super) fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
     let said = own::said(source.text.lines().take_while(|line| line.starts_with('#')));
     let mut lines = Lines::new(NAME, &source.text);
     let mut notes = Vec::new();
@@ -268,7 +236,7 @@ fn sampled(
             )));
         }
         let at = if turns { block.source } else { SOURCE };
-        let (grid, order) = grid(header, at, block.side)
+        let (grid, order) = grid(header, at)
             .ok_or_else(|| lines.fault("the azimuths do not go round the plane of incidence"))?;
         let values = own.iter().flat_map(|b| order.iter().map(|k| b.values[*k])).collect();
         incidences.push(Incidence {
@@ -306,7 +274,7 @@ fn sampled(
 }
 
 /// The grid about the plane of incidence of a source, and the place in the file of each of its values.
-fn grid(header: &Header, source: f64, side: Side) -> Option<(Grid, Vec<usize>)> {
+fn grid(header: &Header, source: f64) -> Option<(Grid, Vec<usize>)> {
     const SAME: f64 = 2e-9;
     let n = header.radii.len();
     let mut radii: Vec<(f64, usize)> = Vec::new();
@@ -318,7 +286,7 @@ fn grid(header: &Header, source: f64, side: Side) -> Option<(Grid, Vec<usize>)> 
     if radii.windows(2).any(|w| w[1].0 - w[0].0 < SAME) {
         return None;
     }
-    let _ = side; // azimuths are about the sample, whichever side the light comes from
+    // azimuths are about the sample, whichever side the light comes from
     let relative = |(k, degrees): (usize, &f64)| (around(degrees.to_radians() - source - PI), k);
     let mut azimuths: Vec<(f64, usize)> =
         header.azimuths.iter().enumerate().map(relative).collect();
@@ -346,100 +314,4 @@ fn grid(header: &Header, source: f64, side: Side) -> Option<(Grid, Vec<usize>)> 
         mirrored,
     };
     Some((grid, order))
-}
-
-fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
-    let first = lobes.first().ok_or_else(|| refuse("no lobe", "give one"))?;
-    let all = lobes.iter().flat_map(|lobe| &lobe.incidences);
-    let grids: Option<Vec<&Grid>> = all
-        .map(|i| match &i.nodes {
-            Nodes::Grid(grid) if grid.frame == Frame::Absolute => Some(grid),
-            _ => None,
-        })
-        .collect();
-    let grids = grids.ok_or_else(|| {
-        refuse("directions that are no grid of absolute angles", "sample it anew")
-    })?;
-    let grid = *grids.first().ok_or_else(|| refuse("a lobe without incidences", "give some"))?;
-    if grids.iter().any(|g| *g != grid) {
-        return Err(refuse("incidences with different grids", "sample it anew"));
-    }
-    let bands = first.bands.len();
-    if lobes.iter().any(|lobe| lobe.bands != first.bands || ![1, 3].contains(&bands)) {
-        return Err(refuse("wavelengths other than one, or X, Y and Z", "write a file for each"));
-    }
-    let turns = lobes.iter().any(|lobe| {
-        lobe.incidences.iter().any(|i| i.phi.to_bits() != lobe.incidences[0].phi.to_bits())
-    });
-    if turns {
-        return Err(refuse(
-            "rotations of the sample, whose azimuths would differ",
-            "use speos or zemax",
-        ));
-    }
-    let mut out = String::new();
-    for line in own::lines(first) {
-        let _ = writeln!(out, "# {line}");
-    }
-    let symmetry = if grid.mirrored { "PlaneSymmetrical" } else { "Asymmetric" };
-    let content = if bands == 3 { "XYZ" } else { "Monochrome" };
-    let _ = write!(out, "Symmetry {symmetry}\nSpectralContent {content}\n");
-    // relative 0 is opposite to the source; of a mirrored grid the half beyond it ascends from the source
-    let azimuth = |a: &f64| if grid.mirrored { SOURCE + PI - a } else { SOURCE + PI + a };
-    let mut azimuths: Vec<(f64, usize)> =
-        grid.azimuths.iter().enumerate().map(|(j, a)| (azimuth(a), j)).collect();
-    for (a, _) in &mut azimuths {
-        if *a >= 2.0 * PI {
-            *a -= 2.0 * PI;
-        }
-    }
-    azimuths.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for (name, angles) in [
-        ("ScatterAzimuth", azimuths.iter().map(|a| a.0).collect::<Vec<_>>()),
-        ("ScatterRadial", grid.radii.clone()),
-    ] {
-        let list: Vec<_> = angles.iter().map(|a| degrees(*a)).collect();
-        let _ = writeln!(out, "{name} {}\n{}", angles.len(), list.join(" "));
-    }
-    out.push_str("DataBegin\n");
-    for lobe in lobes {
-        for (k, incidence) in lobe.incidences.iter().enumerate() {
-            for (band, tristimulus) in TRISTIMULUS.iter().enumerate().take(bands) {
-                block(&mut out, lobe, k, band);
-                if bands == 3 {
-                    let _ = writeln!(out, "TristimulusValue {tristimulus}");
-                }
-                let _ = writeln!(out, "TIS {:.9}", lobe.flux(k, band));
-                let values = &lobe.band(k, band);
-                let n = incidence.nodes.len() / azimuths.len().max(1);
-                for (_, j) in &azimuths {
-                    let row = values.get(j * n..(j + 1) * n).unwrap_or(&[]);
-                    let row: Vec<_> = row.iter().map(|v| format!("{v:.7e}")).collect();
-                    let _ = writeln!(out, "{}", row.join(" "));
-                }
-            }
-        }
-    }
-    out.push_str("DataEnd\n");
-    Ok(out.into_bytes())
-}
-
-/// The lines before the values.
-fn block(out: &mut String, lobe: &SampledBsdf, k: usize, band: usize) {
-    let theta = lobe.incidences[k].theta;
-    let (aoi, side) = match lobe.side {
-        Side::Air => (theta, "Front"),
-        Side::Dielectric => (PI - theta, "Back"),
-    };
-    let kind = if lobe.lobe == Lobe::Reflection { "BRDF" } else { "BTDF" };
-    let _ = write!(out, "AOI {}\nPOI {}\nSide {side}\n", degrees(aoi), degrees(SOURCE));
-    if let Some(Band::Wavelength(nm)) = lobe.bands.get(band) {
-        let _ = writeln!(out, "Wavelength {nm}");
-    }
-    let _ = writeln!(out, "ScatterType {kind}");
 }
