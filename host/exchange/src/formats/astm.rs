@@ -55,7 +55,12 @@ fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
         let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         match key {
             "VARS" => break columns(&lines, value, said.wavelength_nm)?,
-            "NUM_POINTS" => announced = Some(lines.count(value, "NUM_POINTS")?),
+            "NUM_POINTS" => {
+                let n = value.trim().parse::<usize>();
+                let bad =
+                    |_| lines.fault(format!("NUM_POINTS is not a count: '{}'", excerpt(value)));
+                announced = Some(n.map_err(bad)?);
+            }
             _ if own::is_own(line) => {}
             _ => notes.push(line.trim_start_matches("COMMENT").trim().to_owned()),
         }
