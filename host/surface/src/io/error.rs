@@ -96,6 +96,16 @@ pub enum MapFault {
         /// The evidence.
         what: String,
     },
+    /// The file has no map of the number asked for.
+    #[error("{format}: --channel {asked} is not in the file, which has {there}; give one of them")]
+    NoChannel {
+        /// The format.
+        format: &'static str,
+        /// The number.
+        asked: usize,
+        /// The maps in the file.
+        there: String,
+    },
     /// The units of the numbers are unknown.
     #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(*xy, *z, *pixel))]
     NoUnits {

@@ -4,6 +4,7 @@ mod error;
 mod unit;
 mod words;
 mod options;
+mod channels;
 mod vocabulary;
 mod said;
 mod sentence;
@@ -12,6 +13,13 @@ mod text;
 mod al3d;
 mod di;
 mod opd;
+mod opdx;
+mod metropro;
+mod nms;
+mod tmd;
+mod nid;
+mod frt;
+mod ibw;
 mod sdf;
 mod x3p;
 mod sur;
@@ -32,10 +40,13 @@ mod tests_gwy;
 #[cfg(test)]
 mod tests_b;
 #[cfg(test)]
+mod tests_more;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod tests_mutation;
 
+pub(crate) use channels::listed;
 pub use error::{MapError, MapFault};
 pub use open::{FORMATS, Format, open, parse};
 pub use options::{OpenOptions, Source, Sources};
@@ -65,6 +76,8 @@ pub struct RawMap {
     pub sources: Sources,
     /// A note for the user, such as an ignored checksum.
     pub note: Option<String>,
+    /// Names of all maps in the file, if its format can hold several; this one is that of the options, or the first.
+    pub channels: Vec<String>,
 }
 
 impl RawMap {
@@ -80,6 +93,7 @@ impl RawMap {
             instrument: None,
             sources: Sources::default(),
             note: None,
+            channels: Vec::new(),
         }
     }
 

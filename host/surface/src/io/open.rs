@@ -5,7 +5,8 @@ use std::path::Path;
 use super::text::as_utf8;
 use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
-    al3d, di, gwy, gwyddion_text, matrix, npy, opd, png16, sdf, sur, tiff_float, x3p, xyz,
+    al3d, channels, di, frt, gwy, gwyddion_text, ibw, matrix, metropro, nid, nms, npy, opd, opdx,
+    png16, sdf, sur, tiff_float, tmd, x3p, xyz,
 };
 use crate::input::read_file;
 
@@ -36,12 +37,16 @@ impl Format {
     /// # Errors
     /// [`MapFault`], for whatever bytes.
     pub fn read(&self, bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
-        (self.read)(bytes, options)
+        let map = (self.read)(bytes, options)?;
+        if map.channels.is_empty() {
+            channels::only(map.format, options)?;
+        }
+        Ok(map)
     }
 }
 
 /// The formats in the order of detection: those with a signature first, plain numbers last.
-pub const FORMATS: [Format; 13] = [
+pub const FORMATS: [Format; 20] = [
     Format {
         name: "x3p",
         detect: x3p::detect,
@@ -60,6 +65,33 @@ pub const FORMATS: [Format; 13] = [
     Format { name: "Wyko opd", detect: opd::detect, read: |b, o| o.agree(opd::read(b)?, None) },
     Format { name: "Bruker/DI", detect: di::detect, read: |b, o| o.agree(di::read(b)?, None) },
     Format { name: "Digital Surf sur", detect: sur::detect, read: sur::read },
+    Format {
+        name: "Zygo MetroPro",
+        detect: metropro::detect,
+        read: |b, o| o.agree(metropro::read(b)?, Some(LengthUnit::Metre)),
+    },
+    Format {
+        name: "NanoFocus nms",
+        detect: nms::detect,
+        read: |b, o| o.agree(nms::read(b)?, None),
+    },
+    Format { name: "TrueMap tmd", detect: tmd::detect, read: |b, o| o.agree(tmd::read(b)?, None) },
+    Format {
+        name: "Nanosurf nid",
+        detect: nid::detect,
+        read: |b, o| o.agree(nid::read(b, o)?, None),
+    },
+    Format {
+        name: "FRT MicroProf",
+        detect: frt::detect,
+        read: |b, o| o.agree(frt::read(b, o)?, Some(LengthUnit::Metre)),
+    },
+    Format {
+        name: "Vision opdx",
+        detect: opdx::detect,
+        read: |b, o| o.agree(opdx::read(b, o)?, None),
+    },
+    Format { name: "Igor ibw", detect: ibw::detect, read: ibw::read },
     Format { name: "Gwyddion gwy", detect: gwy::detect, read: gwy::read },
     Format { name: "npy/npz", detect: npy::detect, read: npy::read },
     Format { name: "PNG", detect: png16::detect, read: png16::read },

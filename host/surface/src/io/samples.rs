@@ -2,7 +2,10 @@
 
 use tiff::encoder::{Compression, DeflateLevel};
 
-use super::{al3d, di, npy, opd, png16, sdf, sur, tests_gwy, tiff_float, x3p};
+use super::{
+    al3d, di, frt, ibw, metropro, nid, nms, npy, opd, opdx, png16, sdf, sur, tests_gwy, tiff_float,
+    tmd, x3p,
+};
 
 /// A file that is read without options.
 pub(super) struct Sample {
@@ -39,6 +42,14 @@ pub(super) fn samples() -> Vec<Sample> {
         ("sur 16", "Digital Surf sur", sur::tests::sample(false, 16)),
         ("sur 32", "Digital Surf sur", sur::tests::sample(false, 32)),
         ("sur zipped", "Digital Surf sur", sur::tests::sample(true, 32)),
+        ("metropro", "Zygo MetroPro", metropro::tests::sample(0x6f)),
+        ("metropro 3", "Zygo MetroPro", metropro::tests::sample(0x71)),
+        ("nms", "NanoFocus nms", nms::tests::sample()),
+        ("tmd", "TrueMap tmd", tmd::tests::sample("by hand")),
+        ("nid", "Nanosurf nid", nid::tests::sample(|t| t)),
+        ("frt", "FRT MicroProf", frt::tests::sample()),
+        ("opdx", "Vision opdx", opdx::tests::sample()),
+        ("ibw", "Igor ibw", ibw::tests::Parts::new().file()),
         ("gwy", "Gwyddion gwy", tests_gwy::sample()),
         ("gwyddion text", "Gwyddion text", GWYDDION.into()),
         ("dhm", "matrix text", DHM.into()),
