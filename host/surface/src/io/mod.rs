@@ -20,6 +20,8 @@ mod tmd;
 mod nid;
 mod frt;
 mod ibw;
+mod ole;
+mod mnt;
 mod sdf;
 mod x3p;
 mod sur;

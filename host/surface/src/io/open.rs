@@ -5,8 +5,8 @@ use std::path::Path;
 use super::text::as_utf8;
 use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
-    al3d, channels, di, frt, gwy, gwyddion_text, ibw, matrix, metropro, nid, nms, npy, opd, opdx,
-    png16, sdf, sur, tiff_float, tmd, x3p, xyz,
+    al3d, channels, di, frt, gwy, gwyddion_text, ibw, matrix, metropro, mnt, nid, nms, npy, opd,
+    opdx, png16, sdf, sur, tiff_float, tmd, x3p, xyz,
 };
 use crate::input::read_file;
 
@@ -46,7 +46,7 @@ impl Format {
 }
 
 /// The formats in the order of detection: those with a signature first, plain numbers last.
-pub const FORMATS: [Format; 20] = [
+pub const FORMATS: [Format; 21] = [
     Format {
         name: "x3p",
         detect: x3p::detect,
@@ -90,6 +90,11 @@ pub const FORMATS: [Format; 20] = [
         name: "Vision opdx",
         detect: opdx::detect,
         read: |b, o| o.agree(opdx::read(b, o)?, None),
+    },
+    Format {
+        name: "MountainsMap mnt",
+        detect: mnt::detect,
+        read: |b, o| o.agree(mnt::read(b, o)?, None),
     },
     Format { name: "Igor ibw", detect: ibw::detect, read: ibw::read },
     Format { name: "Gwyddion gwy", detect: gwy::detect, read: gwy::read },

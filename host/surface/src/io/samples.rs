@@ -3,8 +3,8 @@
 use tiff::encoder::{Compression, DeflateLevel};
 
 use super::{
-    al3d, di, frt, ibw, metropro, nid, nms, npy, opd, opdx, png16, sdf, sur, tests_gwy, tiff_float,
-    tmd, x3p,
+    al3d, di, frt, ibw, metropro, mnt, nid, nms, npy, opd, opdx, png16, sdf, sur, tests_gwy,
+    tiff_float, tmd, x3p,
 };
 
 /// A file that is read without options.
@@ -49,6 +49,7 @@ pub(super) fn samples() -> Vec<Sample> {
         ("nid", "Nanosurf nid", nid::tests::sample(|t| t)),
         ("frt", "FRT MicroProf", frt::tests::sample()),
         ("opdx", "Vision opdx", opdx::tests::sample()),
+        ("mnt", "MountainsMap mnt", mnt::tests::Parts::new().file()),
         ("ibw", "Igor ibw", ibw::tests::Parts::new().file()),
         ("gwy", "Gwyddion gwy", tests_gwy::sample()),
         ("gwyddion text", "Gwyddion text", GWYDDION.into()),

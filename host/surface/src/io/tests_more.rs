@@ -66,6 +66,7 @@ fn figures_of_another_reader() {
     for (name, lateral) in [
         ("metropro-1.dat", 1.0),
         ("frt-2.frt", 1.0),
+        ("mnt-1.mnt", 1.0),
         ("tmd-1.tmd", 1.0),
         // nanometres taken as millimetres
         ("nms-1.nms", 1e-6),

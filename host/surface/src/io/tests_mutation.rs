@@ -33,6 +33,7 @@ const TARGETS: [(&str, &str); FORMATS.len()] = [
     ("Nanosurf nid", "nid"),
     ("FRT MicroProf", "frt"),
     ("Vision opdx", "opdx"),
+    ("MountainsMap mnt", "mnt"),
     ("Igor ibw", "ibw"),
     ("Gwyddion gwy", "gwy"),
     ("npy/npz", "npy"),
@@ -76,7 +77,8 @@ fn seeds_are_written_where_asked() {
 fn judged(name: &str, format: &str, bytes: &[u8]) -> bool {
     let format = FORMATS.iter().find(|f| f.name() == format).unwrap();
     let none = OpenOptions::default();
-    let packed = ["x3p", "Digital Surf sur", "npy/npz", "PNG", "TIFF"].contains(&format.name());
+    let packed = ["x3p", "Digital Surf sur", "MountainsMap mnt", "npy/npz", "PNG", "TIFF"]
+        .contains(&format.name());
     let most = if packed { most_inflated(bytes) } else { 64 + 4 * bytes.len() as u64 };
     for other in FORMATS {
         other.detect(bytes);
