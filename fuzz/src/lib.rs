@@ -13,7 +13,8 @@ use zip::CompressionMethod::Stored;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 /// Formats that are packed: a point may take much less than a byte.
-const PACKED: [&str; 6] = ["MountainsMap mnt", "x3p", "npy/npz", "PNG", "TIFF", "Digital Surf sur"];
+const PACKED: [&str; 8] =
+    ["MountainsMap mnt", "Sensofar plux", "Keyence vk", "x3p", "npy/npz", "PNG", "TIFF", "Digital Surf sur"];
 /// Maps of at most so many points are also put to use.
 const SMALL: usize = 10_000;
 

@@ -31,6 +31,25 @@ pub enum MapFault {
         /// Names of the formats.
         known: String,
     },
+    /// Nothing that is packed in it is a map.
+    #[error(
+        "the {format} file holds no known height map{files}; pack one of x3p, SDF, al3d, opd or another that \
+             `asperity stats --help` lists"
+    )]
+    NoneInside {
+        /// The container.
+        format: &'static str,
+        /// What is in it: nothing, or `, only ...`.
+        files: String,
+    },
+    /// A file in an archive cannot be used.
+    #[error("in `{name}`: {fault}")]
+    Inside {
+        /// The file.
+        name: String,
+        /// Its fault.
+        fault: Box<MapFault>,
+    },
     /// It breaks the rules of its format.
     #[error(
         "{format}: {}; the file is damaged or not of this format, export it again",

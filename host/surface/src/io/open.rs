@@ -5,13 +5,16 @@ use std::path::Path;
 use super::text::as_utf8;
 use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
-    al3d, channels, di, frt, gwy, gwyddion_text, ibw, matrix, metropro, mnt, nid, nms, npy, opd,
-    opdx, png16, sdf, sur, tiff_float, tmd, x3p, xyz,
+    al3d, channels, di, frt, gsf, gwy, gwyddion_text, ibw, matrix, metropro, mnt, nid, nms, npy,
+    opd, opdx, packed, plu, plux, png16, sdf, sur, tiff_float, tmd, vk, x3p, xyz,
 };
 use crate::input::read_file;
 
 /// Largest file that is read, bytes: text of the largest map takes no more.
 const MOST_BYTES: u64 = 4 << 30;
+
+/// How often a file may be packed.
+const MOST_PACKED: usize = 3;
 
 /// A format: its name, whether bytes are of it, and its reader.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +49,7 @@ impl Format {
 }
 
 /// The formats in the order of detection: those with a signature first, plain numbers last.
-pub const FORMATS: [Format; 21] = [
+pub const FORMATS: [Format; 25] = [
     Format {
         name: "x3p",
         detect: x3p::detect,
@@ -97,6 +100,18 @@ pub const FORMATS: [Format; 21] = [
         read: |b, o| o.agree(mnt::read(b, o)?, None),
     },
     Format { name: "Igor ibw", detect: ibw::detect, read: ibw::read },
+    Format {
+        name: "Sensofar plu",
+        detect: plu::detect,
+        read: |b, o| o.agree(plu::read(b, o)?, None),
+    },
+    Format {
+        name: "Sensofar plux",
+        detect: plux::detect,
+        read: |b, o| o.agree(plux::read(b, o)?, None),
+    },
+    Format { name: "Keyence vk", detect: vk::detect, read: |b, o| o.agree(vk::read(b, o)?, None) },
+    Format { name: "Gwyddion gsf", detect: gsf::detect, read: gsf::read },
     Format { name: "Gwyddion gwy", detect: gwy::detect, read: gwy::read },
     Format { name: "npy/npz", detect: npy::detect, read: npy::read },
     Format { name: "PNG", detect: png16::detect, read: png16::read },
@@ -125,12 +140,24 @@ pub fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if bytes.is_empty() {
         return Err(MapFault::Empty);
     }
-    let bytes = &*as_utf8(bytes);
-    match FORMATS.iter().find(|f| f.detect(bytes)) {
-        Some(format) => format.read(bytes, options),
-        None if profile::detect(bytes) => Err(profile::fault()),
-        None => Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }),
+    inside(bytes, options, 0).unwrap_or_else(|| Err(unknown(&as_utf8(bytes))))
+}
+
+/// The map in bytes, packed or not; `None` if they are of no known format.
+fn inside(bytes: &[u8], options: &OpenOptions, depth: usize) -> Option<Result<RawMap, MapFault>> {
+    let text = &*as_utf8(bytes);
+    if let Some(format) = FORMATS.iter().find(|f| f.detect(text)) {
+        return Some(format.read(text, options));
     }
+    if packed::detect(bytes) && depth < MOST_PACKED {
+        return Some(packed::read(bytes, &|inner| inside(inner, options, depth + 1)));
+    }
+    profile::detect(text).then(|| Err(profile::fault()))
+}
+
+/// Why bytes are no map.
+fn unknown(_bytes: &[u8]) -> MapFault {
+    MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }
 }
 
 #[cfg(test)]

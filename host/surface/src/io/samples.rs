@@ -3,8 +3,8 @@
 use tiff::encoder::{Compression, DeflateLevel};
 
 use super::{
-    al3d, di, frt, ibw, metropro, mnt, nid, nms, npy, opd, opdx, png16, sdf, sur, tests_gwy,
-    tiff_float, tmd, x3p,
+    al3d, di, frt, gsf, ibw, metropro, mnt, nid, nms, npy, opd, opdx, plu, plux, png16, sdf, sur,
+    tests_gwy, tiff_float, tmd, vk, x3p,
 };
 
 /// A file that is read without options.
@@ -51,6 +51,11 @@ pub(super) fn samples() -> Vec<Sample> {
         ("opdx", "Vision opdx", opdx::tests::sample()),
         ("mnt", "MountainsMap mnt", mnt::tests::Parts::new().file()),
         ("ibw", "Igor ibw", ibw::tests::Parts::new().file()),
+        ("plu", "Sensofar plu", plu::tests::sample()),
+        ("plux", "Sensofar plux", plux::tests::sample(|i| i)),
+        ("vk4", "Keyence vk", vk::tests::plain(b"VK4_", 16)),
+        ("vk6", "Keyence vk", vk::tests::packed()),
+        ("gsf", "Gwyddion gsf", gsf::tests::sample(|h| h)),
         ("gwy", "Gwyddion gwy", tests_gwy::sample()),
         ("gwyddion text", "Gwyddion text", GWYDDION.into()),
         ("dhm", "matrix text", DHM.into()),

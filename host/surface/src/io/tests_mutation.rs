@@ -35,6 +35,10 @@ const TARGETS: [(&str, &str); FORMATS.len()] = [
     ("Vision opdx", "opdx"),
     ("MountainsMap mnt", "mnt"),
     ("Igor ibw", "ibw"),
+    ("Sensofar plu", "plu"),
+    ("Sensofar plux", "plux"),
+    ("Keyence vk", "vk"),
+    ("Gwyddion gsf", "gsf"),
     ("Gwyddion gwy", "gwy"),
     ("npy/npz", "npy"),
     ("PNG", "png16"),
@@ -77,8 +81,17 @@ fn seeds_are_written_where_asked() {
 fn judged(name: &str, format: &str, bytes: &[u8]) -> bool {
     let format = FORMATS.iter().find(|f| f.name() == format).unwrap();
     let none = OpenOptions::default();
-    let packed = ["x3p", "Digital Surf sur", "MountainsMap mnt", "npy/npz", "PNG", "TIFF"]
-        .contains(&format.name());
+    let packed = [
+        "x3p",
+        "Digital Surf sur",
+        "MountainsMap mnt",
+        "Sensofar plux",
+        "Keyence vk",
+        "npy/npz",
+        "PNG",
+        "TIFF",
+    ]
+    .contains(&format.name());
     let most = if packed { most_inflated(bytes) } else { 64 + 4 * bytes.len() as u64 };
     for other in FORMATS {
         other.detect(bytes);

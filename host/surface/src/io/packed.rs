@@ -1,0 +1,169 @@
+//! Files packed by gzip, and archives of zip that are no format of their own: the map in them.
+//!
+//! Of an archive of several maps the first that can be read is taken, and a note lists the others.
+
+use std::io::Read;
+
+use flate2::read::MultiGzDecoder;
+
+use super::bytes::most_inflated;
+use super::channels::listed;
+use super::zipped::{self, Archive};
+use super::{MapFault, RawMap};
+use crate::message::excerpt;
+
+const GZIP: &[u8] = b"\x1f\x8b\x08";
+
+/// The reader of what is inside: `None` if it is of no known format.
+pub(super) type Inner<'a> = &'a dyn Fn(&[u8]) -> Option<Result<RawMap, MapFault>>;
+
+/// Whether the bytes are packed.
+pub(super) fn detect(bytes: &[u8]) -> bool {
+    bytes.starts_with(GZIP) || zipped::detect(bytes)
+}
+
+/// Reads what is inside.
+pub(super) fn read(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
+    if bytes.starts_with(GZIP) { gzip(bytes, inner) } else { archive(bytes, inner) }
+}
+
+fn gzip(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
+    const FORMAT: &str = "gzip";
+    let most = most_inflated(bytes);
+    let mut content = Vec::new();
+    MultiGzDecoder::new(bytes).take(most + 1).read_to_end(&mut content).map_err(|e| {
+        MapFault::Damaged { format: FORMAT, what: format!("it cannot be unpacked ({e})") }
+    })?;
+    if content.len() as u64 > most {
+        return Err(MapFault::Inflates { format: FORMAT, what: "its content".into(), most });
+    }
+    inner(&content).unwrap_or(Err(MapFault::NoneInside { format: FORMAT, files: String::new() }))
+}
+
+fn archive(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
+    const FORMAT: &str = "zip";
+    let mut archive = Archive::open(FORMAT, bytes)?;
+    let names = archive.names().to_vec();
+    let (mut first, mut fault, mut others) = (None, None, Vec::new());
+    for (number, name) in names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
+        let content = archive.read(number)?;
+        match inner(&content) {
+            None => {}
+            Some(Ok(_)) if first.is_some() => others.push(name.clone()),
+            Some(Ok(map)) => first = Some((name, map)),
+            Some(Err(of_it)) => {
+                fault.get_or_insert((name, of_it));
+            }
+        }
+    }
+    match (first, fault) {
+        (Some((name, map)), _) => {
+            let also = match others.as_slice() {
+                [] => String::new(),
+                others => format!("; it also holds {}, which are not read", listed(others)),
+            };
+            let said = map.note.map(|note| format!("; {note}")).unwrap_or_default();
+            Ok(RawMap { note: Some(format!("the map is `{}`{also}{said}", excerpt(name))), ..map })
+        }
+        (None, Some((name, fault))) => {
+            Err(MapFault::Inside { name: excerpt(name), fault: Box::new(fault) })
+        }
+        (None, None) => {
+            let files: Vec<String> = names.into_iter().filter(|name| !name.is_empty()).collect();
+            let files =
+                if files.is_empty() { String::new() } else { format!(", only {}", listed(&files)) };
+            Err(MapFault::NoneInside { format: FORMAT, files })
+        }
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use std::io::Write;
+
+    use flate2::{Compression, write::GzEncoder};
+
+    use super::super::samples::{Sample, samples};
+    use super::super::zipped::tests::zip;
+    use super::super::{MapFault, OpenOptions, RawMap, parse};
+
+    fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+        parse(bytes, &OpenOptions::default())
+    }
+
+    pub(in crate::io) fn gzip(bytes: &[u8]) -> Vec<u8> {
+        let mut file = GzEncoder::new(Vec::new(), Compression::default());
+        file.write_all(bytes).unwrap();
+        file.finish().unwrap()
+    }
+
+    fn bits(map: &RawMap) -> Vec<u64> {
+        map.heights_um.iter().map(|z| z.to_bits()).collect()
+    }
+
+    #[test]
+    fn every_format_is_read_from_every_container() {
+        for Sample { name, bytes, .. } in samples() {
+            let plain = read(&bytes).unwrap();
+            let inside: [(&str, &[u8]); 2] = [("readme.md", b"a map"), ("maps/map.bin", &bytes)];
+            for packed in
+                [gzip(&bytes), zip(&inside, true), zip(&inside, false), gzip(&gzip(&bytes))]
+            {
+                let map = read(&packed).unwrap_or_else(|e| panic!("{name}: {e}"));
+                assert_eq!((map.format, map.dx_um), (plain.format, plain.dx_um), "{name}");
+                assert!(bits(&map) == bits(&plain), "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn of_several_maps_the_first_is_read_and_the_others_are_listed() {
+        let text = |z: u8| format!("# heights in um\n1 {z}\n3 4\n").into_bytes();
+        let [a, b] = [text(2), text(9)];
+        let map =
+            read(&zip(&[("notes.md", b"no map"), ("a.txt", &a), ("b.txt", &b)], true)).unwrap();
+        assert_eq!(map.heights_um[1], 2.0);
+        assert_eq!(
+            map.note.unwrap(),
+            "the map is `a.txt`; it also holds 0 `b.txt`, which are not read"
+        );
+        // one that cannot be read does not hide one that can
+        let unsaid = b"1 2\n3 4\n";
+        let map = read(&zip(&[("a.txt", unsaid), ("b.txt", &b)], true)).unwrap();
+        assert_eq!(map.note.unwrap(), "the map is `b.txt`");
+        let fault = read(&zip(&[("a.txt", unsaid), ("c.md", b"no map")], true)).unwrap_err();
+        assert!(fault.to_string().starts_with("in `a.txt`: "), "{fault}");
+    }
+
+    #[test]
+    fn malformed_containers_are_refused() {
+        let text = b"# heights in um\n1 2\n3 4\n";
+        let (packed, archive) = (gzip(text), zip(&[("a.txt", text)], true));
+        let mut broken = packed.clone();
+        broken[12] ^= 0xff;
+        let mut wrong = packed.clone();
+        let sum = wrong.len() - 8;
+        wrong[sum] ^= 1;
+        let mut locked = archive.clone();
+        locked[6] |= 1;
+        let directory = locked.windows(4).position(|w| w == b"PK\x01\x02").unwrap();
+        locked[directory + 8] |= 1;
+        let nested = gzip(&gzip(&gzip(&gzip(text))));
+        let bomb = gzip(&vec![0; 120 << 20]);
+        for (name, bytes, word) in [
+            ("cut", packed[..packed.len() - 9].to_vec(), "cannot be unpacked"),
+            ("broken", broken, "cannot be unpacked"),
+            ("sum", wrong, "cannot be unpacked"),
+            ("bomb", bomb, "inflates to more"),
+            ("nested", nested, "holds no known height map"),
+            ("prose", gzip(b"it was a dark and stormy night"), "holds no known height map"),
+            ("none", zip(&[("readme", b"hello")], true), "0 `readme`"),
+            ("empty", zip(&[], true), ""),
+            ("short", archive[..40].to_vec(), "cannot be unpacked"),
+            ("locked", locked, "no password"),
+        ] {
+            let fault = read(&bytes).unwrap_err().to_string();
+            assert!(fault.contains(word), "{name}: {fault}");
+        }
+    }
+}
