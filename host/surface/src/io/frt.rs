@@ -2,7 +2,7 @@
 //!
 //! Block 0x66 holds columns, rows and bits, 0x67 the sizes in m, 0x6c the height of a step of one in m, 0x0b the numbers,
 //! the lowest row first. In version 1.01 lengths take 8 bytes. A number of 1 is a missing point. Files of several images
-//! have them in block 0x7d instead. Layout after Gwyddion `microprof.c` and SurfaceTopography `FRT.py`, which say the same.
+//! have them in block 0x7d instead. Layout after Gwyddion `microprof.c` and `SurfaceTopography` `FRT.py`, which say the same.
 
 use super::bytes::{Cursor, bottom_up, pitch, points};
 use super::channels::chosen;
@@ -175,11 +175,11 @@ pub(super) mod tests {
         super::read(bytes, &OpenOptions { channel, ..OpenOptions::default() })
     }
 
-    fn file(version: &[u8; 4], blocks: &[(u16, Vec<u8>)]) -> Vec<u8> {
-        let mut file = [b"FRTM_GLIDERV", version.as_slice(), &[99, 0]].concat();
+    fn file(version: [u8; 4], blocks: &[(u16, Vec<u8>)]) -> Vec<u8> {
+        let mut file = [b"FRTM_GLIDERV", &version[..], &[99, 0]].concat();
         for (tag, content) in blocks {
             file.extend(tag.to_le_bytes());
-            match version {
+            match &version {
                 b"1.01" => file.extend((content.len() as u64).to_le_bytes()),
                 _ => file.extend((content.len() as u32).to_le_bytes()),
             }
@@ -210,12 +210,12 @@ pub(super) mod tests {
     }
 
     pub(in crate::io) fn sample() -> Vec<u8> {
-        file(b"1.00", &parts(16))
+        file(*b"1.00", &parts(16))
     }
 
     #[test]
     fn integers_are_steps_and_one_is_missing() {
-        for (version, bits) in [(b"1.00", 16), (b"1.01", 16), (b"1.00", 32)] {
+        for (version, bits) in [(*b"1.00", 16), (*b"1.01", 16), (*b"1.00", 32)] {
             let file = file(version, &parts(bits));
             let map = read(&file, None).unwrap();
             assert!(detect(&file) && (map.nx, map.ny) == (3, 2));
@@ -237,7 +237,7 @@ pub(super) mod tests {
         let images = [vec![3, 0], image(2, 9), image(4, 20), image(0x1000_0080, 30)].concat();
         let mut parts = parts(16);
         parts[3] = (tag::IMAGES, images);
-        let file = file(b"1.00", &parts);
+        let file = file(*b"1.00", &parts);
         let map = read(&file, None).unwrap();
         assert_eq!(map.channels, ["topography (upper sensor)", "thickness (lower sensor)"]);
         assert!((map.heights_um[0] - 40e-3).abs() < 1e-12);
@@ -254,7 +254,7 @@ pub(super) mod tests {
         let with = |part: usize, content: Vec<u8>| {
             let mut parts = parts(16);
             parts[part].1 = content;
-            read(&file(b"1.00", &parts), None).unwrap_err().to_string()
+            read(&file(*b"1.00", &parts), None).unwrap_err().to_string()
         };
         assert!(with(0, words(&[3, 2])).contains("ends early"));
         assert!(with(0, words(&[0, 2, 16])).contains("0 x 2"));
@@ -268,8 +268,8 @@ pub(super) mod tests {
         for part in 0..4 {
             let mut parts = parts(16);
             parts.remove(part);
-            assert!(read(&file(b"1.00", &parts), None).is_err(), "{part}");
+            assert!(read(&file(*b"1.00", &parts), None).is_err(), "{part}");
         }
-        assert!(read(&file(b"1.02", &parts(16)), None).is_err());
+        assert!(read(&file(*b"1.02", &parts(16)), None).is_err());
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! A header of 64 bytes says the sizes of the parts: the wave with its own header of 320 bytes, a formula, a note, units,
 //! labels. Numbers are of the machine that wrote them; x runs fastest, the bottom row comes first, layer after layer.
-//! Layout: WaveMetrics, Igor Technical Note 003 (`IgorBin.h`), as igor2 and Gwyddion `igorfile.c` have it. With a note of
-//! Asylum Research the unit of a layer follows from its name, since the header has one for all (SurfaceTopography
+//! Layout: `WaveMetrics`, Igor Technical Note 003 (`IgorBin.h`), as igor2 and Gwyddion `igorfile.c` have it. With a note of
+//! Asylum Research the unit of a layer follows from its name, since the header has one for all (`SurfaceTopography`
 //! `IBW.py`). A wave need not say units; the user must then.
 
 use super::bytes::{Cursor, bottom_up, pitch, points};

@@ -1,8 +1,8 @@
 //! Zygo `MetroPro`, `.dat`: a header of 834 or 4096 bytes, intensities, phases of four bytes, row by row from the top.
 //!
 //! Numbers have their highest byte first. A phase is in `phase_res` parts of a fringe; a fringe is the wavelength times
-//! the scale factor of the interferometer times the obliquity factor. Layout: Zygo, "MetroPro Reference Guide"
-//! OMP-0347, section 12; the readers Gwyddion `metropro.c` and SurfaceTopography `MetroPro.py` agree with it.
+//! the scale factor of the interferometer times the obliquity factor. Layout: Zygo, "`MetroPro` Reference Guide"
+//! OMP-0347, section 12; the readers Gwyddion `metropro.c` and `SurfaceTopography` `MetroPro.py` agree with it.
 
 use super::bytes::{Cursor, pitch, points};
 use super::text::field_text;

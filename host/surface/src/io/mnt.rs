@@ -3,7 +3,7 @@
 //! An entry is a tag of 2 bytes, a size of 8 and a content; of the same tag there may be several. Objects of the document
 //! are entries of the tag 1, each behind 8 more bytes. Of these only measured surfaces (class 9012) hold heights: axes with
 //! step, unit and origin, and counts in zlib streams, which are `count * step + origin`. A mask with a border of a point
-//! says which were measured. What Mountains derived from a surface is not in the file. Layout after SurfaceTopography 1.27.1
+//! says which were measured. What Mountains derived from a surface is not in the file. Layout after `SurfaceTopography` 1.27.1
 //! `MNT.py`, which found it out from files; there is no specification.
 
 use std::io::Read;

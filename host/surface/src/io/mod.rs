@@ -35,10 +35,13 @@ mod gwyddion_text;
 mod profile;
 mod xyz;
 mod matrix;
+mod zygo_text;
+mod keyence_csv;
 mod npy;
 mod png16;
 mod tiff_float;
 mod packed;
+mod known;
 mod open;
 mod write;
 #[cfg(test)]

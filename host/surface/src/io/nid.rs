@@ -2,7 +2,7 @@
 //!
 //! `[DataSet]` lists groups and channels; the section of a channel says its points, its integers and the ranges of its
 //! axes. Numbers of a channel go over `Dim2Range` from `Dim2Min` on; the lowest line comes first. Maps are the channels
-//! whose values and places are lengths, in the order of the file. Layout after Gwyddion `ezdfile.c` and SurfaceTopography
+//! whose values and places are lengths, in the order of the file. Layout after Gwyddion `ezdfile.c` and `SurfaceTopography`
 //! `EZD.py`, which say the same.
 
 use super::bytes::{Cursor, bottom_up, pitch, points};
@@ -298,8 +298,9 @@ pub(super) mod tests {
             assert!(read(&sample(change), None).is_err(), "{old} {new}");
         }
         let many = "Gr0-Ch0=DataSet-0:0\r\n".repeat(3);
-        let groups: String =
-            (0..2000).map(|k| format!("Gr{k}-Count=1\r\nGr{k}-Ch0=DataSet-0:0\r\n")).collect();
+        let group = |k| format!("Gr{k}-Count=1\r\nGr{k}-Ch0=DataSet-0:0\r\n");
+        let groups: Vec<String> = (0..2000).map(group).collect();
+        let groups = groups.concat();
         let change = |text: String| {
             text.replace("GroupCount=1", &format!("GroupCount=4294967295\r\n{groups}{many}"))
         };

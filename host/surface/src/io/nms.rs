@@ -3,7 +3,7 @@
 //! The header says which heights in um the lowest and the highest number are, and how far apart points are in **nm**.
 //! That the unit is nm and not mm follows from the files: 512 points of 312.49999 are then 160.0 um, the field of the
 //! 100x objective, and heights of some um are no flatness of 1e-8 over 160 m. The reader musurf-reader of drocheam, of
-//! which this layout is, divides by 1000 for um as well; SurfaceTopography 1.27 takes mm, a factor of 1e6 too much, and
+//! which this layout is, divides by 1000 for um as well; `SurfaceTopography` 1.27 takes mm, a factor of 1e6 too much, and
 //! divides heights by 65534 where the header says that numbers go to 65535. A point without intensity was not measured.
 
 use super::bytes::{Cursor, pitch, points};

@@ -2,7 +2,7 @@
 //!
 //! Maps are `/2D_Data/NAME` with a matrix of floats, points and extents along both axes and a scale; profiles are
 //! `/1D_Data/NAME`. The extent goes from the first point to the last. `/MetaData` says which is the primary one. Layout
-//! after Gwyddion `dektakvca.c` and SurfaceTopography `OPDx.py`, which say the same. A profile has figures, as one line of
+//! after Gwyddion `dektakvca.c` and `SurfaceTopography` `OPDx.py`, which say the same. A profile has figures, as one line of
 //! heights, and is called a profile in a note.
 
 use super::bytes::{Cursor, pitch, points};

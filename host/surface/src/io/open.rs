@@ -5,8 +5,9 @@ use std::path::Path;
 use super::text::as_utf8;
 use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
-    al3d, channels, di, frt, gsf, gwy, gwyddion_text, ibw, matrix, metropro, mnt, nid, nms, npy,
-    opd, opdx, packed, plu, plux, png16, sdf, sur, tiff_float, tmd, vk, x3p, xyz,
+    al3d, channels, di, frt, gsf, gwy, gwyddion_text, ibw, keyence_csv, known, matrix, metropro,
+    mnt, nid, nms, npy, opd, opdx, packed, plu, plux, png16, sdf, sur, tiff_float, tmd, vk, x3p,
+    xyz, zygo_text,
 };
 use crate::input::read_file;
 
@@ -49,7 +50,7 @@ impl Format {
 }
 
 /// The formats in the order of detection: those with a signature first, plain numbers last.
-pub const FORMATS: [Format; 25] = [
+pub const FORMATS: [Format; 27] = [
     Format {
         name: "x3p",
         detect: x3p::detect,
@@ -117,6 +118,8 @@ pub const FORMATS: [Format; 25] = [
     Format { name: "PNG", detect: png16::detect, read: png16::read },
     Format { name: "TIFF", detect: tiff_float::detect, read: tiff_float::read },
     Format { name: "Gwyddion text", detect: gwyddion_text::detect, read: gwyddion_text::read },
+    Format { name: "Zygo text", detect: zygo_text::detect, read: zygo_text::read },
+    Format { name: "Keyence CSV", detect: keyence_csv::detect, read: keyence_csv::read },
     Format { name: "xyz", detect: xyz::detect, read: xyz::read },
     Format { name: "matrix text", detect: matrix::detect, read: matrix::read },
 ];
@@ -140,24 +143,24 @@ pub fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if bytes.is_empty() {
         return Err(MapFault::Empty);
     }
-    inside(bytes, options, 0).unwrap_or_else(|| Err(unknown(&as_utf8(bytes))))
+    inside(bytes, options, 0)
+        .unwrap_or_else(|| Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }))
 }
 
 /// The map in bytes, packed or not; `None` if they are of no known format.
 fn inside(bytes: &[u8], options: &OpenOptions, depth: usize) -> Option<Result<RawMap, MapFault>> {
     let text = &*as_utf8(bytes);
     if let Some(format) = FORMATS.iter().find(|f| f.detect(text)) {
-        return Some(format.read(text, options));
+        let named = |fault| known::tiff_fault(text).unwrap_or(fault);
+        return Some(format.read(text, options).map_err(named));
+    }
+    if let Some(fault) = known::fault(text) {
+        return Some(Err(fault));
     }
     if packed::detect(bytes) && depth < MOST_PACKED {
         return Some(packed::read(bytes, &|inner| inside(inner, options, depth + 1)));
     }
     profile::detect(text).then(|| Err(profile::fault()))
-}
-
-/// Why bytes are no map.
-fn unknown(_bytes: &[u8]) -> MapFault {
-    MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }
 }
 
 #[cfg(test)]

@@ -51,9 +51,11 @@ fn archive(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
             None => {}
             Some(Ok(_)) if first.is_some() => others.push(name.clone()),
             Some(Ok(map)) => first = Some((name, map)),
-            Some(Err(of_it)) => {
-                fault.get_or_insert((name, of_it));
-            }
+            // a picture beside the map says less than what the map lacks
+            Some(Err(of_it)) => match fault {
+                Some((_, MapFault::Unsupported { .. })) | None => fault = Some((name, of_it)),
+                Some(_) => {}
+            },
         }
     }
     match (first, fault) {
@@ -131,7 +133,9 @@ pub(super) mod tests {
         let unsaid = b"1 2\n3 4\n";
         let map = read(&zip(&[("a.txt", unsaid), ("b.txt", &b)], true)).unwrap();
         assert_eq!(map.note.unwrap(), "the map is `b.txt`");
-        let fault = read(&zip(&[("a.txt", unsaid), ("c.md", b"no map")], true)).unwrap_err();
+        let files: [(&str, &[u8]); 3] =
+            [("b.jpg", b"\xff\xd8\xff"), ("a.txt", unsaid), ("c.md", b"no map")];
+        let fault = read(&zip(&files, true)).unwrap_err();
         assert!(fault.to_string().starts_with("in `a.txt`: "), "{fault}");
     }
 

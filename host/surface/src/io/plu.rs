@@ -1,7 +1,7 @@
 //! Sensofar `.plu` and `.apx`: date, comment, calibration, configuration, then layers of floats in um.
 //!
 //! A layer is its rows and columns, the heights row by row, their least and largest, then pictures of three bytes a point.
-//! A height of 1000001 is a missing point. Layout after Gwyddion `sensofar.c` and SurfaceTopography `PLU.py`, which say the
+//! A height of 1000001 is a missing point. Layout after Gwyddion `sensofar.c` and `SurfaceTopography` `PLU.py`, which say the
 //! same.
 
 use super::bytes::{Cursor, pitch, points};

@@ -1,7 +1,7 @@
 //! Sensofar `.plux`: a zip archive with `index.xml` and layers of floats in um, row by row.
 //!
 //! `GENERAL` holds `IMAGE_SIZE_X`, `IMAGE_SIZE_Y` in points and `FOV_X`, `FOV_Y`, the pixel in um; `LAYER_0`, `LAYER_1` and so
-//! on name the file of a layer in `FILENAME_Z`. NaN is a missing point. Layout after SurfaceTopography `PLUX.py` and Gwyddion
+//! on name the file of a layer in `FILENAME_Z`. NaN is a missing point. Layout after `SurfaceTopography` `PLUX.py` and Gwyddion
 //! `sensofarx.c`. Not tested with a file of an instrument: none is public.
 
 use super::bytes::{pitch, points};
@@ -85,7 +85,7 @@ fn damaged(what: String) -> MapFault {
 #[derive(Clone, Copy)]
 struct Element<'a>(&'a str);
 
-impl<'a> Element<'a> {
+impl Element<'_> {
     /// The content of the first element of a name.
     fn inside(self, name: &str) -> Result<Self, MapFault> {
         let missing = || damaged(format!("its index has no {name}"));

@@ -3,8 +3,8 @@
 use tiff::encoder::{Compression, DeflateLevel};
 
 use super::{
-    al3d, di, frt, gsf, ibw, metropro, mnt, nid, nms, npy, opd, opdx, plu, plux, png16, sdf, sur,
-    tests_gwy, tiff_float, tmd, vk, x3p,
+    al3d, di, frt, gsf, ibw, keyence_csv, metropro, mnt, nid, nms, npy, opd, opdx, plu, plux,
+    png16, sdf, sur, tests_gwy, tiff_float, tmd, vk, x3p, zygo_text,
 };
 
 /// A file that is read without options.
@@ -56,6 +56,9 @@ pub(super) fn samples() -> Vec<Sample> {
         ("vk4", "Keyence vk", vk::tests::plain(b"VK4_", 16)),
         ("vk6", "Keyence vk", vk::tests::packed()),
         ("gsf", "Gwyddion gsf", gsf::tests::sample(|h| h)),
+        ("zygo ascii", "Zygo text", zygo_text::tests::sample(false, |t| t)),
+        ("zygo xyz", "Zygo text", zygo_text::tests::sample(true, |t| t)),
+        ("keyence csv", "Keyence CSV", keyence_csv::tests::sample(|t| t)),
         ("gwy", "Gwyddion gwy", tests_gwy::sample()),
         ("gwyddion text", "Gwyddion text", GWYDDION.into()),
         ("dhm", "matrix text", DHM.into()),

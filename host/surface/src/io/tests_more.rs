@@ -1,4 +1,4 @@
-//! Files of many instruments, against the figures of SurfaceTopography 1.27.1 beside them.
+//! Files of many instruments, against the figures of `SurfaceTopography` 1.27.1 beside them.
 
 use super::{OpenOptions, RawMap, parse};
 

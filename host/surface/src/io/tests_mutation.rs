@@ -44,6 +44,8 @@ const TARGETS: [(&str, &str); FORMATS.len()] = [
     ("PNG", "png16"),
     ("TIFF", "tiff_float"),
     ("Gwyddion text", "gwyddion_text"),
+    ("Zygo text", "zygo_text"),
+    ("Keyence CSV", "keyence_csv"),
     ("xyz", "xyz"),
     ("matrix text", "matrix"),
 ];

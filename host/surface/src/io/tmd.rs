@@ -1,7 +1,7 @@
 //! `TrueMap` and `GelSight` `.tmd`: 32 bytes of name, a comment up to its zero, sizes, heights as floats row by row.
 //!
 //! Lengths and heights are in mm, as `GelSight`'s own `readtmd.m` (gsmatlab) says; Gwyddion `rmitmd.c` and
-//! SurfaceTopography `TMD.py` agree. Points are `length / columns` apart.
+//! `SurfaceTopography` `TMD.py` agree. Points are `length / columns` apart.
 
 use super::bytes::{Cursor, pitch, points};
 use super::text::windows_1252;

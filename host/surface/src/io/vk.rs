@@ -2,7 +2,7 @@
 //!
 //! A vk4 is a table of places, measuring conditions with the pixel and the height of a step in pm, and up to three images of
 //! heights of 8, 16 or 32 bits, each behind a header of 28 bytes and a palette of 768. Layout: `VK4layout.pdf` of
-//! vk4-python-driver (OSTI 1419732), as Gwyddion `keyence.c` and SurfaceTopography `VK.py` have it. Not tested with a file of
+//! vk4-python-driver (OSTI 1419732), as Gwyddion `keyence.c` and `SurfaceTopography` `VK.py` have it. Not tested with a file of
 //! an instrument: the public ones could not be had.
 
 use super::bytes::{Cursor, pitch, points};
