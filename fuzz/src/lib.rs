@@ -49,6 +49,12 @@ pub fn npz_content(bytes: &[u8]) {
     reader("npy/npz", &stored(&[("heights.npy", bytes)]));
 }
 
+/// Gives a zip file that holds the bytes beside a text to the reader of what is packed.
+pub fn zip_content(bytes: &[u8]) {
+    let archive = stored(&[("readme.txt", b"a map"), ("map", bytes)]);
+    judge(&archive, true, || parse(&archive, &OpenOptions::default()));
+}
+
 fn stored(files: &[(&str, &[u8])]) -> Vec<u8> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files {

@@ -6,7 +6,7 @@ use super::{MapFault, OpenOptions};
 use crate::message::excerpt;
 
 /// Most maps that a message names.
-const MOST_NAMED: usize = 16;
+const MOST_NAMED: usize = 12;
 
 /// The number of the map asked for; the first if the user asks for none.
 pub(super) fn chosen(

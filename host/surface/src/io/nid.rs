@@ -5,6 +5,8 @@
 //! whose values and places are lengths, in the order of the file. Layout after Gwyddion `ezdfile.c` and `SurfaceTopography`
 //! `EZD.py`, which say the same.
 
+use std::collections::HashMap;
+
 use super::bytes::{Cursor, bottom_up, pitch, points};
 use super::channels::chosen;
 use super::text::windows_1252;
@@ -59,12 +61,12 @@ fn unsupported(what: String) -> MapFault {
 
 struct Section<'a> {
     name: &'a str,
-    lines: Vec<(&'a str, &'a str)>,
+    lines: HashMap<&'a str, &'a str>,
 }
 
 impl<'a> Section<'a> {
     fn find(&self, key: &str) -> Option<&'a str> {
-        self.lines.iter().find(|(k, _)| *k == key).map(|(_, value)| value.trim())
+        self.lines.get(key).map(|value| value.trim())
     }
 
     fn need(&self, key: &str) -> Result<&'a str, MapFault> {
@@ -82,11 +84,11 @@ fn sections(text: &str) -> Vec<Section<'_>> {
     let mut sections: Vec<Section> = Vec::new();
     for line in text.lines().map(str::trim) {
         if let Some(name) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
-            sections.push(Section { name, lines: Vec::new() });
+            sections.push(Section { name, lines: HashMap::new() });
         } else if let (Some((key, value)), Some(section)) =
             (line.split_once('='), sections.last_mut())
         {
-            section.lines.push((key.trim(), value));
+            section.lines.entry(key.trim()).or_insert(value);
         }
     }
     sections

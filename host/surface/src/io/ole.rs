@@ -250,7 +250,9 @@ pub(super) mod tests {
             word(&mut file, if small && k + 1 < parts { k + 1 } else { end });
         }
         let mut sectors: Vec<Vec<u8>> = content.chunks(512).map(<[u8]>::to_vec).collect();
-        sectors.iter_mut().for_each(|sector| sector.resize(512, 0));
+        for sector in &mut sectors {
+            sector.resize(512, 0);
+        }
         if !small {
             sectors.reverse();
         }

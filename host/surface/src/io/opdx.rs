@@ -17,6 +17,8 @@ const MAGIC: &[u8] = b"VCA DATA\x01\0\0\x55";
 /// Items in one another at most, and in all.
 const DEEPEST: usize = 12;
 const MOST_ITEMS: usize = 1 << 16;
+/// Channels that are looked for at most.
+const MOST_CHANNELS: usize = 64;
 /// Letters of the name of an item with those about it.
 const LONGEST_PATH: usize = 400;
 /// Floats from here on are missing points, as in the older opd.
@@ -149,7 +151,8 @@ impl<'a> Items<'a> {
             _ => &[],
         };
         let mut names: Vec<String> = Vec::new();
-        for name in primary.into_iter().chain(listed.iter().map(String::as_str)) {
+        for name in primary.into_iter().chain(listed.iter().map(String::as_str)).take(MOST_CHANNELS)
+        {
             let is_there = self.find(&format!("/{dimension}_Data/{name}/{part}")).is_some();
             if is_there && !names.iter().any(|n| n == name) {
                 names.push(name.to_owned());

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::packed::Budget;
 use super::text::as_utf8;
 use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
@@ -67,7 +68,7 @@ pub const FORMATS: [Format; 27] = [
         read: |b, o| o.agree(al3d::read(b)?, Some(LengthUnit::Metre)),
     },
     Format { name: "Wyko opd", detect: opd::detect, read: |b, o| o.agree(opd::read(b)?, None) },
-    Format { name: "Bruker/DI", detect: di::detect, read: |b, o| o.agree(di::read(b)?, None) },
+    Format { name: "Bruker/DI", detect: di::detect, read: |b, o| o.agree(di::read(b, o)?, None) },
     Format { name: "Digital Surf sur", detect: sur::detect, read: sur::read },
     Format {
         name: "Zygo MetroPro",
@@ -143,12 +144,17 @@ pub fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if bytes.is_empty() {
         return Err(MapFault::Empty);
     }
-    inside(bytes, options, 0)
-        .unwrap_or_else(|| Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }))
+    let unknown = || MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") };
+    inside(bytes, options, &Budget::of(bytes), 0).unwrap_or_else(|| Err(unknown()))
 }
 
 /// The map in bytes, packed or not; `None` if they are of no known format.
-fn inside(bytes: &[u8], options: &OpenOptions, depth: usize) -> Option<Result<RawMap, MapFault>> {
+fn inside(
+    bytes: &[u8],
+    options: &OpenOptions,
+    budget: &Budget,
+    depth: usize,
+) -> Option<Result<RawMap, MapFault>> {
     let text = &*as_utf8(bytes);
     if let Some(format) = FORMATS.iter().find(|f| f.detect(text)) {
         let named = |fault| known::tiff_fault(text).unwrap_or(fault);
@@ -158,9 +164,16 @@ fn inside(bytes: &[u8], options: &OpenOptions, depth: usize) -> Option<Result<Ra
         return Some(Err(fault));
     }
     if packed::detect(bytes) && depth < MOST_PACKED {
-        return Some(packed::read(bytes, &|inner| inside(inner, options, depth + 1)));
+        let inner = |inner: &[u8]| inside(inner, options, budget, depth + 1);
+        return Some(packed::read(bytes, budget, is_map, &inner));
     }
     profile::detect(text).then(|| Err(profile::fault()))
+}
+
+/// Whether bytes are of a known format, not packed.
+fn is_map(bytes: &[u8]) -> bool {
+    let text = &*as_utf8(bytes);
+    FORMATS.iter().any(|f| f.detect(text))
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! Of an archive of several maps the first that can be read is taken, and a note lists the others.
 
+use std::cell::Cell;
 use std::io::Read;
 
 use flate2::read::MultiGzDecoder;
@@ -14,6 +15,31 @@ use crate::message::excerpt;
 
 const GZIP: &[u8] = b"\x1f\x8b\x08";
 
+/// Maps in containers that are tried at most: each may be packed in itself.
+const MOST_TRIED: u32 = 16;
+
+/// What the containers of a file, in one another, may still cost.
+pub(super) struct Budget {
+    /// Bytes to unpack.
+    bytes: Cell<u64>,
+    /// Maps to read.
+    tries: Cell<u32>,
+}
+
+impl Budget {
+    /// That of a file.
+    pub(super) fn of(bytes: &[u8]) -> Self {
+        Self { bytes: Cell::new(most_inflated(bytes)), tries: Cell::new(MOST_TRIED) }
+    }
+
+    /// Whether one more map may be tried.
+    fn try_one(&self) -> bool {
+        let left = self.tries.get();
+        self.tries.set(left.saturating_sub(1));
+        left > 0
+    }
+}
+
 /// The reader of what is inside: `None` if it is of no known format.
 pub(super) type Inner<'a> = &'a dyn Fn(&[u8]) -> Option<Result<RawMap, MapFault>>;
 
@@ -22,34 +48,61 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
     bytes.starts_with(GZIP) || zipped::detect(bytes)
 }
 
-/// Reads what is inside.
-pub(super) fn read(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
-    if bytes.starts_with(GZIP) { gzip(bytes, inner) } else { archive(bytes, inner) }
+/// Reads what is inside; `is_map` says whether bytes are of a format.
+pub(super) fn read(
+    bytes: &[u8],
+    budget: &Budget,
+    is_map: fn(&[u8]) -> bool,
+    inner: Inner,
+) -> Result<RawMap, MapFault> {
+    if bytes.starts_with(GZIP) {
+        gzip(bytes, budget, inner)
+    } else {
+        archive(bytes, budget, is_map, inner)
+    }
 }
 
-fn gzip(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
+fn gzip(bytes: &[u8], budget: &Budget, inner: Inner) -> Result<RawMap, MapFault> {
     const FORMAT: &str = "gzip";
-    let most = most_inflated(bytes);
+    let most = budget.bytes.get();
     let mut content = Vec::new();
     MultiGzDecoder::new(bytes).take(most + 1).read_to_end(&mut content).map_err(|e| {
         MapFault::Damaged { format: FORMAT, what: format!("it cannot be unpacked ({e})") }
     })?;
-    if content.len() as u64 > most {
+    let size = content.len() as u64;
+    if size > most {
         return Err(MapFault::Inflates { format: FORMAT, what: "its content".into(), most });
     }
-    inner(&content).unwrap_or(Err(MapFault::NoneInside { format: FORMAT, files: String::new() }))
+    budget.bytes.set(most - size);
+    let none = MapFault::NoneInside { format: FORMAT, files: String::new() };
+    if budget.try_one() { inner(&content).unwrap_or(Err(none)) } else { Err(none) }
 }
 
-fn archive(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
+fn archive(
+    bytes: &[u8],
+    budget: &Budget,
+    is_map: fn(&[u8]) -> bool,
+    inner: Inner,
+) -> Result<RawMap, MapFault> {
     const FORMAT: &str = "zip";
-    let mut archive = Archive::open(FORMAT, bytes)?;
+    let mut archive = Archive::bounded(FORMAT, bytes, budget.bytes.get())?;
     let names = archive.names().to_vec();
     let (mut first, mut fault, mut others) = (None, None, Vec::new());
     for (number, name) in names.iter().enumerate().filter(|(_, name)| !name.is_empty()) {
         let content = archive.read(number)?;
+        budget.bytes.set(archive.left());
+        if first.is_some() {
+            if is_map(&content) {
+                others.push(name.clone());
+            }
+            continue;
+        }
+        if !budget.try_one() {
+            break;
+        }
         match inner(&content) {
-            None => {}
-            Some(Ok(_)) if first.is_some() => others.push(name.clone()),
+            // what is nothing costs nothing
+            None => budget.tries.set(budget.tries.get() + 1),
             Some(Ok(map)) => first = Some((name, map)),
             // a picture beside the map says less than what the map lacks
             Some(Err(of_it)) => match fault {
@@ -72,8 +125,10 @@ fn archive(bytes: &[u8], inner: Inner) -> Result<RawMap, MapFault> {
         }
         (None, None) => {
             let files: Vec<String> = names.into_iter().filter(|name| !name.is_empty()).collect();
-            let files =
-                if files.is_empty() { String::new() } else { format!(", only {}", listed(&files)) };
+            let files = match files.as_slice() {
+                [] => String::new(),
+                files => format!(", only {}", listed(files)),
+            };
             Err(MapFault::NoneInside { format: FORMAT, files })
         }
     }
@@ -124,7 +179,7 @@ pub(super) mod tests {
         let [a, b] = [text(2), text(9)];
         let map =
             read(&zip(&[("notes.md", b"no map"), ("a.txt", &a), ("b.txt", &b)], true)).unwrap();
-        assert_eq!(map.heights_um[1], 2.0);
+        assert_eq!(map.heights_um[..2], [1.0, 2.0]);
         assert_eq!(
             map.note.unwrap(),
             "the map is `a.txt`; it also holds 0 `b.txt`, which are not read"
@@ -137,6 +192,17 @@ pub(super) mod tests {
             [("b.jpg", b"\xff\xd8\xff"), ("a.txt", unsaid), ("c.md", b"no map")];
         let fault = read(&zip(&files, true)).unwrap_err();
         assert!(fault.to_string().starts_with("in `a.txt`: "), "{fault}");
+    }
+
+    #[test]
+    fn containers_in_one_another_share_a_budget() {
+        // each of a thousand files may inflate to as much as a file of its own
+        let zeros = gzip(&vec![0; 30 << 20]);
+        let names: Vec<String> = (0..900).map(|k| format!("{k}.gz")).collect();
+        let files: Vec<(&str, &[u8])> =
+            names.iter().map(|name| (name.as_str(), zeros.as_slice())).collect();
+        let fault = read(&zip(&files, true)).unwrap_err().to_string();
+        assert!(fault.contains("in `0.gz`") || fault.contains("inflates"), "{fault}");
     }
 
     #[test]

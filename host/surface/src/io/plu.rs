@@ -155,7 +155,7 @@ pub(super) mod tests {
         assert_eq!(map.instrument.as_deref(), Some("Sensofar S neox"));
         assert_eq!(map.heights_um[..3], [1.0, 2.0, -3.0]);
         assert!(map.heights_um[3].is_nan() && map.heights_um[4..] == [5.0, 0.0]);
-        assert_eq!(read(&file, Some(1)).unwrap().heights_um[0], 7.0);
+        assert_eq!(read(&file, Some(1)).unwrap().heights_um[..1], [7.0]);
         assert!(read(&file, Some(2)).unwrap_err().to_string().contains("1 `layer 1`"));
     }
 

@@ -13,6 +13,8 @@ use crate::message::excerpt;
 
 const FORMAT: &str = "Sensofar plux";
 const INDEX: &str = "index.xml";
+/// Indices are some kilobytes.
+const LONGEST_INDEX: usize = 1 << 20;
 /// Layers at most.
 const MOST_LAYERS: usize = 256;
 
@@ -35,6 +37,9 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
         return Err(damaged("it has no index.xml".into()));
     };
     let index = archive.read(number)?;
+    if index.len() > LONGEST_INDEX {
+        return Err(damaged(format!("its index has {} bytes", index.len())));
+    }
     let index = decode(&index);
     let general = Element(&index).inside("GENERAL")?;
     let (nx, ny): (u64, u64) = (general.number("IMAGE_SIZE_X")?, general.number("IMAGE_SIZE_Y")?);
@@ -136,7 +141,7 @@ pub(super) mod tests {
         assert_eq!((map.nx, map.ny, map.dx_um, map.dy_um), (3, 2, Some(0.5), Some(0.25)));
         assert_eq!(map.heights_um[..3], [1.0, 2.0, -3.0]);
         assert!(map.heights_um[3].is_nan() && map.heights_um[4..] == [5.0, 0.0]);
-        assert_eq!(read(&file, Some(1)).unwrap().heights_um[0], 7.0);
+        assert_eq!(read(&file, Some(1)).unwrap().heights_um[..1], [7.0]);
         assert!(read(&file, Some(2)).is_err());
     }
 

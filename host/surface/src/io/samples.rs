@@ -53,7 +53,7 @@ pub(super) fn samples() -> Vec<Sample> {
         ("ibw", "Igor ibw", ibw::tests::Parts::new().file()),
         ("plu", "Sensofar plu", plu::tests::sample()),
         ("plux", "Sensofar plux", plux::tests::sample(|i| i)),
-        ("vk4", "Keyence vk", vk::tests::plain(b"VK4_", 16)),
+        ("vk4", "Keyence vk", vk::tests::plain(*b"VK4_", 16)),
         ("vk6", "Keyence vk", vk::tests::packed()),
         ("gsf", "Gwyddion gsf", gsf::tests::sample(|h| h)),
         ("zygo ascii", "Zygo text", zygo_text::tests::sample(false, |t| t)),

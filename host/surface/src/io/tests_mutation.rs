@@ -71,7 +71,7 @@ fn seeds_are_written_where_asked() {
     let target =
         |format: &str| TARGETS.iter().find(|(f, _)| *f == format).map(|(_, target)| *target);
     for Sample { name, format, bytes } in samples() {
-        for target in [target(format).unwrap(), "open"] {
+        for target in [target(format).unwrap(), "open", "zip_content"] {
             let folder = std::path::Path::new(&folder).join(target);
             std::fs::create_dir_all(&folder).unwrap();
             std::fs::write(folder.join(name.replace(' ', "-")), &bytes).unwrap();

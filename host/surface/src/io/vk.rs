@@ -112,10 +112,10 @@ pub(super) mod tests {
     }
 
     /// 3 x 2 points, 138 and 139 nm apart, steps of 100 pm; a second image of heights.
-    pub(in crate::io) fn plain(magic: &[u8; 4], bits: u32) -> Vec<u8> {
+    pub(in crate::io) fn plain(magic: [u8; 4], bits: u32) -> Vec<u8> {
         let mut file = magic.to_vec();
         file.extend([1, 0, 0, 0, 0, 0, 0, 0]);
-        let conditions = if magic == b"VK4_" { 84 } else { 80 };
+        let conditions = if &magic == b"VK4_" { 84 } else { 80 };
         let header = 28 + 768;
         let first = conditions + 300;
         let second = first + header + 6 * bits / 8;
@@ -138,14 +138,14 @@ pub(super) mod tests {
     }
 
     pub(in crate::io) fn packed() -> Vec<u8> {
-        let inner = plain(b"VK4_", 32);
+        let inner = plain(*b"VK4_", 32);
         let archive = zip(&[("Vk7FileInfo", b"x"), ("Vk4File", &inner)], true);
         [b"VK6\x10\0\0\0BM and a picture".to_vec(), archive].concat()
     }
 
     #[test]
     fn heights_are_steps_of_picometres() {
-        for file in [plain(b"VK3_", 8), plain(b"VK4_", 16), plain(b"VK4_", 32), packed()] {
+        for file in [plain(*b"VK3_", 8), plain(*b"VK4_", 16), plain(*b"VK4_", 32), packed()] {
             let map = read(&file, None).unwrap();
             assert!(detect(&file) && (map.nx, map.ny) == (3, 2));
             assert!((map.dx_um.unwrap() - 0.138).abs() < 1e-12);
@@ -162,7 +162,7 @@ pub(super) mod tests {
 
     #[test]
     fn malformed_files_are_refused() {
-        let good = plain(b"VK4_", 16);
+        let good = plain(*b"VK4_", 16);
         let with = |at: usize, bytes: &[u8]| {
             let mut file = good.clone();
             file[at..at + bytes.len()].copy_from_slice(bytes);

@@ -33,6 +33,15 @@ pub(super) struct Archive<'a> {
 impl<'a> Archive<'a> {
     /// The archive in `bytes`, with whatever in front of it; `format` names it in messages.
     pub(super) fn open(format: &'static str, bytes: &'a [u8]) -> Result<Self, MapFault> {
+        Self::bounded(format, bytes, most_inflated(bytes))
+    }
+
+    /// The same, of which no more than `most` bytes are unpacked in all.
+    pub(super) fn bounded(
+        format: &'static str,
+        bytes: &'a [u8],
+        most: u64,
+    ) -> Result<Self, MapFault> {
         let zip =
             ZipArchive::new(Cursor::new(bytes)).map_err(|e| fault(format, "the archive", &e))?;
         if zip.len() > MOST_FILES {
@@ -50,7 +59,6 @@ impl<'a> Archive<'a> {
         let kept = |name: &String| !(name.ends_with('/') || name.starts_with(JUNK) || hidden(name));
         let names = (0..zip.len()).map(|k| Some(name(k)).filter(kept).unwrap_or_default());
         let names = names.collect();
-        let most = most_inflated(bytes);
         Ok(Self { format, zip, names, most, left: most })
     }
 
@@ -63,6 +71,11 @@ impl<'a> Archive<'a> {
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         let plain = |name: &str| name.trim_start_matches("./").to_ascii_lowercase();
         self.names.iter().position(|n| !n.is_empty() && plain(n) == plain(name))
+    }
+
+    /// How many bytes may still be unpacked.
+    pub(super) fn left(&self) -> u64 {
+        self.left
     }
 
     /// The content of a file.
