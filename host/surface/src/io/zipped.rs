@@ -148,12 +148,11 @@ pub(super) mod tests {
             assert_eq!(archive.read(number).unwrap(), b"1 2");
             assert!(archive.find("").is_none() && archive.read(99).is_err());
         }
-        // together more than the size of the archive allows
-        let zeros = vec![0; 60 << 20];
-        let bytes = zip(&[("a", &zeros), ("b", &zeros)], true);
-        let mut archive = Archive::open("test", &bytes).unwrap();
-        assert!(archive.read(0).is_ok());
-        assert!(archive.read(1).unwrap_err().to_string().contains("inflates to more than"));
+        // together more than what is left
+        let bytes = zip(&[("a", &[7; 600]), ("b", &[7; 600])], true);
+        let mut archive = Archive::bounded("test", &bytes, 1000).unwrap();
+        assert!(archive.read(0).is_ok() && archive.left() == 400);
+        assert!(archive.read(1).unwrap_err().to_string().contains("inflates to more than 1000"));
         for end in [0, 4, 30, bytes.len() - 1] {
             assert!(Archive::open("test", &bytes[..end]).is_err(), "{end}");
         }

@@ -58,7 +58,7 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
             if header.shape.len() < 2 {
                 continue;
             }
-            found.push((k, file.name().map(|name| name.into_owned()).unwrap_or_default()));
+            found.push((k, file.name().map(std::borrow::Cow::into_owned).unwrap_or_default()));
         }
     }
     let names: Vec<String> = found.iter().map(|(_, name)| name.clone()).collect();
