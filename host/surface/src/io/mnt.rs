@@ -40,7 +40,7 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 
 /// Reads a measured surface.
 pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
-    let content = ole::File::open(FORMAT, bytes)?.stream(STREAM)?;
+    let content = ole::Compound::of(FORMAT, bytes)?.stream(STREAM)?;
     let entries = Entries(content.get(8..).unwrap_or_default());
     let list = entries.inside(&[1, 0x2bd, 2, 1])?;
     let mut surfaces = Vec::new();

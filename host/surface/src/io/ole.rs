@@ -23,12 +23,12 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 
 /// Whether a compound file seems to hold a stream of a name.
 pub(super) fn names(bytes: &[u8], name: &str) -> bool {
-    let Ok(file) = File::open("OLE", bytes) else { return false };
+    let Ok(file) = Compound::of("OLE", bytes) else { return false };
     file.entry(name).is_some()
 }
 
 /// A compound file.
-pub(super) struct File<'a> {
+pub(super) struct Compound<'a> {
     format: &'static str,
     bytes: &'a [u8],
     sector: usize,
@@ -45,9 +45,9 @@ struct Entry {
     size: u64,
 }
 
-impl<'a> File<'a> {
+impl<'a> Compound<'a> {
     /// A file in `bytes`; `format` names it in messages.
-    pub(super) fn open(format: &'static str, bytes: &'a [u8]) -> Result<Self, MapFault> {
+    pub(super) fn of(format: &'static str, bytes: &'a [u8]) -> Result<Self, MapFault> {
         if !detect(bytes) {
             return Err(MapFault::Damaged { format, what: "it is no compound file".into() });
         }
@@ -201,7 +201,7 @@ impl<'a> File<'a> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::{File, names};
+    use super::{Compound, names};
 
     /// A file of one stream, in sectors of 512 bytes; the stream goes backwards through them.
     pub(in crate::io) fn file(name: &str, content: &[u8]) -> Vec<u8> {
@@ -266,7 +266,7 @@ pub(super) mod tests {
             let content: Vec<u8> = (0..size).map(|k| (k * 7 + k / 256) as u8).collect();
             let bytes = file("Contents", &content);
             assert!(names(&bytes, "Contents") && !names(&bytes, "Content"), "{size}");
-            let stream = File::open("test", &bytes).unwrap().stream("Contents").unwrap();
+            let stream = Compound::of("test", &bytes).unwrap().stream("Contents").unwrap();
             assert!(stream == content, "{size}");
         }
     }
@@ -274,7 +274,7 @@ pub(super) mod tests {
     #[test]
     fn damaged_files_are_refused() {
         let good = file("Contents", &[7; 5000]);
-        let read = |bytes: &[u8]| File::open("test", bytes).and_then(|f| f.stream("Contents"));
+        let read = |bytes: &[u8]| Compound::of("test", bytes).and_then(|f| f.stream("Contents"));
         for end in [0, 8, 40, 300, 600, 1200, 2000, 6000] {
             assert!(read(&good[..end]).is_err(), "{end}");
         }
