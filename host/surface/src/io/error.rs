@@ -126,7 +126,7 @@ pub enum MapFault {
         there: String,
     },
     /// The units of the numbers are unknown.
-    #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(*xy, *z, *pixel))]
+    #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(format, *xy, *z, *pixel))]
     NoUnits {
         /// The format.
         format: &'static str,
@@ -164,8 +164,12 @@ fn unsaid(xy: bool, z: bool, pixel: bool) -> &'static str {
     }
 }
 
-fn unit_flags(xy: bool, z: bool, pixel: bool) -> &'static str {
+fn unit_flags(format: &str, xy: bool, z: bool, pixel: bool) -> &'static str {
     match (xy, z, pixel) {
+        // nobody writes a line into a binary file
+        (true, true, _) if !format.ends_with("text") => {
+            "give --xy-unit and --z-unit, such as --xy-unit mm --z-unit um"
+        }
         (true, true, _) => {
             "give --xy-unit and --z-unit, such as --xy-unit mm --z-unit um, or write a line \
              `# x [mm] y [mm] z [um]` into it"

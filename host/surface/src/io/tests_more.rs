@@ -1,5 +1,8 @@
 //! Files of many instruments, against the figures of `SurfaceTopography` 1.27.1 beside them.
 
+use rand_core::{Rng, SeedableRng};
+use rand_pcg::Pcg32;
+
 use super::{OpenOptions, RawMap, parse};
 
 /// Agreement of figures.
@@ -117,4 +120,34 @@ fn a_stylus_file_is_a_profile() {
         map.note.as_ref().is_some_and(|note| note.contains("a profile, not a map: 3001 heights"))
     );
     check("opdx-3.opdx", &map, &json["channels"][0], 1.0);
+}
+
+#[test]
+fn random_damage_of_measured_files_never_panics() {
+    let mut random = Pcg32::seed_from_u64(2);
+    for name in [
+        "metropro-1.dat",
+        "frt-2.frt",
+        "tmd-1.tmd",
+        "nms-1.nms",
+        "nid-1.nid",
+        "mnt-1.mnt",
+        "opdx-3.opdx",
+        "10x10-one_channel_without_name.ibw",
+    ] {
+        let Some((bytes, _)) = shared(name) else { return };
+        // half of the damage goes where headers are
+        let ends = [bytes.len(), bytes.len().min(5000)];
+        for round in 0..30 {
+            let mut damaged = bytes.clone();
+            for _ in 0..=random.next_u32() % 8 {
+                let at = random.next_u32() as usize % ends[round % 2];
+                damaged[at] = random.next_u32() as u8;
+            }
+            if round % 3 == 0 {
+                damaged.truncate(random.next_u32() as usize % ends[round / 2 % 2]);
+            }
+            drop(parse(&damaged, &OpenOptions::default()));
+        }
+    }
 }
