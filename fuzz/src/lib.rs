@@ -13,7 +13,8 @@ use zip::CompressionMethod::Stored;
 use zip::write::{SimpleFileOptions, ZipWriter};
 
 /// Formats that are packed: a point may take much less than a byte.
-const PACKED: [&str; 5] = ["x3p", "npy/npz", "PNG", "TIFF", "Digital Surf sur"];
+const PACKED: [&str; 8] =
+    ["MountainsMap mnt", "Sensofar plux", "Keyence vk", "x3p", "npy/npz", "PNG", "TIFF", "Digital Surf sur"];
 /// Maps of at most so many points are also put to use.
 const SMALL: usize = 10_000;
 
@@ -46,6 +47,12 @@ pub fn x3p_content(bytes: &[u8]) {
 /// Gives an npz file whose array is the bytes to its reader.
 pub fn npz_content(bytes: &[u8]) {
     reader("npy/npz", &stored(&[("heights.npy", bytes)]));
+}
+
+/// Gives a zip file that holds the bytes beside a text to the reader of what is packed.
+pub fn zip_content(bytes: &[u8]) {
+    let archive = stored(&[("readme.txt", b"a map"), ("map", bytes)]);
+    judge(&archive, true, || parse(&archive, &OpenOptions::default()));
 }
 
 fn stored(files: &[(&str, &[u8])]) -> Vec<u8> {

@@ -10,6 +10,7 @@
 //! | `book` | the commands of the user guide |
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
+//! | `instruments` | files of many instruments, several maps in a file |
 //! | `map_verbs` | light on height maps |
 //! | `hybrid` | rays and waves on one map |
 //! | `compare` | every method side by side |
@@ -44,6 +45,7 @@ mod snapshots;
 mod book;
 mod happy;
 mod maps;
+mod instruments;
 mod stats_waves;
 mod map_verbs;
 mod wave;

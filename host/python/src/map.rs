@@ -87,6 +87,8 @@ impl HeightMap {
 ///     What is subtracted; without it the mean plane, of a periodic map the mean.
 /// edges : {"periodic", "mirrored"}, optional
 ///     How the map goes on; without it found out from the map.
+/// channel : int, optional
+///     Number from 0 of the map, of a file that holds several.
 /// ignore_checksum, allow_steep : bool, default False
 ///     Take an x3p file with a wrong checksum; a map with an rms slope above 30.
 ///
@@ -104,7 +106,7 @@ impl HeightMap {
 #[pyfunction]
 #[pyo3(signature = (
     path, *, pixel_um=None, z_um=None, xy_unit=None, z_unit=None, crop=None, fill=None, form=None, edges=None,
-    ignore_checksum=false, allow_steep=false
+    channel=None, ignore_checksum=false, allow_steep=false
 ))]
 #[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
 pub(crate) fn read_map(
@@ -118,6 +120,7 @@ pub(crate) fn read_map(
     fill: Option<&str>,
     form: Option<&str>,
     edges: Option<&str>,
+    channel: Option<usize>,
     ignore_checksum: bool,
     allow_steep: bool,
 ) -> PyResult<HeightMap> {
@@ -126,6 +129,7 @@ pub(crate) fn read_map(
         z_um,
         xy_unit: word("xy_unit", xy_unit)?,
         z_unit: word("z_unit", z_unit)?,
+        channel,
         ignore_checksum,
         allow_steep,
         crop: word("crop", crop)?,

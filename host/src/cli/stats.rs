@@ -14,11 +14,16 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 
 /// Print the roughness figures of a height map
 ///
-/// Reads x3p, SDF, Alicona al3d, Wyko opd, Bruker/DI, Digital Surf sur, Gwyddion gwy and text,
-/// matrix text, xyz, npy, 16-bit PNG and float TIFF, told apart by content. Units are those that
-/// the file says, in a line such as "# x [um] y [um] z [nm]" or "# heights in nm, pixel size 0.5
-/// um"; what it does not say --xy-unit, --z-unit and --pixel-um must. Arrays of floats are in um
-/// unless --z-unit says otherwise.
+/// Reads x3p, SDF, Alicona al3d, Wyko opd, Vision opdx, Bruker/DI, Digital Surf sur, MountainsMap
+/// mnt, Zygo MetroPro dat, NanoFocus nms, TrueMap and GelSight tmd, Nanosurf nid, FRT frt, Igor ibw,
+/// Sensofar plu, Gwyddion gwy, gsf and text, matrix text, xyz, npy, 16-bit PNG and float TIFF, told
+/// apart by content, and each of them packed as gz or zip. Untested with files of an instrument:
+/// Sensofar plux, Keyence vk4, vk6, vk7 and CSV, Zygo ASCII and XYZ, maps in opdx. Of a file of
+/// several maps --channel reads another than the first.
+///
+/// Units are those that the file says, in a line such as "# x [um] y [um] z [nm]" or "# heights in
+/// nm, pixel size 0.5 um"; what it does not say --xy-unit, --z-unit and --pixel-um must. Arrays of
+/// floats are in um unless --z-unit says otherwise.
 ///
 /// Figures are those of the paper's eqs 12-17 (Rz5 is of single points, as there), the ten-point
 /// height Rz JIS of JIS B 0601 (five peaks and valleys of each sampling length, a fifth of a row or

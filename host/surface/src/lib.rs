@@ -1,4 +1,4 @@
-//! Measured surfaces: files of thirteen profilometer formats, roughness, form removal, filters, random surfaces.
+//! Measured surfaces: files of 27 profilometer formats, roughness, form removal, filters, random surfaces.
 //!
 //! ```
 //! use asperity_surface::io::{OpenOptions, parse};

@@ -10,7 +10,8 @@ use crate::fill::Fill;
 use crate::form::Form;
 use crate::heightmap::HeightMap;
 use crate::input::InputFile;
-use crate::io::{LengthUnit, OpenOptions, Source, open};
+use crate::io::{LengthUnit, OpenOptions, Source, listed, open};
+use crate::message::excerpt;
 use crate::sanity::Sanity;
 
 /// The preparation of the map of a file. What is not given follows from the map.
@@ -32,6 +33,9 @@ pub struct Preparation {
     /// Whether the checksum of the description of an x3p file does not matter.
     #[serde(default, skip_serializing_if = "is_false")]
     pub ignore_checksum: bool,
+    /// Number from 0 of the map in a file of several; by default the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<usize>,
     /// Whether implausible slopes are accepted.
     #[serde(default, skip_serializing_if = "is_false")]
     pub allow_steep: bool,
@@ -112,6 +116,7 @@ impl Preparation {
             z_unit: self.z_unit,
             z_um: self.z_um,
             ignore_checksum: self.ignore_checksum,
+            channel: self.channel,
         };
         let (raw, bytes) = open(path, &options).map_err(|e| e.to_string())?;
         let (format, instrument) = (raw.format, raw.instrument.clone());
@@ -124,6 +129,16 @@ impl Preparation {
             )));
         }
         let mut warnings: Vec<String> = raw.note.iter().cloned().collect();
+        if let (Some(name), None) =
+            (raw.channels.first().filter(|_| raw.channels.len() > 1), self.channel)
+        {
+            warnings.push(format!(
+                "it has {} maps; this is number 0, `{}`, and --channel reads another: {}",
+                raw.channels.len(),
+                excerpt(name),
+                listed(&raw.channels)
+            ));
+        }
         if raw.sources.z == Source::Documentation {
             warnings.push(format!(
                 "{format} says no unit: its heights are taken as um, as documented; --z-unit says another"

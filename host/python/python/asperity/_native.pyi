@@ -226,6 +226,7 @@ def read_map(
     fill: Literal["plane", "nearest", "harmonic"] | None = None,
     form: Literal["none", "mean", "plane", "quadratic"] | None = None,
     edges: Literal["periodic", "mirrored"] | None = None,
+    channel: int | None = None,
     ignore_checksum: bool = False,
     allow_steep: bool = False,
 ) -> HeightMap:

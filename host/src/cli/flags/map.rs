@@ -85,6 +85,9 @@ pub(in crate::cli) struct MapFlags {
     /// Unit of the heights, for files that do not say it: um, nm, mm, m, ... [arrays and float TIFF: um]
     #[arg(long, value_name = "UNIT", conflicts_with = "z_um")]
     z_unit: Option<LengthUnit>,
+    /// Number from 0 of the map to read, of a file that holds several
+    #[arg(long, value_name = "NUMBER")]
+    channel: Option<usize>,
     /// Read an x3p file whose description was corrected without its checksum
     #[arg(long)]
     ignore_checksum: bool,
@@ -119,6 +122,7 @@ impl MapFlags {
             ("--z-um", self.z_um.is_some()),
             ("--xy-unit", self.xy_unit.is_some()),
             ("--z-unit", self.z_unit.is_some()),
+            ("--channel", self.channel.is_some()),
             ("--ignore-checksum", self.ignore_checksum),
             ("--allow-steep", self.allow_steep),
             ("--crop", self.crop.is_some()),
@@ -136,6 +140,7 @@ impl MapFlags {
             z_um: self.z_um,
             xy_unit: self.xy_unit,
             z_unit: self.z_unit,
+            channel: self.channel,
             ignore_checksum: self.ignore_checksum,
             allow_steep: self.allow_steep,
             crop: self.crop.clone(),

@@ -16,6 +16,13 @@ impl<'a> Cursor<'a> {
         Self { format, bytes, at: 0 }
     }
 
+    /// A cursor at a place of `bytes`, which may be its end.
+    pub(super) fn at(format: &'static str, bytes: &'a [u8], at: usize) -> Result<Self, MapFault> {
+        let mut cursor = Self::new(format, bytes);
+        cursor.skip(at)?;
+        Ok(cursor)
+    }
+
     /// Bytes read or skipped so far.
     pub(super) fn position(&self) -> usize {
         self.at
@@ -30,6 +37,11 @@ impl<'a> Cursor<'a> {
         };
         self.at += n;
         Ok(taken)
+    }
+
+    /// All bytes from here on, which stay to be read.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        self.bytes.get(self.at..).unwrap_or_default()
     }
 
     /// Passes over `n` bytes.
@@ -68,6 +80,11 @@ impl<'a> Cursor<'a> {
         self.array().map(i32::from_le_bytes)
     }
 
+    /// The next eight bytes, unsigned.
+    pub(super) fn u64(&mut self) -> Result<u64, MapFault> {
+        self.array().map(u64::from_le_bytes)
+    }
+
     /// The next four bytes as a float.
     pub(super) fn f32(&mut self) -> Result<f32, MapFault> {
         self.array().map(f32::from_le_bytes)
@@ -76,6 +93,40 @@ impl<'a> Cursor<'a> {
     /// The next eight bytes as a float.
     pub(super) fn f64(&mut self) -> Result<f64, MapFault> {
         self.array().map(f64::from_le_bytes)
+    }
+}
+
+/// Numbers whose highest byte comes first.
+impl Cursor<'_> {
+    /// The next two bytes, unsigned.
+    pub(super) fn be_u16(&mut self) -> Result<u16, MapFault> {
+        self.array().map(u16::from_be_bytes)
+    }
+
+    /// The next four bytes, unsigned.
+    pub(super) fn be_u32(&mut self) -> Result<u32, MapFault> {
+        self.array().map(u32::from_be_bytes)
+    }
+
+    /// The next four bytes, signed.
+    pub(super) fn be_i32(&mut self) -> Result<i32, MapFault> {
+        self.array().map(i32::from_be_bytes)
+    }
+
+    /// The next four bytes as a float.
+    pub(super) fn be_f32(&mut self) -> Result<f32, MapFault> {
+        self.array().map(f32::from_be_bytes)
+    }
+}
+
+/// Turns a map whose bottom row comes first.
+pub(super) fn bottom_up(heights_um: &mut [f64], nx: usize) {
+    let ny = heights_um.len() / nx.max(1);
+    for row in 0..ny / 2 {
+        let (upper, lower) = heights_um.split_at_mut((ny - 1 - row) * nx);
+        if let (Some(a), Some(b)) = (upper.get_mut(row * nx..(row + 1) * nx), lower.get_mut(..nx)) {
+            a.swap_with_slice(b);
+        }
     }
 }
 
@@ -110,7 +161,7 @@ pub(super) fn pitch(format: &'static str, name: &str, um: f64) -> Result<f64, Ma
 
 #[cfg(test)]
 mod tests {
-    use super::{Cursor, pitch, points};
+    use super::{Cursor, bottom_up, pitch, points};
 
     #[test]
     fn a_cursor_reads_little_endian_and_stops_at_the_end() {
@@ -131,6 +182,22 @@ mod tests {
             assert!(fault.starts_with("test: ends early at byte 32;"), "{fault}");
         }
         assert!(cursor.u32().is_err() && cursor.u16().is_ok() && cursor.u8().is_err());
+    }
+
+    #[test]
+    fn rows_from_the_bottom_are_turned() {
+        for ny in 0..4_i32 {
+            let rows = |k: i32| [f64::from(k), -f64::from(k)];
+            let mut map: Vec<f64> = (0..ny).flat_map(rows).collect();
+            bottom_up(&mut map, 2);
+            assert_eq!(map, (0..ny).rev().flat_map(rows).collect::<Vec<_>>());
+        }
+        let bytes = [0x3f, 0x80, 0, 0, 0x12, 0x34, 0xff, 0xff, 0xff, 0xfe];
+        let mut cursor = Cursor::at("test", &bytes, 0).unwrap();
+        assert_eq!(cursor.be_f32().unwrap().to_bits(), 1.0_f32.to_bits());
+        assert_eq!((cursor.be_u16().unwrap(), cursor.be_i32().unwrap()), (0x1234, -2));
+        assert!(Cursor::at("test", &bytes, 10).unwrap().u8().is_err());
+        assert!(Cursor::at("test", &bytes, 11).is_err());
     }
 
     #[test]

@@ -3,11 +3,12 @@
 //! A text header `\*File list`, or `\*EC File list`, of sections `\*Name` with `\key: value` lines; each `image list`
 //! section is a channel of signed integers, line by line, the bottom line first. Its scale,
 //! `\@2:Z scale: V [Sens. S] (a V/LSB) b V`, says that the full range of the integer is `b`, to be
-//! multiplied by `\@Sens. S: V c nm/V`. The map is the first channel that gives a length so.
+//! multiplied by `\@Sens. S: V c nm/V`. The maps are the channels that give lengths so.
 
 use super::bytes::{Cursor, pitch, points};
+use super::channels::chosen;
 use super::text::windows_1252;
-use super::{MapFault, RawMap};
+use super::{MapFault, OpenOptions, RawMap};
 
 const FORMAT: &str = "Nanoscope";
 /// How files begin; the second is of a microscope in an electrochemical cell.
@@ -28,17 +29,27 @@ pub(super) fn detect(bytes: &[u8]) -> bool {
 }
 
 /// Reads the height channel of a Nanoscope file.
-pub(super) fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if !detect(bytes) {
         return Err(damaged(format!("the first bytes are not {}", STARTS[0])));
     }
     let header = windows_1252(bytes.get(..bytes.len().min(LONGEST_HEADER)).unwrap_or_default());
     let sections = sections(&header)?;
     let channels = sections.iter().filter(|s| s.name.ends_with("image list"));
+    let mut maps = Vec::new();
     for channel in channels.clone() {
-        if let Some(full_range_um) = full_range_um(channel, &sections)? {
-            return map(bytes, channel, full_range_um, &sections);
+        match full_range_um(channel, &sections) {
+            Ok(Some(full_range_um)) => maps.push((channel, full_range_um)),
+            // what is wrong with another channel does not matter once there are heights
+            Err(fault) if maps.is_empty() => return Err(fault),
+            Ok(None) | Err(_) => {}
         }
+    }
+    let names: Vec<String> = maps.iter().map(|(channel, _)| channel.title()).collect();
+    let asked = if maps.is_empty() { 0 } else { chosen(FORMAT, &names, options)? };
+    if let Some((channel, full_range_um)) = maps.get(asked) {
+        let channels = if names.len() > 1 { names } else { Vec::new() };
+        return Ok(RawMap { channels, ..map(bytes, channel, *full_range_um, &sections)? });
     }
     if channels.count() == 0 {
         return Err(damaged("the header lists no image".to_owned()));
@@ -63,6 +74,14 @@ impl<'a> Section<'a> {
     fn find(&self, wanted: &str) -> Option<&'a str> {
         let same = |(key, _): &&(&str, &str)| key.eq_ignore_ascii_case(wanted);
         self.fields.iter().find(same).map(|(_, value)| *value)
+    }
+
+    /// The name of the image, the last words of `@2:Image Data: S [Height] "Height Sensor"`.
+    fn title(&self) -> String {
+        let data = self.fields.iter().find(|(key, _)| key.ends_with(":Image Data"));
+        let name = data.and_then(|(_, value)| value.split('"').nth(1));
+        let direction = self.find("Line Direction").unwrap_or_default();
+        format!("{} {direction}", name.unwrap_or_default()).trim().to_owned()
     }
 
     fn number<T: std::str::FromStr>(&self, key: &str) -> Result<T, MapFault> {
@@ -225,7 +244,12 @@ fn pixel_um(
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::{detect, read, si};
+    use super::{detect, si};
+    use crate::io::{MapFault, OpenOptions, RawMap};
+
+    fn read(bytes: &[u8]) -> Result<RawMap, MapFault> {
+        super::read(bytes, &OpenOptions::default())
+    }
 
     pub(in crate::io) fn file(change: impl Fn(String) -> String, points: &[u8]) -> Vec<u8> {
         let channel = |title: &str, scale: &str| {
@@ -265,6 +289,25 @@ pub(super) mod tests {
         for (read, put) in map.heights_um.iter().zip([-4.0, 5.0, 6.0, 1.0, 2.0, 3.0]) {
             assert!((read - 5e-6 * put).abs() < 1e-15, "{read} {put}");
         }
+    }
+
+    #[test]
+    fn of_several_heights_one_is_chosen() {
+        let heights = |header: String| {
+            header
+                .replace("(0.01 V/LSB) 3 V", "(0.01 V/LSB) 3276.8 mV")
+                .replace("2 nA/V", "25 nm/V")
+        };
+        let file = file(heights, &points());
+        let of = |channel| {
+            super::read(&file, &OpenOptions { channel, ..OpenOptions::default() })
+                .map_err(|e| e.to_string())
+        };
+        let [first, second] = [of(None).unwrap(), of(Some(1)).unwrap()];
+        assert_eq!(first.channels, ["Amplitude", "Height"]);
+        // a quarter of the scale
+        assert!((second.heights_um[1] / first.heights_um[1] - 4.0).abs() < 1e-9);
+        assert!(of(Some(2)).unwrap_err().contains("1 `Height`"));
     }
 
     #[test]

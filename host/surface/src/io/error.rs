@@ -31,6 +31,25 @@ pub enum MapFault {
         /// Names of the formats.
         known: String,
     },
+    /// Nothing that is packed in it is a map.
+    #[error(
+        "the {format} file holds no known height map{files}; pack one of x3p, SDF, al3d, opd or another that \
+             `asperity stats --help` lists"
+    )]
+    NoneInside {
+        /// The container.
+        format: &'static str,
+        /// What is in it: nothing, or `, only ...`.
+        files: String,
+    },
+    /// A file in an archive cannot be used.
+    #[error("in `{name}`: {fault}")]
+    Inside {
+        /// The file.
+        name: String,
+        /// Its fault.
+        fault: Box<MapFault>,
+    },
     /// It breaks the rules of its format.
     #[error(
         "{format}: {}; the file is damaged or not of this format, export it again",
@@ -96,8 +115,18 @@ pub enum MapFault {
         /// The evidence.
         what: String,
     },
+    /// The file has no map of the number asked for.
+    #[error("{format}: --channel {asked} is not in the file, which has {there}; give one of them")]
+    NoChannel {
+        /// The format.
+        format: &'static str,
+        /// The number.
+        asked: usize,
+        /// The maps in the file.
+        there: String,
+    },
     /// The units of the numbers are unknown.
-    #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(*xy, *z, *pixel))]
+    #[error("{format}: the file does not say {}; {}", unsaid(*xy, *z, *pixel), unit_flags(format, *xy, *z, *pixel))]
     NoUnits {
         /// The format.
         format: &'static str,
@@ -135,8 +164,12 @@ fn unsaid(xy: bool, z: bool, pixel: bool) -> &'static str {
     }
 }
 
-fn unit_flags(xy: bool, z: bool, pixel: bool) -> &'static str {
+fn unit_flags(format: &str, xy: bool, z: bool, pixel: bool) -> &'static str {
     match (xy, z, pixel) {
+        // nobody writes a line into a binary file
+        (true, true, _) if !format.ends_with("text") => {
+            "give --xy-unit and --z-unit, such as --xy-unit mm --z-unit um"
+        }
         (true, true, _) => {
             "give --xy-unit and --z-unit, such as --xy-unit mm --z-unit um, or write a line \
              `# x [mm] y [mm] z [um]` into it"

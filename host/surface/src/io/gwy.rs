@@ -1,10 +1,11 @@
 //! Gwyddion's own files: `GWYP`, then objects of named components in one another.
 //!
-//! The channel that is read is the first whose values are lengths, else the first whose values have
+//! The channels that are read are those whose values are lengths, else those whose values have
 //! no unit, which are taken as um; a channel without lateral unit has no pixel size. Masks are not
 //! applied: the file does not say whether one marks missing points or grains.
 
 use super::bytes::{Cursor, pitch, points};
+use super::channels::chosen;
 use super::text::decode;
 use super::unit::{LengthUnit, length_um};
 use super::{MapFault, OpenOptions, RawMap, Source, Sources};
@@ -25,10 +26,13 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
     }
     let container = object(&mut cursor)?;
     let mut channels = Vec::new();
-    let mut metas = Vec::new();
+    let (mut metas, mut titles) = (Vec::new(), Vec::new());
     for_each(container.body, |key, value| {
-        let Component::Object(object) = value else { return Ok(()) };
         let number = |end| key.strip_prefix('/')?.strip_suffix(end)?.parse::<u64>().ok();
+        if let (Some(number), Component::Text(title)) = (number("/data/title"), &value) {
+            titles.push((number, decode(title).trim().to_owned()));
+        }
+        let Component::Object(object) = value else { return Ok(()) };
         if let Some(number) = number("/data").filter(|_| object.name == b"GwyDataField") {
             channels.push((number, Channel::read(object.body)?));
         } else if let Some(number) = number("/meta") {
@@ -37,12 +41,15 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
         Ok(())
     })?;
     channels.sort_by_key(|(number, _)| *number);
-    let is_length = |c: &Channel| length_um(&c.z_unit).is_some();
-    let Some((number, channel)) = channels
-        .iter()
-        .find(|(_, c)| is_length(c))
-        .or_else(|| channels.iter().find(|(_, c)| c.z_unit.is_empty()))
-    else {
+    let of = |is_map: fn(&Channel) -> bool| -> Vec<&(u64, Channel)> {
+        channels.iter().filter(|(_, c)| is_map(c)).collect()
+    };
+    let lengths = of(|c| length_um(&c.z_unit).is_some());
+    let maps = if lengths.is_empty() { of(|c| c.z_unit.is_empty()) } else { lengths };
+    let title = |number: u64| titles.iter().find(|(n, _)| *n == number).map(|(_, t)| t.clone());
+    let names: Vec<String> = maps.iter().map(|(n, _)| title(*n).unwrap_or_default()).collect();
+    let asked = if maps.is_empty() { 0 } else { chosen(FORMAT, &names, options)? };
+    let Some((number, channel)) = maps.get(asked) else {
         let units: Vec<_> = channels.iter().map(|(_, c)| excerpt(&c.z_unit)).collect();
         return Err(MapFault::Unsupported {
             format: FORMAT,
@@ -51,7 +58,8 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
         });
     };
     let instrument = metas.into_iter().find(|(n, _)| n == number).and_then(|(_, name)| name);
-    Ok(RawMap { instrument, ..channel.map(options)? })
+    let channels = if names.len() > 1 { names } else { Vec::new() };
+    Ok(RawMap { instrument, channels, ..channel.map(options)? })
 }
 
 fn damaged(what: &str) -> MapFault {

@@ -4,14 +4,29 @@ mod error;
 mod unit;
 mod words;
 mod options;
+mod channels;
 mod vocabulary;
 mod said;
 mod sentence;
 mod bytes;
 mod text;
+mod zipped;
 mod al3d;
 mod di;
 mod opd;
+mod opdx;
+mod metropro;
+mod nms;
+mod tmd;
+mod nid;
+mod frt;
+mod ibw;
+mod ole;
+mod mnt;
+mod plu;
+mod plux;
+mod vk;
+mod gsf;
 mod sdf;
 mod x3p;
 mod sur;
@@ -20,9 +35,13 @@ mod gwyddion_text;
 mod profile;
 mod xyz;
 mod matrix;
+mod zygo_text;
+mod keyence_csv;
 mod npy;
 mod png16;
 mod tiff_float;
+mod packed;
+mod known;
 mod open;
 mod write;
 #[cfg(test)]
@@ -32,10 +51,13 @@ mod tests_gwy;
 #[cfg(test)]
 mod tests_b;
 #[cfg(test)]
+mod tests_more;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod tests_mutation;
 
+pub(crate) use channels::listed;
 pub use error::{MapError, MapFault};
 pub use open::{FORMATS, Format, open, parse};
 pub use options::{OpenOptions, Source, Sources};
@@ -65,6 +87,8 @@ pub struct RawMap {
     pub sources: Sources,
     /// A note for the user, such as an ignored checksum.
     pub note: Option<String>,
+    /// Names of all maps in the file, if its format can hold several; this one is that of the options, or the first.
+    pub channels: Vec<String>,
 }
 
 impl RawMap {
@@ -80,6 +104,7 @@ impl RawMap {
             instrument: None,
             sources: Sources::default(),
             note: None,
+            channels: Vec::new(),
         }
     }
 

@@ -2,15 +2,21 @@
 
 use std::path::Path;
 
+use super::packed::Budget;
 use super::text::as_utf8;
 use super::{LengthUnit, MapError, MapFault, OpenOptions, RawMap, profile};
 use super::{
-    al3d, di, gwy, gwyddion_text, matrix, npy, opd, png16, sdf, sur, tiff_float, x3p, xyz,
+    al3d, channels, di, frt, gsf, gwy, gwyddion_text, ibw, keyence_csv, known, matrix, metropro,
+    mnt, nid, nms, npy, opd, opdx, packed, plu, plux, png16, sdf, sur, tiff_float, tmd, vk, x3p,
+    xyz, zygo_text,
 };
 use crate::input::read_file;
 
 /// Largest file that is read, bytes: text of the largest map takes no more.
 const MOST_BYTES: u64 = 4 << 30;
+
+/// How often a file may be packed.
+const MOST_PACKED: usize = 3;
 
 /// A format: its name, whether bytes are of it, and its reader.
 #[derive(Clone, Copy, Debug)]
@@ -36,12 +42,16 @@ impl Format {
     /// # Errors
     /// [`MapFault`], for whatever bytes.
     pub fn read(&self, bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
-        (self.read)(bytes, options)
+        let map = (self.read)(bytes, options)?;
+        if map.channels.is_empty() {
+            channels::only(map.format, options)?;
+        }
+        Ok(map)
     }
 }
 
 /// The formats in the order of detection: those with a signature first, plain numbers last.
-pub const FORMATS: [Format; 13] = [
+pub const FORMATS: [Format; 27] = [
     Format {
         name: "x3p",
         detect: x3p::detect,
@@ -58,13 +68,59 @@ pub const FORMATS: [Format; 13] = [
         read: |b, o| o.agree(al3d::read(b)?, Some(LengthUnit::Metre)),
     },
     Format { name: "Wyko opd", detect: opd::detect, read: |b, o| o.agree(opd::read(b)?, None) },
-    Format { name: "Bruker/DI", detect: di::detect, read: |b, o| o.agree(di::read(b)?, None) },
+    Format { name: "Bruker/DI", detect: di::detect, read: |b, o| o.agree(di::read(b, o)?, None) },
     Format { name: "Digital Surf sur", detect: sur::detect, read: sur::read },
+    Format {
+        name: "Zygo MetroPro",
+        detect: metropro::detect,
+        read: |b, o| o.agree(metropro::read(b)?, Some(LengthUnit::Metre)),
+    },
+    Format {
+        name: "NanoFocus nms",
+        detect: nms::detect,
+        read: |b, o| o.agree(nms::read(b)?, None),
+    },
+    Format { name: "TrueMap tmd", detect: tmd::detect, read: |b, o| o.agree(tmd::read(b)?, None) },
+    Format {
+        name: "Nanosurf nid",
+        detect: nid::detect,
+        read: |b, o| o.agree(nid::read(b, o)?, None),
+    },
+    Format {
+        name: "FRT MicroProf",
+        detect: frt::detect,
+        read: |b, o| o.agree(frt::read(b, o)?, Some(LengthUnit::Metre)),
+    },
+    Format {
+        name: "Vision opdx",
+        detect: opdx::detect,
+        read: |b, o| o.agree(opdx::read(b, o)?, None),
+    },
+    Format {
+        name: "MountainsMap mnt",
+        detect: mnt::detect,
+        read: |b, o| o.agree(mnt::read(b, o)?, None),
+    },
+    Format { name: "Igor ibw", detect: ibw::detect, read: ibw::read },
+    Format {
+        name: "Sensofar plu",
+        detect: plu::detect,
+        read: |b, o| o.agree(plu::read(b, o)?, None),
+    },
+    Format {
+        name: "Sensofar plux",
+        detect: plux::detect,
+        read: |b, o| o.agree(plux::read(b, o)?, None),
+    },
+    Format { name: "Keyence vk", detect: vk::detect, read: |b, o| o.agree(vk::read(b, o)?, None) },
+    Format { name: "Gwyddion gsf", detect: gsf::detect, read: gsf::read },
     Format { name: "Gwyddion gwy", detect: gwy::detect, read: gwy::read },
     Format { name: "npy/npz", detect: npy::detect, read: npy::read },
     Format { name: "PNG", detect: png16::detect, read: png16::read },
     Format { name: "TIFF", detect: tiff_float::detect, read: tiff_float::read },
     Format { name: "Gwyddion text", detect: gwyddion_text::detect, read: gwyddion_text::read },
+    Format { name: "Zygo text", detect: zygo_text::detect, read: zygo_text::read },
+    Format { name: "Keyence CSV", detect: keyence_csv::detect, read: keyence_csv::read },
     Format { name: "xyz", detect: xyz::detect, read: xyz::read },
     Format { name: "matrix text", detect: matrix::detect, read: matrix::read },
 ];
@@ -88,12 +144,36 @@ pub fn parse(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFault> {
     if bytes.is_empty() {
         return Err(MapFault::Empty);
     }
-    let bytes = &*as_utf8(bytes);
-    match FORMATS.iter().find(|f| f.detect(bytes)) {
-        Some(format) => format.read(bytes, options),
-        None if profile::detect(bytes) => Err(profile::fault()),
-        None => Err(MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") }),
+    let unknown = || MapFault::Unknown { known: FORMATS.map(|f| f.name).join(", ") };
+    inside(bytes, options, &Budget::of(bytes), 0).unwrap_or_else(|| Err(unknown()))
+}
+
+/// The map in bytes, packed or not; `None` if they are of no known format.
+fn inside(
+    bytes: &[u8],
+    options: &OpenOptions,
+    budget: &Budget,
+    depth: usize,
+) -> Option<Result<RawMap, MapFault>> {
+    let text = &*as_utf8(bytes);
+    if let Some(format) = FORMATS.iter().find(|f| f.detect(text)) {
+        let named = |fault| known::tiff_fault(text).unwrap_or(fault);
+        return Some(format.read(text, options).map_err(named));
     }
+    if let Some(fault) = known::fault(text) {
+        return Some(Err(fault));
+    }
+    if packed::detect(bytes) && depth < MOST_PACKED {
+        let inner = |inner: &[u8]| inside(inner, options, budget, depth + 1);
+        return Some(packed::read(bytes, budget, is_map, &inner));
+    }
+    profile::detect(text).then(|| Err(profile::fault()))
+}
+
+/// Whether bytes are of a known format, not packed.
+fn is_map(bytes: &[u8]) -> bool {
+    let text = &*as_utf8(bytes);
+    FORMATS.iter().any(|f| f.detect(text))
 }
 
 #[cfg(test)]

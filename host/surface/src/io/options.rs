@@ -17,6 +17,8 @@ pub struct OpenOptions {
     pub z_um: Option<f64>,
     /// Whether an x3p file whose `main.xml` is not that of its checksum is read all the same.
     pub ignore_checksum: bool,
+    /// Number from 0 of the map in a file of several; by default the first.
+    pub channel: Option<usize>,
 }
 
 /// The source of the units of the lateral numbers or of the heights of a map.

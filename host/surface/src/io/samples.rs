@@ -2,7 +2,10 @@
 
 use tiff::encoder::{Compression, DeflateLevel};
 
-use super::{al3d, di, npy, opd, png16, sdf, sur, tests_gwy, tiff_float, x3p};
+use super::{
+    al3d, di, frt, gsf, ibw, keyence_csv, metropro, mnt, nid, nms, npy, opd, opdx, plu, plux,
+    png16, sdf, sur, tests_gwy, tiff_float, tmd, vk, x3p, zygo_text,
+};
 
 /// A file that is read without options.
 pub(super) struct Sample {
@@ -39,6 +42,23 @@ pub(super) fn samples() -> Vec<Sample> {
         ("sur 16", "Digital Surf sur", sur::tests::sample(false, 16)),
         ("sur 32", "Digital Surf sur", sur::tests::sample(false, 32)),
         ("sur zipped", "Digital Surf sur", sur::tests::sample(true, 32)),
+        ("metropro", "Zygo MetroPro", metropro::tests::sample(0x6f)),
+        ("metropro 3", "Zygo MetroPro", metropro::tests::sample(0x71)),
+        ("nms", "NanoFocus nms", nms::tests::sample()),
+        ("tmd", "TrueMap tmd", tmd::tests::sample("by hand")),
+        ("nid", "Nanosurf nid", nid::tests::sample(|t| t)),
+        ("frt", "FRT MicroProf", frt::tests::sample()),
+        ("opdx", "Vision opdx", opdx::tests::sample()),
+        ("mnt", "MountainsMap mnt", mnt::tests::Parts::new().file()),
+        ("ibw", "Igor ibw", ibw::tests::Parts::new().file()),
+        ("plu", "Sensofar plu", plu::tests::sample()),
+        ("plux", "Sensofar plux", plux::tests::sample(|i| i)),
+        ("vk4", "Keyence vk", vk::tests::plain(*b"VK4_", 16)),
+        ("vk6", "Keyence vk", vk::tests::packed()),
+        ("gsf", "Gwyddion gsf", gsf::tests::sample(|h| h)),
+        ("zygo ascii", "Zygo text", zygo_text::tests::sample(false, |t| t)),
+        ("zygo xyz", "Zygo text", zygo_text::tests::sample(true, |t| t)),
+        ("keyence csv", "Keyence CSV", keyence_csv::tests::sample(|t| t)),
         ("gwy", "Gwyddion gwy", tests_gwy::sample()),
         ("gwyddion text", "Gwyddion text", GWYDDION.into()),
         ("dhm", "matrix text", DHM.into()),

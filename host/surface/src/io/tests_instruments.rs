@@ -3,14 +3,14 @@
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg32;
 
-use super::{MapFault, RawMap, al3d, di, opd, sdf, x3p};
+use super::{MapFault, OpenOptions, RawMap, al3d, di, opd, sdf, x3p};
 
 type Read = fn(&[u8]) -> Result<RawMap, MapFault>;
 type Detect = fn(&[u8]) -> bool;
 
 const READERS: [(Detect, Read); 5] = [
     (al3d::detect, al3d::read),
-    (di::detect, di::read),
+    (di::detect, |bytes| di::read(bytes, &OpenOptions::default())),
     (opd::detect, opd::read),
     (sdf::detect, sdf::read),
     (x3p::detect, |bytes| x3p::read(bytes, false)),

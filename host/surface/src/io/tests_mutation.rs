@@ -19,33 +19,59 @@ fn each_file_is_claimed_by_its_reader_alone() {
     }
 }
 
+/// The fuzz target of every format.
+const TARGETS: [(&str, &str); FORMATS.len()] = [
+    ("x3p", "x3p"),
+    ("SDF", "sdf"),
+    ("Alicona al3d", "al3d"),
+    ("Wyko opd", "opd"),
+    ("Bruker/DI", "di"),
+    ("Digital Surf sur", "sur"),
+    ("Zygo MetroPro", "metropro"),
+    ("NanoFocus nms", "nms"),
+    ("TrueMap tmd", "tmd"),
+    ("Nanosurf nid", "nid"),
+    ("FRT MicroProf", "frt"),
+    ("Vision opdx", "opdx"),
+    ("MountainsMap mnt", "mnt"),
+    ("Igor ibw", "ibw"),
+    ("Sensofar plu", "plu"),
+    ("Sensofar plux", "plux"),
+    ("Keyence vk", "vk"),
+    ("Gwyddion gsf", "gsf"),
+    ("Gwyddion gwy", "gwy"),
+    ("npy/npz", "npy"),
+    ("PNG", "png16"),
+    ("TIFF", "tiff_float"),
+    ("Gwyddion text", "gwyddion_text"),
+    ("Zygo text", "zygo_text"),
+    ("Keyence CSV", "keyence_csv"),
+    ("xyz", "xyz"),
+    ("matrix text", "matrix"),
+];
+
+#[test]
+fn every_format_has_a_fuzz_target() {
+    let fuzz = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz");
+    for (format, (name, target)) in FORMATS.iter().zip(TARGETS) {
+        assert_eq!(format.name(), name);
+        // the crate may be built without the workspace about it
+        if fuzz.is_dir() {
+            let text = std::fs::read_to_string(fuzz.join(format!("targets/{target}.rs"))).unwrap();
+            assert!(text.contains(&format!("\"{name}\"")), "{target}");
+        }
+    }
+}
+
 /// The seeds of the fuzz targets: `ASPERITY_SEEDS=fuzz/corpus cargo test -p asperity --lib seeds`.
 #[test]
 fn seeds_are_written_where_asked() {
     let Some(folder) = std::env::var_os("ASPERITY_SEEDS") else { return };
     // a folder for every target
-    let target = |format: &str| match format {
-        "SDF" => "sdf",
-        "Alicona al3d" => "al3d",
-        "Wyko opd" => "opd",
-        "Bruker/DI" => "di",
-        "Digital Surf sur" => "sur",
-        "Gwyddion gwy" => "gwy",
-        "Gwyddion text" => "gwyddion_text",
-        "matrix text" => "matrix",
-        "npy/npz" => "npy",
-        "PNG" => "png16",
-        "TIFF" => "tiff_float",
-        _ => {
-            if format == "xyz" {
-                "xyz"
-            } else {
-                "x3p"
-            }
-        }
-    };
+    let target =
+        |format: &str| TARGETS.iter().find(|(f, _)| *f == format).map(|(_, target)| *target);
     for Sample { name, format, bytes } in samples() {
-        for target in [target(format), "open"] {
+        for target in [target(format).unwrap(), "open", "zip_content"] {
             let folder = std::path::Path::new(&folder).join(target);
             std::fs::create_dir_all(&folder).unwrap();
             std::fs::write(folder.join(name.replace(' ', "-")), &bytes).unwrap();
@@ -57,7 +83,17 @@ fn seeds_are_written_where_asked() {
 fn judged(name: &str, format: &str, bytes: &[u8]) -> bool {
     let format = FORMATS.iter().find(|f| f.name() == format).unwrap();
     let none = OpenOptions::default();
-    let packed = ["x3p", "Digital Surf sur", "npy/npz", "PNG", "TIFF"].contains(&format.name());
+    let packed = [
+        "x3p",
+        "Digital Surf sur",
+        "MountainsMap mnt",
+        "Sensofar plux",
+        "Keyence vk",
+        "npy/npz",
+        "PNG",
+        "TIFF",
+    ]
+    .contains(&format.name());
     let most = if packed { most_inflated(bytes) } else { 64 + 4 * bytes.len() as u64 };
     for other in FORMATS {
         other.detect(bytes);

@@ -43,6 +43,12 @@ pub(super) fn windows_1252(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| own(*byte).unwrap_or(char::from(*byte))).collect()
 }
 
+/// Text in a field of fixed size: up to its first zero, without blanks about it.
+pub(super) fn field_text(bytes: &[u8]) -> String {
+    let text = windows_1252(bytes.split(|b| *b == 0).next().unwrap_or_default());
+    text.trim().to_owned()
+}
+
 /// The first lines of a text file for a quick look, at most 2 MiB; `None` if it is not text.
 ///
 /// A line that the limit cuts is left out.

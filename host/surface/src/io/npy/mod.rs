@@ -11,6 +11,7 @@ use zip::ZipArchive;
 
 use self::header::{Header, Kind, MAGIC};
 use super::bytes::{most_inflated, points};
+use super::channels::{chosen, listed};
 use super::{MapFault, OpenOptions, RawMap, Sources, profile};
 
 const FORMAT: &str = "NumPy";
@@ -45,7 +46,7 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
         return Err(unsupported(format!("a zip of {} files", archive.len())));
     }
     let most = most_inflated(bytes);
-    let mut found = None;
+    let mut found = Vec::new();
     for k in 0..archive.len() {
         let mut file = archive.by_index(k).map_err(broken)?;
         let is_array = file.name().map_err(broken)?.ends_with(".npy");
@@ -57,17 +58,23 @@ pub(super) fn read(bytes: &[u8], options: &OpenOptions) -> Result<RawMap, MapFau
             if header.shape.len() < 2 {
                 continue;
             }
-            if found.is_some() {
-                return Err(unsupported("a file of several arrays".into()));
-            }
-            found = Some(k);
+            found.push((k, file.name().map(std::borrow::Cow::into_owned).unwrap_or_default()));
         }
     }
-    let Some(k) = found else { return Err(unsupported("a file without an array".into())) };
+    let names: Vec<String> = found.iter().map(|(_, name)| name.clone()).collect();
+    if names.len() > 1 && options.channel.is_none() {
+        let what = format!("a file of several arrays without --channel ({})", listed(&names));
+        return Err(unsupported(what));
+    }
+    let asked = if names.is_empty() { 0 } else { chosen(FORMAT, &names, options)? };
+    let Some(&(k, _)) = found.get(asked) else {
+        return Err(unsupported("a file without an array".into()));
+    };
     let mut file = archive.by_index(k).map_err(broken)?;
     let header = Header::read(&mut file)?;
     let length = file.size().saturating_sub(header.length as u64);
-    map(&header, file, length, options)
+    let channels = if names.len() > 1 { names } else { Vec::new() };
+    Ok(RawMap { channels, ..map(&header, file, length, options)? })
 }
 
 fn damaged(what: String) -> MapFault {

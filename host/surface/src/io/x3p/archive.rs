@@ -24,16 +24,16 @@ pub(super) struct Archive<'a> {
 }
 
 impl<'a> Archive<'a> {
+    /// The names of the files in `bytes`, in lower case with forward slashes.
+    pub(super) fn names(bytes: &[u8]) -> Result<Vec<String>, MapFault> {
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| fault("the archive", &e))?;
+        Ok(names(&zip))
+    }
+
     /// The archive in `bytes`, if it has a `main.xml`.
     pub(super) fn open(bytes: &'a [u8]) -> Result<Self, MapFault> {
         let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| fault("the archive", &e))?;
-        let names: Vec<String> = (0..zip.len())
-            .map(|k| match zip.name_for_index(k) {
-                Some(Ok(name)) => name.replace('\\', "/").to_lowercase(),
-                _ => String::new(),
-            })
-            .map(|name| if name.starts_with(JUNK) { String::new() } else { name })
-            .collect();
+        let names = names(&zip);
         let folders = names.iter().filter_map(|name| name.strip_suffix(MAIN));
         let folder = folders
             .filter(|folder| folder.is_empty() || folder.ends_with('/'))
@@ -73,6 +73,17 @@ impl<'a> Archive<'a> {
         }
         Ok(Some(bytes))
     }
+}
+
+/// Names by number; empty of what is not to be read.
+fn names(zip: &ZipArchive<Cursor<&[u8]>>) -> Vec<String> {
+    (0..zip.len())
+        .map(|k| match zip.name_for_index(k) {
+            Some(Ok(name)) => name.replace('\\', "/").to_lowercase(),
+            _ => String::new(),
+        })
+        .map(|name| if name.starts_with(JUNK) { String::new() } else { name })
+        .collect()
 }
 
 fn fault(what: &str, error: &ZipError) -> MapFault {

@@ -26,12 +26,18 @@ const MOST_MD5: u64 = 1 << 16;
 /// Tolerance of the position of a point on an even grid, in pixels.
 const UNEVEN: f64 = 0.01;
 
-/// Whether the bytes are a zip archive that seems to hold a `main.xml`.
+/// Whether the bytes are a zip archive with a `main.xml`, or a damaged one that seems to be.
 pub(super) fn detect(bytes: &[u8]) -> bool {
+    if !bytes.starts_with(MAGIC) {
+        return false;
+    }
+    if let Ok(archive) = Archive::names(bytes) {
+        return archive.iter().any(|name| name.as_bytes().ends_with(MAIN));
+    }
     let holds = |part: &[u8]| part.windows(MAIN.len()).any(|w| w.eq_ignore_ascii_case(MAIN));
     let end = bytes.get(bytes.len().saturating_sub(NAMES_WITHIN)..).unwrap_or_default();
     let start = bytes.get(..NAMES_WITHIN.min(bytes.len())).unwrap_or_default();
-    bytes.starts_with(MAGIC) && (holds(end) || holds(start))
+    holds(end) || holds(start)
 }
 
 /// Reads an x3p file.
