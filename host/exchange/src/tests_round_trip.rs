@@ -298,7 +298,7 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
             incidence.phi.to_degrees(),
             incidence.nodes.len()
         );
-        if flux > 1e-6 && incidence.theta < 1.4 && std::env::var_os("LOOK").is_none() {
+        if flux > 1e-6 && incidence.theta < 1.4 {
             assert!(flux_error.abs() < allowed.flux, "{title} {flux_error}");
             assert!(peak_error.abs() < allowed.peak, "{title} {peak_error}");
         }
@@ -307,9 +307,9 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
 
 #[test]
 fn tensortree3() {
-    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.2, peak: 0.5 });
+    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.1, peak: 2.0 });
     // a peak at the horizon is none that cells of direction cosines can hold
-    check_tree("tensortree3", 0.6, 0, &Allowed { node: 0.0, flux: 0.2, peak: f64::INFINITY });
+    check_tree("tensortree3", 0.6, 0, &Allowed { node: 0.0, flux: 0.1, peak: f64::INFINITY });
 }
 
 #[test]
@@ -324,7 +324,7 @@ fn tensortree3_narrow() {
 
 #[test]
 fn tensortree4() {
-    check_tree("tensortree4", 0.6, 0, &Allowed { node: 0.0, flux: 2.0, peak: f64::INFINITY });
+    check_tree("tensortree4", 0.6, 0, &Allowed { node: 0.0, flux: 0.5, peak: f64::INFINITY });
 }
 
 /// Writes files for `tests/peers/radiance.py` into the folder `ASPERITY_PEER_FILES`, and what they ought to hold beside them.
