@@ -1,6 +1,6 @@
 //! Tensor trees in the XML of WINDOW and Radiance: reading, and the file of a tree.
 //!
-//! Layout: Radiance `bsdf_t.c`. A tree halves a cube of 3 or 4 coordinates until a value holds for a cell: of `TensorTree3` the first is (1 - sin theta_i)/2,
+//! Layout: Radiance `bsdf_t.c`. A tree halves a cube of 3 or 4 coordinates until a value holds for a cell: of `TensorTree3` the first is `(1 - sin theta_i)/2`,
 //! below 1/2, and two are the square of the outgoing direction turned so that the light goes to +x; of `TensorTree4` two are the square
 //! of the direction the incident light goes to and two that of the outgoing direction, not turned. Squares keep areas: see `square.rs`.
 //! Child k of a branch has the upper half of coordinate j where bit j of k is set; a list of 2^(n m) values is a grid whose last
@@ -257,6 +257,9 @@ fn total(
     sum
 }
 
+/// Takes the corner and width of a part, and the cells over it.
+type Take<'a> = dyn FnMut([f64; 2], f64, &[usize]) + 'a;
+
 /// Calls `take` with every part of the incident coordinates that no cell divides, and the cells over it; parts that would be halved more
 /// than `depth` times are taken at their middle.
 fn visit(
@@ -266,7 +269,7 @@ fn visit(
     width: f64,
     rank: usize,
     depth: usize,
-    take: &mut dyn FnMut([f64; 2], f64, &[usize]),
+    take: &mut Take<'_>,
 ) {
     let axes = rank - 2;
     // the upper half of the first coordinate of an isotropic tree means nothing
