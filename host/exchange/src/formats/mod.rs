@@ -13,6 +13,7 @@ mod csv;
 mod zemax;
 mod window;
 mod klems;
+mod cells;
 mod tree_sample;
 mod tree;
 mod scene;
