@@ -106,12 +106,13 @@ def mitsuba(path, stem):
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    is_good = True
-    for path in sorted(pathlib.Path(sys.argv[1]).glob("*.xml")):
-        stem = str(path.with_suffix(""))
-        read = mitsuba if path.name.startswith("mitsuba") else radiance
-        is_good &= bool(read(path, stem))
-    sys.exit(0 if is_good else 1)
+    path = pathlib.Path(sys.argv[1])
+    if path.is_dir():
+        # a process each: the two programs do not share one well
+        codes = [subprocess.run([sys.executable, __file__, file]).returncode for file in sorted(path.glob("*.xml"))]
+        sys.exit(any(codes))
+    read = mitsuba if path.name.startswith("mitsuba") else radiance
+    sys.exit(0 if read(path, str(path.with_suffix(""))) else 1)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ impl<const N: usize> Span<N> {
     /// The two halves along an axis.
     fn halves(self, axis: usize) -> [Self; 2] {
         let (mut a, mut b) = (self, self);
-        let middle = (self.low[axis] + self.high[axis]) / 2.0;
+        let middle = f64::midpoint(self.low[axis], self.high[axis]);
         a.high[axis] = middle;
         b.low[axis] = middle;
         [a, b]
@@ -64,7 +64,7 @@ fn halve<const N: usize>(
 ) -> f64 {
     let halves: [[f64; 2]; N] =
         std::array::from_fn(|axis| span.halves(axis).map(|half| half.gauss(f)));
-    let changes = halves.map(|[a, b]| (a + b) / 2.0 - whole);
+    let changes = halves.map(|[a, b]| f64::midpoint(a, b) - whole);
     *boxes += 1;
     // what halving along each axis changes adds up
     let better = whole + changes.iter().sum::<f64>();

@@ -34,7 +34,7 @@ pub(crate) fn square_of([x, y]: [f64; 2]) -> [f64; 2] {
         let b = r.copysign(y);
         (b * (x / y).atan() / FRAC_PI_4, b)
     };
-    [(a + 1.0) / 2.0, (b + 1.0) / 2.0]
+    [f64::midpoint(a, 1.0), f64::midpoint(b, 1.0)]
 }
 
 /// Polar angle and azimuth of direction cosines.

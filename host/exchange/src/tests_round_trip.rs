@@ -451,9 +451,7 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
     let (law, subject) = lobes(alpha).remove(which);
     let title = format!("{name} {alpha} {:?} {:?}", subject.side, subject.lobe);
     let write = format.write.unwrap();
-    let started = std::time::Instant::now();
     let sampled = (write.sample)(&law, &subject, &Options::default()).unwrap();
-    let took = started.elapsed();
     let bytes = (write.encode)(std::slice::from_ref(&sampled)).unwrap();
     let (found, read) = read_bytes("file", &bytes).unwrap();
     assert_eq!(found.name, name);
@@ -461,12 +459,6 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
     assert_eq!((one.side, one.lobe, one.index), (subject.side, subject.lobe, subject.index));
     assert_eq!((one.symmetry, &one.bands[0]), (subject.symmetry, &subject.band));
     assert_eq!(one.incidences.len(), sampled.incidences.len());
-    let most = one.incidences.iter().map(|i| i.nodes.len()).max();
-    println!(
-        "{title}: {} incidences of up to {most:?} nodes, {} bytes, {took:?}",
-        one.incidences.len(),
-        bytes.len()
-    );
     let n = one.incidences.len();
     for k in (0..n).step_by(n / 7 + 1) {
         let incidence = &one.incidences[k];
@@ -497,13 +489,7 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
         let below = centres.iter().zip(&incidence.values).filter(|(at, _)| at[0] < HIGHEST);
         let top = below.map(|(_, v)| *v).fold(0.0, f64::max);
         let (flux_error, peak_error) = (100.0 * (is / flux - 1.0), 100.0 * (top / peak - 1.0));
-        println!(
-            "  {:.2} deg, {:.2}: {} nodes, flux {flux:.5} {flux_error:.3} %, peak {peak:.4} {peak_error:.3} %",
-            incidence.theta.to_degrees(),
-            incidence.phi.to_degrees(),
-            incidence.nodes.len()
-        );
-        if flux > 1e-6 && incidence.theta < 1.4 && std::env::var_os("LOOK").is_none() {
+        if flux > 1e-6 && incidence.theta < 1.4 {
             assert!(flux_error.abs() < allowed.flux, "{title} {flux_error}");
             assert!(peak_error.abs() < allowed.peak, "{title} {peak_error}");
         }
@@ -512,13 +498,13 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
 
 #[test]
 fn tensortree3() {
-    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.2, peak: 0.5, is_slow: false });
+    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.1, peak: 2.0, is_slow: false });
     // a peak at the horizon is none that cells of direction cosines can hold
     check_tree(
         "tensortree3",
         0.6,
         0,
-        &Allowed { node: 0.0, flux: 0.2, peak: f64::INFINITY, is_slow: false },
+        &Allowed { node: 0.0, flux: 0.1, peak: f64::INFINITY, is_slow: false },
     );
 }
 
@@ -543,7 +529,7 @@ fn tensortree4() {
         "tensortree4",
         0.6,
         0,
-        &Allowed { node: 0.0, flux: 2.0, peak: f64::INFINITY, is_slow: false },
+        &Allowed { node: 0.0, flux: 0.5, peak: f64::INFINITY, is_slow: false },
     );
 }
 
@@ -599,8 +585,8 @@ fn files_of_patches_for_peers() {
                 for k in 0..300 {
                     let u = |m: f64| (f64::from(k) * m).fract();
                     pair(
-                        [1.4 * u(0.618_034), 6.28 * u(0.754_877)],
-                        [1.4 * u(0.569_840), 6.28 * u(0.324_718)],
+                        [1.4 * u(0.618_034), 6.2 * u(0.754_877)],
+                        [1.4 * u(0.569_840), 6.2 * u(0.324_718)],
                         0.0,
                     );
                 }

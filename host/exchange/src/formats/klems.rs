@@ -147,7 +147,7 @@ impl Piece {
         if self.place[1] == 1 && self.edges[0] == 0.0 {
             0.0
         } else {
-            (self.edges[0] + self.edges[1]) / 2.0
+            f64::midpoint(self.edges[0], self.edges[1])
         }
     }
 
@@ -257,7 +257,7 @@ fn lobe(document: &Document, block: &Block) -> Result<SampledBsdf, Fault> {
         };
         values.get(at).copied().unwrap_or(0.0)
     });
-    let most = incidences.iter().map(|i| flux(i)).fold(0.0, f64::max);
+    let most = incidences.iter().map(flux).fold(0.0, f64::max);
     if most > 1.01 {
         notes.push(format!("not physical: up to {most:.4} of the light is scattered"));
     }
@@ -371,7 +371,7 @@ fn refuse_narrow(
     ratio: f64,
 ) -> Result<(), CannotHold> {
     for ring in rings.iter().filter(|r| r.edges[1] < 1.4) {
-        let theta = (ring.edges[0] + ring.edges[1]) / 2.0;
+        let theta = f64::midpoint(ring.edges[0], ring.edges[1]);
         let Some(ray) = specular(theta, ratio) else { continue };
         let Some(hit) = rings.iter().find(|r| ray < r.edges[1]) else { continue };
         let width = full_width(law, [theta, 0.0], ratio);
@@ -557,7 +557,7 @@ fn definition(known: &Known) -> String {
     );
     let mut lower = 0.0;
     for &(upper, count) in known.rings {
-        let theta = if lower == 0.0 { 0.0 } else { (lower + upper) / 2.0 };
+        let theta = if lower == 0.0 { 0.0 } else { f64::midpoint(lower, upper) };
         let _ = write!(
             out,
             "\t\t\t<AngleBasisBlock>\n\t\t\t\t<Theta>{theta}</Theta>\n\t\t\t\t<nPhis>{count}</nPhis>\n\

@@ -32,6 +32,7 @@ mod tracepro;
 mod mutation;
 mod window;
 mod klems;
+mod cells;
 mod tree_sample;
 mod tree;
 mod scene;

@@ -2,7 +2,7 @@
 //!
 //! Both have GGX facets on a dielectric (Mitsuba `roughdielectric`, documentation of its BSDF plugins; pbrt `dielectric`, its file format) with the separable masking
 //! of Smith in pbrt's and Mitsuba's own way. They trace radiance: what is transmitted into the material has the BTDF here times
-//! (n_out/n_in)^2. Their tables (`measured`) hold reflection alone, in a parametrisation of visible normals that a grid of
+//! `(n_out/n_in)^2`. Their tables (`measured`) hold reflection alone, in a parametrisation of visible normals that a grid of
 //! angles is not; so other laws are refused.
 
 use crate::error::CannotHold;

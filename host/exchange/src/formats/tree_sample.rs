@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
 
-use super::tree::{Leaf, Slice, corner, slices, slices_of};
+use super::cells::{Leaf, Slice, corner, slices, slices_of};
 use crate::error::CannotHold;
 use crate::frame::{Frame, around, specular};
 use crate::interpolate::Interpolation;

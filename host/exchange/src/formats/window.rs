@@ -163,8 +163,7 @@ pub(super) fn parse(text: &str) -> Result<Document, Fault> {
 
 /// Line of a byte, from 1.
 fn line_of(text: &str, at: usize) -> usize {
-    let before = text.as_bytes().get(..at).unwrap_or(text.as_bytes());
-    before.iter().filter(|b| **b == b'\n').count() + 1
+    text.match_indices('\n').take_while(|(place, _)| *place < at).count() + 1
 }
 
 #[derive(Default)]

@@ -8,11 +8,6 @@ use crate::formats::Source;
 use crate::formats::own::{self, Said};
 use crate::frame::{Frame, around};
 use crate::interpolate::Interpolation;
-<<<<<<< HEAD:host/exchange/src/formats/lighttools.rs
-use crate::law::{Coordinates, Layout};
-use crate::plan::plan;
-=======
->>>>>>> texts:host/exchange/src/formats/lighttools/read.rs
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::{Lines, excerpt, fields};
 
