@@ -491,14 +491,16 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
         let (flux_error, peak_error) = (100.0 * (is / flux - 1.0), 100.0 * (top / peak - 1.0));
         if flux > 1e-6 && incidence.theta < 1.4 {
             assert!(flux_error.abs() < allowed.flux, "{title} {flux_error}");
-            assert!(peak_error.abs() < allowed.peak, "{title} {peak_error}");
+            // beyond 50 degrees the balance of the flux takes more from the few cells of the peak
+            let most = if incidence.theta < 0.87 { allowed.peak } else { 6.0 * allowed.peak };
+            assert!(peak_error.abs() < most, "{title} {peak_error}");
         }
     }
 }
 
 #[test]
 fn tensortree3() {
-    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.1, peak: 2.0, is_slow: false });
+    check_tree("tensortree3", 0.2, 1, &Allowed { node: 0.0, flux: 0.1, peak: 0.5, is_slow: false });
     // a peak at the horizon is none that cells of direction cosines can hold
     check_tree(
         "tensortree3",
