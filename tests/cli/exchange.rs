@@ -23,12 +23,13 @@ fn formats(folder: &Folder) -> Vec<(String, bool, bool)> {
 fn every_format_has_flux_and_peak_of_the_model() {
     let folder = with_model();
     for (name, is_read, is_written) in formats(&folder) {
-        if !is_written {
+        // trees of cells take long, and have tests of their own
+        if !is_written || name.starts_with("tensortree") {
             continue;
         }
-        // coarse patches, and formats of a single incidence
+        // one incidence, for formats that hold no more; patches are coarse
         let line = format!(
-            "export m.json --format {name} --side air --lobe reflection --incidence 30 --tolerance 2 --json -o out.{name}"
+            "export m.json --format {name} --side air --lobe reflection --incidence 30 --wavelength-nm 550 --tolerance 2 --accept --json -o out.{name}"
         );
         let answer = folder.run(&line).json();
         assert_eq!(answer["format"], name.as_str());
@@ -56,7 +57,12 @@ fn a_file_that_can_hold_the_grid_keeps_its_values() {
     folder.run(line).ok();
     folder.run("convert a.bsdf b.bsdf --format zemax").ok();
     let values = |name: &str| -> Vec<String> {
-        folder.text(name).lines().filter(|l| !l.starts_with('#')).map(str::to_owned).collect()
+        folder
+            .text(name)
+            .lines()
+            .filter(|l| !l.starts_with('#') && !l.starts_with("TIS"))
+            .map(str::to_owned)
+            .collect()
     };
     assert_eq!(values("a.bsdf"), values("b.bsdf"));
 }
@@ -90,7 +96,7 @@ fn what_a_file_cannot_hold_is_refused_or_said() {
         .run("export m.json --format zemax --side dielectric --lobe transmission --incidence 20,60 -o y.bsdf")
         .ok();
     assert!(said.contains("1 incidences beyond the critical angle"), "{said}");
-    folder.run("model ggx --set alpha=0.3 --opaque -o opaque.json").ok();
+    folder.run("model ggx --set alpha=0.3 gain=1 lambert=0 --opaque -o opaque.json").ok();
     let err = refused("export opaque.json --format csv --side air --lobe transmission -o x");
     assert!(err.contains("opaque"), "{err}");
     folder.write("junk.bsdf", "neither this\nnor that\n");

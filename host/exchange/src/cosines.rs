@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::flux::Cell;
 use crate::frame::{Frame, specular};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Law, Options, Subject};
 use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf, Symmetry};
 

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use rayon::prelude::*;
 
 use crate::frame::{Frame, direction};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::nearest::Nearest;
 use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf};
 

@@ -3,18 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::frame::direction;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Grid, Incidence, Nodes};
-
-/// How a reader interpolates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interpolation {
-    /// Linear in each coordinate of the grid.
-    Linear,
-    /// Linear in the logarithm of the value; zeros are not possible.
-    Logarithmic,
-    /// One value a patch, or that of the nearest direction.
-    Nearest,
-}
 
 /// Where a number lies on an axis: the node below, the one above, and the fraction between.
 #[derive(Clone, Copy, Debug)]

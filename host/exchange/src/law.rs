@@ -1,6 +1,6 @@
 //! Laws that can be sampled, and how finely.
 
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Lobe, Side, Symmetry};
 
 /// Values to be sampled: one lobe of one side.

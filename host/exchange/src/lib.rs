@@ -11,6 +11,7 @@
 //! the source, counter-clockwise seen from the air. Values are BSDF, 1/sr, without cosine and without the eta^2 of radiance.
 
 pub mod frame;
+pub mod interpolation;
 pub mod sampled;
 mod nearest;
 pub mod convention;
@@ -41,5 +42,5 @@ mod tests_radiance;
 
 pub use error::{Fault, FileError};
 pub use formats::{FORMATS, Format, read, read_bytes};
-pub use interpolate::Interpolation;
+pub use interpolation::Interpolation;
 pub use sampled::{Band, Grid, Incidence, Lobe, Nodes, Patch, SampledBsdf, Side, Symmetry};

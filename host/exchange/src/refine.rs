@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use rayon::prelude::*;
 
 use crate::frame::Frame;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Law, Layout, Options};
 use crate::sampled::{Grid, Incidence, Nodes, Symmetry};
 

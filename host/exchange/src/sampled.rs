@@ -1,7 +1,7 @@
 //! One lobe of one side of a surface on a grid.
 
 use crate::frame::{Frame, specular};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 
 /// The side of the surface the light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::frame::{Frame, around};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 
 /// One value of a list.

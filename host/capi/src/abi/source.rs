@@ -4,7 +4,7 @@ use core::mem::MaybeUninit;
 
 use asperity_core::table::{Arrays, Header};
 
-use super::pointer::{Storage, begin, check_all, finish, read, refer, slice};
+use super::pointer::{Storage, begin, check_all, finish, read, slice};
 use crate::options::{self, AsperityTier};
 use crate::status::AsperityStatus as Status;
 use crate::table::{Numbers, TableLaw, Value};

@@ -9,7 +9,7 @@ use super::own;
 use super::{Format, Source, Writer};
 use crate::convention::{Global, between};
 use crate::error::{CannotHold, Fault};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Layout};
 use crate::plan::plan;
 use crate::sampled::{Band, SampledBsdf, Symmetry};

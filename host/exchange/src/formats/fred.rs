@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::{Frame, around, specular};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Law, Layout, Options, Subject};
 use crate::plan::plan;
 use crate::sampled::{Band, Lobe, Nodes, SampledBsdf, Side, Symmetry};

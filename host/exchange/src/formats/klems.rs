@@ -14,7 +14,7 @@ use super::window::{self, Block, Document, Ring, Structure, fault};
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::{around, specular};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Law, Options, Subject};
 use crate::patches::{Seen, Span, full_width, mean, projected};
 use crate::sampled::{Incidence, Nodes, Patch, SampledBsdf, Symmetry};

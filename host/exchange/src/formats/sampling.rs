@@ -2,7 +2,7 @@
 
 use super::{Law, Options, Subject};
 use crate::error::CannotHold;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Layout};
 use crate::plan::plan;
 use crate::sampled::SampledBsdf;

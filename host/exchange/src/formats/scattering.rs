@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, LN_2, PI};
 use super::{Format, Source};
 use crate::error::Fault;
 use crate::frame::Frame;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::{Lines, excerpt};
 

@@ -6,7 +6,7 @@
 //! angles is not; so other laws are refused.
 
 use crate::error::CannotHold;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Closed, Law, Options, Subject};
 use crate::sampled::{Incidence, Nodes, SampledBsdf};
 

@@ -12,7 +12,7 @@ use super::own;
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::{Frame, around};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::{Lines, degrees, excerpt};
 

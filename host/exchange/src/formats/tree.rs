@@ -16,7 +16,7 @@ use super::cells::{DEEPEST, Leaf, corner, slices};
 use super::window::{self, Block, Document, Structure, fault};
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Nodes, SampledBsdf, Symmetry};
 use crate::square::{cosines_of, square_of};
 use crate::text::excerpt;

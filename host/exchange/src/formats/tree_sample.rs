@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::cells::{Leaf, Slice, corner, slices, slices_of};
 use crate::error::CannotHold;
 use crate::frame::{Frame, around, specular};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Law, Options, Subject};
 use crate::patches::full_width;
 use crate::sampled::{SampledBsdf, Symmetry};

@@ -11,7 +11,7 @@ use super::own;
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::Frame;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Layout};
 use crate::plan::plan;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};

@@ -33,7 +33,7 @@ pub enum MapFault {
     },
     /// Nothing that is packed in it is a map.
     #[error(
-        "the {format} file holds no known height map{files}; pack one of x3p, SDF, al3d, opd or another that \
+        "the {format} file holds no known height map{files}; give one of x3p, SDF, al3d, opd or another that \
              `asperity stats --help` lists"
     )]
     NoneInside {

@@ -24,7 +24,7 @@ use super::{Format, Source, Writer};
 use crate::convention::Value;
 use crate::error::{CannotHold, Fault};
 use crate::frame::{Frame, around};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 
 const NAME: &str = "Integra";

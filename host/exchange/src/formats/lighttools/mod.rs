@@ -11,7 +11,7 @@ mod write;
 use std::f64::consts::FRAC_PI_2;
 
 use super::{Format, Writer};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Layout};
 use crate::plan::plan;
 

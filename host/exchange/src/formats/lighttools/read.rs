@@ -7,7 +7,7 @@ use crate::error::Fault;
 use crate::formats::Source;
 use crate::formats::own::{self, Said};
 use crate::frame::{Frame, around};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::{Lines, excerpt, fields};
 

@@ -12,7 +12,7 @@ mod write;
 
 use super::{Format, Source, Writer};
 use crate::error::Fault;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::law::{Coordinates, Layout};
 use crate::plan::plan;
 use crate::sampled::SampledBsdf;

@@ -3,7 +3,7 @@
 use super::block::{Block, Meaning};
 use super::{Head, flags, values_are_bsdf};
 use crate::error::Fault;
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::Lines;
 

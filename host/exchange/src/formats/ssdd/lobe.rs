@@ -6,7 +6,7 @@ use super::block::{Block, Kind};
 use crate::error::Fault;
 use crate::formats::own;
 use crate::frame::{Frame, around};
-use crate::interpolate::Interpolation;
+use crate::interpolation::Interpolation;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 
 pub(super) fn of(format: &'static str, block: &Block) -> Result<SampledBsdf, Fault> {
