@@ -1,4 +1,4 @@
-//! Exports of the RT-300S goniophotometer (J&C, with STIL Reflet): `.jdv`, `RayWiz` `.jdv`, text for `LightTools`, `.rtd` for Speos.
+//! Exports of the RT-300S goniophotometer: `.jdv`, `RayWiz` `.jdv`, text for `LightTools`, `.rtd` for Speos.
 //!
 //! Read off files of ua-loft/bsdf-tools. Lines may end with CR alone; a file holds a section for each incidence, and the whole set again
 //! for each run. Polar angles are signed, the plane of incidence is at azimuth -90, and positive angles there are those of the
