@@ -133,11 +133,13 @@ fn chosen(args: &Args, lobes: Vec<SampledBsdf>) -> Result<SampledBsdf, Failure> 
 }
 
 fn list() -> String {
+    use std::fmt::Write as _;
+
     let mut text = String::from("name          read  write  format\n");
     for format in FORMATS {
         let mark = |is: bool| if is { "yes" } else { "-" };
         let (read, write) = (mark(format.read.is_some()), mark(format.write.is_some()));
-        text += &format!("{:<13} {read:<5} {write:<6} {}\n", format.name, format.title);
+        let _ = writeln!(text, "{:<13} {read:<5} {write:<6} {}", format.name, format.title);
     }
     text
 }

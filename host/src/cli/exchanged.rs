@@ -178,7 +178,9 @@ impl Writing<'_> {
             notes: &notes,
         };
         if is_stdout {
-            notes.iter().for_each(|note| say::note(format_args!("note: {note}")));
+            for note in &notes {
+                say::note(format_args!("note: {note}"));
+            }
             return Ok(());
         }
         print(&if self.json {
