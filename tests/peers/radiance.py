@@ -2,7 +2,7 @@
 """Compares files for Radiance and Mitsuba with what these programs read from them.
 
     mkdir files
-    ASPERITY_PEER_FILES=$PWD/files cargo test -p asperity-exchange files_for_peers
+    ASPERITY_PEER_FILES=$PWD/files cargo test -p asperity-exchange for_peers
     pip install pyradiance mitsuba
     python tests/peers/radiance.py files
 
