@@ -3,7 +3,7 @@
 use crate::frame::direction;
 use crate::law::{Law, Subject};
 use crate::nearest::Nearest;
-use crate::sampled::{Nodes, SampledBsdf};
+use crate::sampled::{Incidence, Nodes, SampledBsdf};
 
 /// A lobe of a file, at the incidences of the file.
 #[derive(Debug)]
@@ -39,22 +39,35 @@ impl<'a> FileLaw<'a> {
     }
 }
 
+impl FileLaw<'_> {
+    /// The number of an incidence of the file.
+    fn find(&self, [theta, phi]: [f64; 2]) -> Option<usize> {
+        let near = |i: &Incidence| (i.theta - theta).abs() < 1e-9 && (i.phi - phi).abs() < 1e-9;
+        self.lobe.incidences.iter().position(near)
+    }
+}
+
 impl Law for FileLaw<'_> {
     /// Incidences are those of the file; others have no value.
-    fn value(&self, [theta, phi]: [f64; 2], out: [f64; 2]) -> f64 {
-        let all = self.lobe.incidences.iter();
-        let found = all
-            .zip(&self.nearest)
-            .enumerate()
-            .find(|(_, (i, _))| (i.theta - theta).abs() < 1e-9 && (i.phi - phi).abs() < 1e-9);
-        match found {
-            None => 0.0,
-            Some((_, (incidence, None))) => incidence.value(0, out, self.lobe.interpolation),
-            Some((k, (_, Some(nearest)))) => {
+    fn value(&self, incidence: [f64; 2], out: [f64; 2]) -> f64 {
+        let Some(k) = self.find(incidence) else { return 0.0 };
+        match &self.nearest[k] {
+            None => self.lobe.incidences[k].value(0, out, self.lobe.interpolation),
+            Some(nearest) => {
                 let node = nearest.find(direction(out));
                 node.and_then(|n| self.lobe.band(k, 0).get(n)).copied().unwrap_or(0.0)
             }
         }
+    }
+
+    fn flux(&self, incidence: [f64; 2]) -> Option<f64> {
+        let k = self.find(incidence)?;
+        self.has_grain().then(|| self.lobe.flux(k, 0))
+    }
+
+    /// Patches and single directions have one value each, and steps between them.
+    fn has_grain(&self) -> bool {
+        self.nearest.iter().any(Option::is_some)
     }
 }
 
@@ -101,6 +114,28 @@ mod tests {
             assert!(row.flux_percent().abs() < 0.1, "{row:?} {}", row.flux_percent());
             let own = lobe.flux(k, 0);
             assert!((row.flux_file / own - 1.0).abs() < 2e-3, "{row:?} {own}");
+        }
+    }
+
+    #[test]
+    fn single_directions_sampled_anew_keep_their_flux() {
+        let mut lobe = coarse();
+        for incidence in &mut lobe.incidences {
+            let directions = incidence.nodes.directions();
+            let over = |at: &[f64; 2]| at[0] < 1.5;
+            let pairs = directions.iter().zip(&incidence.values).filter(|(at, _)| over(at));
+            let (points, values) = pairs.map(|(at, v)| (*at, *v)).unzip();
+            (incidence.nodes, incidence.values) = (Nodes::Points(points), values);
+        }
+        let law = FileLaw::new(&lobe);
+        let incidences = lobe.incidences.iter().map(|i| [i.theta, i.phi]).collect();
+        let options = Options { incidences, ..Options::default() };
+        let write = Format::of_name("csv").unwrap().write.unwrap();
+        let made = (write.sample)(&law, &law.subject(), &options).unwrap();
+        for k in 0..lobe.incidences.len() {
+            let (is, ought) = (made.flux(k, 0), lobe.flux(k, 0));
+            assert!((is / ought - 1.0).abs() < 1e-6, "{is} {ought}");
+            assert!(made.incidences[k].nodes.len() < 20_000);
         }
     }
 }
