@@ -22,17 +22,7 @@ const FOR_VALUES: usize = 16;
 
 /// Samples a law; incidences without a direct ray are left out.
 pub(crate) fn plan(law: &dyn Law, subject: &Subject, options: &Options) -> SampledBsdf {
-    let mut sampled = SampledBsdf {
-        side: subject.side,
-        lobe: subject.lobe,
-        index: subject.index,
-        symmetry: subject.symmetry,
-        bands: vec![subject.band.clone()],
-        interpolation: Interpolation::Linear,
-        incidences: Vec::new(),
-        has_level: true,
-        notes: subject.notes.clone(),
-    };
+    let mut sampled = subject.empty(Interpolation::Linear);
     let ratio = sampled.ratio();
     let mut group = Vec::new();
     for at in &options.incidences {
@@ -226,7 +216,7 @@ impl<'a> Axes<'a> {
         marks
     }
 
-    /// Intervals that spoil the flux of an incidence most; none if it is right.
+    /// The intervals that contribute most to the error of the flux at an incidence; none if the flux is right.
     fn by_flux(&self, at: &At) -> Marks {
         let mut marks = Marks::none(self);
         let (grid, values, azimuths) = (self.grid(at), self.values(at), self.ends_of_azimuths());

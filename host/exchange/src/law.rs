@@ -1,7 +1,7 @@
 //! Laws that can be sampled, and how finely.
 
 use crate::interpolation::Interpolation;
-use crate::sampled::{Band, Lobe, Side, Symmetry};
+use crate::sampled::{Band, Lobe, SampledBsdf, Side, Symmetry};
 
 /// Values to be sampled: one lobe of one side.
 pub trait Law: Sync {
@@ -39,6 +39,23 @@ pub struct Subject {
     pub coherent: f64,
     /// The closed form, for programs that have it themselves.
     pub closed: Option<Closed>,
+}
+
+impl Subject {
+    /// The lobe without incidences, for a reader that interpolates by a rule.
+    pub(crate) fn empty(&self, interpolation: Interpolation) -> SampledBsdf {
+        SampledBsdf {
+            side: self.side,
+            lobe: self.lobe,
+            index: self.index,
+            symmetry: self.symmetry,
+            bands: vec![self.band.clone()],
+            interpolation,
+            incidences: Vec::new(),
+            has_level: true,
+            notes: self.notes.clone(),
+        }
+    }
 }
 
 /// A law that other programs know by name.

@@ -8,17 +8,7 @@ use crate::sampled::SampledBsdf;
 /// Samples a law on a grid whose interpolation is as near to it as `options` ask, or as near as `most_nodes` allow.
 pub fn plan(law: &dyn Law, subject: &Subject, layout: Layout, options: &Options) -> SampledBsdf {
     let law = &Capped(law);
-    let mut sampled = SampledBsdf {
-        side: subject.side,
-        lobe: subject.lobe,
-        index: subject.index,
-        symmetry: subject.symmetry,
-        bands: vec![subject.band.clone()],
-        interpolation: layout.interpolation,
-        incidences: Vec::new(),
-        has_level: true,
-        notes: subject.notes.clone(),
-    };
+    let mut sampled = subject.empty(layout.interpolation);
     let ratio = sampled.ratio();
     let mut frames = Vec::new();
     for &[theta, phi] in &options.incidences {

@@ -343,17 +343,7 @@ fn sample(
     options: &Options,
 ) -> Result<SampledBsdf, CannotHold> {
     let rings = known.rings();
-    let mut sampled = SampledBsdf {
-        side: subject.side,
-        lobe: subject.lobe,
-        index: subject.index,
-        symmetry: subject.symmetry,
-        bands: vec![subject.band.clone()],
-        interpolation: Interpolation::Nearest,
-        incidences: Vec::new(),
-        has_level: true,
-        notes: subject.notes.clone(),
-    };
+    let mut sampled = subject.empty(Interpolation::Nearest);
     if !options.accept {
         refuse_narrow(known, &rings, law, sampled.ratio())?;
     }

@@ -81,25 +81,11 @@ pub(super) fn anisotropic(
 }
 
 fn ratio(subject: &Subject) -> f64 {
-    empty(subject).ratio()
-}
-
-fn empty(subject: &Subject) -> SampledBsdf {
-    SampledBsdf {
-        side: subject.side,
-        lobe: subject.lobe,
-        index: subject.index,
-        symmetry: subject.symmetry,
-        bands: vec![subject.band.clone()],
-        interpolation: Interpolation::Nearest,
-        incidences: Vec::new(),
-        has_level: true,
-        notes: subject.notes.clone(),
-    }
+    subject.empty(Interpolation::Nearest).ratio()
 }
 
 fn sampled(law: &dyn Law, subject: &Subject, options: &Options, limits: &Limits) -> SampledBsdf {
-    let mut sampled = empty(subject);
+    let mut sampled = subject.empty(Interpolation::Nearest);
     let grown = Growth::new(law, subject, options, limits).grow();
     sampled.incidences = slices(&grown, limits.rank).0;
     sampled

@@ -47,7 +47,7 @@ pub(super) struct Header {
 #[derive(Debug)]
 pub(super) struct Channel {
     pub(super) wavelength_nm: Option<f64>,
-    /// One an incidence.
+    /// One per incidence.
     pub(super) kbdf: Option<Vec<f64>>,
     pub(super) values: Vec<f64>,
 }
