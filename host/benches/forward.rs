@@ -125,7 +125,7 @@ fn fits(c: &mut Criterion) {
     let angles = plan.incidences.iter().flat_map(|i| i.theta_deg.iter().map(|t| (i.sigma_deg, *t)));
     let readings = angles
         .zip(values)
-        .map(|((sigma_deg, theta_deg), value)| Reading { sigma_deg, theta_deg, value })
+        .map(|((sigma_deg, theta_deg), value)| Reading::in_plane(sigma_deg, theta_deg, value))
         .collect();
     let scan = Measurement::new(Metadata::default(), readings).unwrap();
     let body = Body::Dielectric { ior: IOR };

@@ -88,7 +88,7 @@ fn main() {
         quantity: Quantity::Flux,
     };
     let theta_deg: Vec<f64> = (-900..=900).map(|k| f64::from(k) * 0.1).collect();
-    let angles = Incidence { sigma_deg: 30.0, theta_deg };
+    let angles = Incidence::in_plane(30.0, theta_deg);
     let asked = Rays { count: 1 << 18, seed: 1 };
     let trace = || monte_carlo(&boundary, &setup, &angles, asked, Watch::nobody()).unwrap();
     let mut group = criterion.benchmark_group("photons through a plate, all cores");

@@ -38,7 +38,7 @@ fn table(wave: &Boundary) -> Boundary {
 /// The largest difference from rays beyond their noise, over the reading, and where.
 fn worst(law: &Boundary, setup: &Setup, sigma_deg: f64) -> (f64, String) {
     let theta_deg: Vec<f64> = (0..=88).map(|k| f64::from(k) * 2.0 - 88.0).collect();
-    let angles = Incidence { sigma_deg, theta_deg };
+    let angles = Incidence::in_plane(sigma_deg, theta_deg);
     let rays = Rays { count: count(400_000) as u64, seed: 7 };
     let drawn = monte_carlo(law, setup, &angles, rays, Watch::nobody()).unwrap();
     let plan = Angles { incidences: vec![angles.clone()] };

@@ -103,7 +103,7 @@ fn the_distance_of_a_map_without_direction_is_from_the_map_itself() {
         let of_table = quadrature(&table, &setup, &angles, Effort::Full).values;
         let scan = |seed| -> Vec<f64> {
             let one = |sigma_deg: &f64| {
-                let angles = Incidence { sigma_deg: *sigma_deg, theta_deg: thetas.clone() };
+                let angles = Incidence::in_plane(*sigma_deg, thetas.clone());
                 let rays = Rays { count: 150_000, seed };
                 monte_carlo(&boundary, &setup, &angles, rays, Watch::nobody()).unwrap().values
             };

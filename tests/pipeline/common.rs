@@ -97,7 +97,7 @@ impl Virtual {
         grid: &AngleGrid<f64>,
         rays: Rays,
     ) -> MonteCarlo {
-        let angles = Incidence { sigma_deg, theta_deg: angles(grid) };
+        let angles = Incidence::in_plane(sigma_deg, angles(grid));
         monte_carlo(&self.boundary, &self.setup, &angles, rays, Watch::nobody()).unwrap()
     }
 
@@ -146,7 +146,7 @@ pub(crate) fn measurement(
         .iter()
         .flat_map(|&sigma_deg| angles(grid).into_iter().map(move |theta| (sigma_deg, theta)))
         .zip(values)
-        .map(|((sigma_deg, theta_deg), &value)| Reading { sigma_deg, theta_deg, value })
+        .map(|((sigma_deg, theta_deg), &value)| Reading::in_plane(sigma_deg, theta_deg, value))
         .collect();
     Measurement::new(Metadata::default(), readings).unwrap()
 }

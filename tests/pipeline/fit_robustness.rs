@@ -27,10 +27,8 @@ const BUDGET: u64 = 40;
 fn readings(value: impl Fn(f64, f64) -> f64) -> Vec<Reading> {
     let thetas = (-18..=18).map(|k| 5.0 * f64::from(k));
     let points = thetas.flat_map(|theta| [(0.0, theta), (45.0, theta)]);
-    let reading = |(sigma_deg, theta_deg)| Reading {
-        sigma_deg,
-        theta_deg,
-        value: value(sigma_deg, theta_deg),
+    let reading = |(sigma_deg, theta_deg)| {
+        Reading::in_plane(sigma_deg, theta_deg, value(sigma_deg, theta_deg))
     };
     points.map(reading).collect()
 }
@@ -61,7 +59,7 @@ fn pathological() -> Vec<(&'static str, Vec<Reading>)> {
     for (reading, value) in noisy.iter_mut().zip(&values) {
         reading.value += 4e-5 * (value - 0.5);
     }
-    let one = |theta_deg, value| vec![Reading { sigma_deg: 30.0, theta_deg, value }];
+    let one = |theta_deg, value| vec![Reading::in_plane(30.0, theta_deg, value)];
     vec![
         ("one reading", one(30.0, 0.5)),
         ("one reading at the horizon", one(90.0, 0.5)),

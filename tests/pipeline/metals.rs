@@ -23,7 +23,7 @@ fn read(surface: &str) -> Option<Measurement> {
     let import = Import {
         columns: columns.with_filter(&format!("surface={surface}")).unwrap(),
         quantity: Quantity::Bsdf,
-        selection: Selection { sigma: "5:75".parse().unwrap(), theta: ":60".parse().unwrap() },
+        selection: Selection { sigma: "5:75".parse().unwrap(), theta: ":60".parse().unwrap(), ..Selection::default() },
         skip_missing: false,
     };
     let (scan, _) = import.read(path).unwrap();
@@ -81,7 +81,7 @@ fn made(law: impl Fn(f64, f64) -> f64, noise: f64) -> Measurement {
     for sigma in 5..=75 {
         for theta in [-60.0, -45.0, -30.0, -10.0, 15.0, 40.0, 60.0] {
             let value = law(f64::from(sigma), theta) * (1.0 + noise * normal());
-            readings.push(Reading { sigma_deg: f64::from(sigma), theta_deg: theta, value });
+            readings.push(Reading::in_plane(f64::from(sigma), theta, value));
         }
     }
     let meta = Metadata { quantity: Some(Quantity::Bsdf), ..Metadata::default() };

@@ -106,7 +106,7 @@ fn direct_sum_scan(map: &HeightMap, sigmas_deg: &[f64], thetas_deg: &[f64]) -> V
             }
         }
         let reading =
-            |(theta_deg, value): (&f64, f64)| Reading { sigma_deg, theta_deg: *theta_deg, value };
+            |(theta_deg, value): (&f64, f64)| Reading::in_plane(sigma_deg, *theta_deg, value);
         readings.extend(thetas_deg.iter().zip(values).map(reading));
     }
     assert!((k * lx) > 0.0);

@@ -69,11 +69,11 @@ impl Scan {
         for (key, value) in meta.into_iter().flatten().filter(|(_, value)| !value.is_none()) {
             known.set(&key.str()?.to_cow()?, &value.str()?.to_cow()?).map_err(bad)?;
         }
-        let readings = sigma_deg.iter().zip(&theta_deg).zip(&reading).map(|((s, t), r)| Reading {
-            sigma_deg: *s,
-            theta_deg: *t,
-            value: *r,
-        });
+        let readings = sigma_deg
+            .iter()
+            .zip(&theta_deg)
+            .zip(&reading)
+            .map(|((sigma, theta), value)| Reading::in_plane(*sigma, *theta, *value));
         let measurement = Measurement::new(known, readings.collect()).map_err(bad)?;
         Ok(Self { measurement, input: None })
     }
@@ -160,7 +160,7 @@ pub(crate) fn restore_scan(
     }
     let [sigma, theta, value] = readings;
     let rows = sigma.into_iter().zip(theta).zip(value);
-    let reading = |((sigma_deg, theta_deg), value)| Reading { sigma_deg, theta_deg, value };
+    let reading = |((sigma_deg, theta_deg), value)| Reading::in_plane(sigma_deg, theta_deg, value);
     let measurement = Measurement::new(meta, rows.map(reading).collect()).map_err(bad)?;
     let input = input.map(|(path, sha256)| InputFile { path, sha256 });
     Ok(Scan { measurement, input })

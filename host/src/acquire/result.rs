@@ -46,11 +46,8 @@ pub(super) fn scan_file(journal: &Journal) -> Result<Finished, NoScan> {
     let mut readings = Vec::new();
     for (k, sigma) in schedule.sigmas().iter().enumerate() {
         for (index, point) in (0..schedule.count()).zip(journal.points(k)) {
-            let reading = Reading {
-                sigma_deg: sigma.degrees(),
-                theta_deg: schedule.theta(index).degrees(),
-                value: relative(journal, point),
-            };
+            let theta = schedule.theta(index).degrees();
+            let reading = Reading::in_plane(sigma.degrees(), theta, relative(journal, point));
             if reading.value.is_finite() && !signal::is_possible(reading.value) {
                 return Err(NoScan::Impossible(reading));
             }

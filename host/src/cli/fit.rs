@@ -17,7 +17,7 @@ use crate::measurement::Measurement;
 use crate::method::{Body, Kind, Lack, in_words};
 use crate::output::AtomicFile;
 use crate::reconstruct::{Entry, Found, Task, usually_asked};
-use crate::report::{self, FigureFiles};
+use crate::report::{self, FigureFiles, PolarFiles};
 
 /// Fit a model to a measured scan
 ///
@@ -106,7 +106,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
-    let (measurement, input) = args.read.read(&args.scan)?;
+    let (measurement, input) = args.read.read(&args.scan, args.setup.geometry)?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan)?;
     if body == Body::Opaque && (args.fit_ior || args.fit_gain) {
         return Err(Failure::bad(
@@ -135,7 +135,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let trials = trials(&task, &args.method, profile, &|name| args.asks_for(name))
         .map_err(|what| Failure::Bad(of_scan(&what)))?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
-    let plots = args.plot.as_deref().map(open_plots).transpose()?;
+    let plots = args.plot.as_deref().map(|stem| Plots::open(stem, &measurement)).transpose()?;
     let found = progress::counter("").watch(|watch| task.fit(&trials, watch));
     let Found { entry, mut model, failed } = found.map_err(|e| match e {
         FitError::Interrupted => Failure::No(format!("{e}; no fit was written")),
@@ -160,10 +160,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 impl Args {
     /// Draws measured and fitted readings.
-    fn draw(&self, files: FigureFiles, scan: &Measurement, entry: &Entry) -> Result<(), Failure> {
+    fn draw(&self, plots: Plots, scan: &Measurement, entry: &Entry) -> Result<(), Failure> {
         let title = scan.meta.sample.clone();
         let title = title.unwrap_or_else(|| self.scan.display().to_string());
-        for path in files.write(&|scale| report::figure(&title, scan, &[entry], scale))? {
+        let mut written = Vec::new();
+        if let Some(files) = plots.cuts {
+            written.extend(files.write(&|scale| report::figure(&title, scan, &[entry], scale))?);
+        }
+        if let Some((files, picture)) = plots.polar.zip(report::hemispheres(&title, scan, entry)) {
+            written.extend(files.write(&picture)?);
+        }
+        for path in written {
             say::note(format_args!("wrote {}", path.display()));
         }
         Ok(())
@@ -222,10 +229,24 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
     }
 }
 
-fn open_plots(stem: &std::path::Path) -> Result<FigureFiles, Failure> {
-    let name = stem.file_name().map(|n| n.to_string_lossy().into_owned()).ok_or_else(|| {
-        Failure::bad(format!("--plot {}: give a stem for file names", stem.display()))
-    })?;
-    let folder = stem.parent().unwrap_or(std::path::Path::new(""));
-    Ok(FigureFiles::create(folder, &name)?)
+/// Files of pictures, opened before the work.
+struct Plots {
+    /// In the plane of incidence, if there are readings in it.
+    cuts: Option<FigureFiles>,
+    /// Over the hemisphere, if there are readings out of that plane.
+    polar: Option<PolarFiles>,
+}
+
+impl Plots {
+    fn open(stem: &std::path::Path, scan: &Measurement) -> Result<Self, Failure> {
+        let name = stem.file_name().map(|n| n.to_string_lossy().into_owned()).ok_or_else(|| {
+            Failure::bad(format!("--plot {}: give a stem for file names", stem.display()))
+        })?;
+        let folder = stem.parent().unwrap_or(std::path::Path::new(""));
+        let has_cuts = scan.readings().iter().any(|r| r.phi_deg.abs() <= 0.0);
+        let cuts = has_cuts.then(|| FigureFiles::create(folder, &name)).transpose()?;
+        let is_solid = !scan.is_in_plane();
+        let polar = is_solid.then(|| PolarFiles::create(folder, &name)).transpose()?;
+        Ok(Self { cuts, polar })
+    }
 }

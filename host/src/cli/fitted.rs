@@ -5,6 +5,7 @@ use super::flags::light;
 use super::say;
 use crate::boundary::Boundary;
 use crate::fit::{FitError, Fitted, Objective, Termination};
+use crate::measurement::Isotropy;
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
 use crate::report;
 
@@ -46,6 +47,14 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
     }
     let noise = fit.noise_floor_percent.map_or("unknown".into(), |n| format!("{n:.3} %"));
     let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
+    if let Some(isotropy) = Isotropy::of(task.measurement) {
+        let Isotropy { compared, floor_percent, worst_percent } = isotropy;
+        let _ = writeln!(
+            text,
+            "isotropy     {floor_percent:.3} %  (what no isotropic law can follow, in the same terms; {compared} \
+             readings compared, worst {worst_percent:.2} %)"
+        );
+    }
     if let Some(noise) = fit.simulation_noise_percent {
         let _ = writeln!(
             text,

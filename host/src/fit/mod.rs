@@ -27,7 +27,7 @@
 //! let boundary = method.boundary(&[0.2], body)?;
 //! let made = simulate(&boundary, &setup, &angles, Effort::Full, no_rays, Watch::nobody());
 //! let made = made.ok_or("stopped")?;
-//! let reading = |(&theta_deg, &value)| Reading { sigma_deg: 0.0, theta_deg, value };
+//! let reading = |(&theta_deg, &value)| Reading::in_plane(0.0, theta_deg, value);
 //! let readings = thetas.iter().zip(&made.values).map(reading).collect();
 //! let scan = Measurement::new(Metadata::default(), readings)?;
 //! let found = fit(&*method, &scan, &setup, &FitOptions::new(body), Watch::nobody())?;
@@ -231,7 +231,8 @@ pub fn fit(
     watch: Watch<'_>,
 ) -> Result<Fit, FitError> {
     let begun = Instant::now();
-    let mut problem = Problem::new(method, measurement, setup, options, watch);
+    let whole = Problem::new(method, measurement, setup, options, watch);
+    let mut problem = whole.spread();
     if problem.parameters().len() > measurement.readings().len() {
         return Err(FitError::TooFewReadings {
             readings: measurement.readings().len(),
@@ -279,11 +280,15 @@ pub fn fit(
     let Found { problem, values, termination } =
         found.simplest(&mut search, options, (draft_tolerance, tolerance))?;
 
-    let Some(readings) = last_readings(&problem, &values, measurement, options)? else {
+    let whole = whole.holding_as(&problem);
+    let Some(readings) = last_readings(&whole, &values, measurement, options)? else {
         return Err(FitError::Interrupted);
     };
+    let is_spread = problem.measured().len() < whole.measured().len();
+    let at_fitted = if is_spread { problem.simulate(&values, Effort::Full)? } else { None };
+    let at_fitted = at_fitted.as_ref().unwrap_or(&readings);
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
-    let parameters = fitted(&problem, &all, &values, &readings.values);
+    let parameters = fitted(&problem, &all, &values, &at_fitted.values);
     let (boundary, body) = problem.boundary(&values)?;
     let simulation_noise_percent = noise_percent(&readings, measurement);
     let of_rays = simulation_noise_percent.filter(|_| problem.is_traced());
@@ -295,7 +300,7 @@ pub fn fit(
             Body::Opaque => None,
         },
         rmsd_percent: rmsd_percent(&measured, &readings.values).unwrap_or(f64::NAN),
-        objective: (options.objective, problem.cost_of(&readings.values)),
+        objective: (options.objective, whole.cost_of(&readings.values)),
         incidences: verdict::by_incidence(&Angles::of(measurement), &measured, &readings.values),
         neglected: readings.neglected,
         simulation_noise_percent,

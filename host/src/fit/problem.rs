@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::boundary::Boundary;
 use crate::fit::{FitOptions, Objective};
-use crate::forward::{Angles, Effort, Rays, Readings, Sample, Setup, simulate};
+use crate::forward::{Angles, Effort, Incidence, Rays, Readings, Sample, Setup, simulate};
 use crate::measurement::Measurement;
 use crate::method::{Body, BuildError, Method, Parameter, Scale};
 use crate::watch::Watch;
@@ -57,8 +57,14 @@ impl Later {
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
 const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]);
 
-/// Readings per incidence that a draft needs.
+/// Readings per plane of observation that a draft needs, up to so many planes; beyond, readings in all.
 const DRAFT_READINGS: usize = 120;
+const DRAFT_PLANES: usize = 64;
+const DRAFT_ALL: usize = 8_000;
+/// Readings that a fit needs.
+const FIT_READINGS: usize = 40_000;
+/// Multiples of it, without their whole parts, fill the interval from 0 to 1 evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl<'a> Problem<'a> {
     pub(super) fn new(
@@ -100,28 +106,73 @@ impl<'a> Problem<'a> {
         self.watch
     }
 
-    /// The same with fewer readings: evenly thinned, each incidence's largest kept. A simulation that traces rays
-    /// gets all readings from the same rays: there it keeps them all.
+    /// The same with fewer readings for a draft: evenly thinned, the largest of each plane kept. A simulation that traces
+    /// rays gets all readings from the same rays: there it keeps them all.
     pub(super) fn thinned(&self) -> Self {
         if self.is_traced() {
             return Self { later: None, ..self.clone() };
         }
+        let planes = self.angles.incidences.len();
+        let share = DRAFT_ALL as f64 / self.measured.len() as f64;
+        let most = if planes > DRAFT_PLANES { usize::MAX } else { DRAFT_READINGS };
+        let thinned = if planes > DRAFT_PLANES { self.with_share(share) } else { self.clone() };
+        thinned.keeping(|values| {
+            let n = values.len();
+            let stride = n.div_ceil(most).max(1);
+            let peak = (0..n).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
+            (0..n).filter(|k| k % stride == peak % stride).collect()
+        })
+    }
+
+    /// The same with at most [`FIT_READINGS`], evenly spread: a smooth law is determined by far fewer than the millions of a
+    /// full hemisphere at many incidences.
+    pub(super) fn spread(&self) -> Self {
+        if self.is_traced() || self.measured.len() <= FIT_READINGS {
+            return self.clone();
+        }
+        self.with_share(FIT_READINGS as f64 / self.measured.len() as f64)
+    }
+
+    /// The same with a share of all readings, chosen by a sequence of low discrepancy.
+    fn with_share(&self, share: f64) -> Self {
+        let mut number = 0_u64;
+        self.keeping(|values| {
+            let chosen = |_: &usize| {
+                number += 1;
+                (number as f64 * GOLDEN).fract() < share
+            };
+            (0..values.len()).filter(chosen).collect()
+        })
+    }
+
+    /// The same with the readings of each plane whose places `choose` gives.
+    fn keeping(&self, mut choose: impl FnMut(&[f64]) -> Vec<usize>) -> Self {
         let mut angles = Angles::default();
         let mut measured = Vec::new();
         let mut from = 0;
-        for incidence in &self.angles.incidences {
-            let n = incidence.theta_deg.len();
-            let values = &self.measured[from..from + n];
-            from += n;
-            let stride = n.div_ceil(DRAFT_READINGS).max(1);
-            let peak = (0..n).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
-            let kept = |k: &usize| k % stride == peak % stride;
-            let mut part = incidence.clone();
-            part.theta_deg = (0..n).filter(kept).map(|k| incidence.theta_deg[k]).collect();
-            measured.extend((0..n).filter(kept).map(|k| values[k]));
-            angles.incidences.push(part);
+        for plane in &self.angles.incidences {
+            let values = &self.measured[from..from + plane.theta_deg.len()];
+            from += values.len();
+            let kept = choose(values);
+            if kept.is_empty() {
+                continue;
+            }
+            let theta_deg = kept.iter().map(|&k| plane.theta_deg[k]).collect();
+            measured.extend(kept.iter().map(|&k| values[k]));
+            angles.incidences.push(Incidence { theta_deg, ..*plane });
         }
         Self { angles, measured: measured.into(), later: None, ..self.clone() }
+    }
+
+    /// The same with the parameters of another held as they are there.
+    pub(super) fn holding_as(&self, other: &Self) -> Self {
+        Self {
+            parameters: other.parameters.clone(),
+            held: other.held.clone(),
+            full_rays: other.full_rays,
+            later: None,
+            ..self.clone()
+        }
     }
 
     /// The same with a free parameter held at a value.

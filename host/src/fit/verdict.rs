@@ -3,7 +3,7 @@
 use asperity_core::metric::rmsd_percent;
 
 use super::{Fit, Termination};
-use crate::forward::Angles;
+use crate::forward::{Angles, Incidence};
 
 /// Error of eq. (18) taken over one incidence alone, in %.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,18 +28,15 @@ pub(super) fn by_incidence(
     simulated: &[f64],
 ) -> Vec<IncidenceError> {
     let mut from = 0;
-    angles
-        .incidences
-        .iter()
-        .map(|incidence| {
-            let range = from..from + incidence.theta_deg.len();
-            from = range.end;
-            IncidenceError {
-                sigma_deg: incidence.sigma_deg,
-                rmsd_percent: rmsd_percent(&measured[range.clone()], &simulated[range]),
-            }
-        })
-        .collect()
+    let one = |planes: &[Incidence]| {
+        let range = from..from + planes.iter().map(|plane| plane.theta_deg.len()).sum::<usize>();
+        from = range.end;
+        IncidenceError {
+            sigma_deg: planes[0].sigma_deg,
+            rmsd_percent: rmsd_percent(&measured[range.clone()], &simulated[range]),
+        }
+    };
+    angles.by_incidence().into_iter().map(one).collect()
 }
 
 impl Fit {

@@ -61,10 +61,9 @@ pub(super) fn add(setup: &Setup, angles: &Incidence, values: &mut [f64], flux: f
     if half <= 0.0 {
         return;
     }
-    let sigma = angles.sigma_deg.to_radians();
     for (value, theta_deg) in values.iter_mut().zip(&angles.theta_deg) {
         let theta = theta_deg.to_radians();
-        if (theta - sigma).abs() <= half * (1.0 + 1e-9) {
+        if angles.from_beam(theta) <= half * (1.0 + 1e-9) {
             *value += flux * unit(setup, theta);
         }
     }

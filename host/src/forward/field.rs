@@ -16,7 +16,7 @@ use super::aperture::asinh;
 use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
 use super::between::{Between, Nodes, logarithms};
 use super::polar::{Polar, Sizes};
-use super::profile::{Profile, Response, Sent, Windows, in_the_plane};
+use super::profile::{Azimuthal, Response, Sent, Windows};
 use super::triangles::{factorise, solve};
 
 /// The inside of a plate, for light of any incidence.
@@ -325,10 +325,9 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
         Windows { grid, responses, modes: count }
     }
 
-    /// Flux per solid angle that light sent inwards from the second hit on has in the plane of incidence.
-    pub(super) fn profile(&self, sent: &Sent) -> Profile {
-        let values = sent.later.chunks_exact(self.sizes.modes).map(in_the_plane).collect();
-        Profile::new(self.grid.clone(), values)
+    /// Flux per solid angle of the light that is sent inwards from the second hit on.
+    pub(super) fn sent(&self, sent: &Sent) -> Azimuthal {
+        Azimuthal::new(self.grid.clone(), sent.later.clone(), self.sizes.modes)
     }
 
     /// A rule over the inside for light with a peak at one signed angle of the plane of incidence, seen by a view with a peak at

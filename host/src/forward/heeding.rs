@@ -78,7 +78,7 @@ mod tests {
             aperture_deg: 1.0,
             quantity: Quantity::Flux,
         };
-        let angles = Incidence { sigma_deg: 0.0, theta_deg: vec![0.0] };
+        let angles = Incidence::in_plane(0.0, vec![0.0]);
         let rays = Rays { count: 1_000_000, seed: 1 };
         assert!(
             monte_carlo(&boundary, &setup, &angles, rays, Watch::silent(&boundary.stop)).is_none()

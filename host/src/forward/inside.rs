@@ -8,7 +8,7 @@ use asperity_core::plate::RoughSide;
 use super::aperture::Node;
 use super::field::Inside;
 use super::optics::Entry;
-use super::profile::{Profile, Windows};
+use super::profile::{Azimuthal, Profile, Windows};
 use super::returns::Returns;
 use super::{Sample, Setup};
 
@@ -40,7 +40,11 @@ impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
     }
 
     /// The light of an incidence.
-    pub(super) fn light(&'a self, entry: &Entry, returns: Option<&Returns<'_, B>>) -> Light<'a, B> {
+    pub(super) fn light(
+        &'a self,
+        entry: &Entry,
+        returns: Option<&Returns<'_, B>>,
+    ) -> AllLight<'a, B> {
         let side = if entry.w.x() > 0.0 { -1.0 } else { 1.0 };
         let [x, _, z] = entry.w.xyz();
         let beam = Direction::from_unit(-x.abs(), 0.0, z);
@@ -56,15 +60,44 @@ impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
             }
             RoughSide::Detector => self.inside.of_beam_inside(beam, entry.flux + arriving),
         };
-        let balance = |profile: Profile| if x.abs() > 0.0 { profile } else { profile.balanced() };
-        let seen = self.windows.as_ref().map(|windows| balance(windows.profile(&sent)));
+        let balance = |light: Azimuthal| if x.abs() > 0.0 { light } else { light.balanced() };
+        let seen = self.windows.as_ref().map(|windows| balance(windows.seen(&sent)));
         let needs_sent = seen.is_none() || returns.is_some();
-        let sent = needs_sent.then(|| balance(self.inside.profile(&sent)));
-        Light { shared: self, beam, side, seen, sent }
+        let sent = needs_sent.then(|| balance(self.inside.sent(&sent)));
+        AllLight { shared: self, beam, side, seen, sent }
     }
 }
 
-/// Light of one incidence from its second hit of the rough face on.
+/// Light of one incidence from its second hit of the rough face on, in all directions.
+#[derive(Debug)]
+pub(super) struct AllLight<'a, B> {
+    shared: &'a Shared<'a, B>,
+    /// Where the beam comes from at the first hit; x <= 0.
+    beam: Direction<f64>,
+    /// 1, or -1 if it really comes from x > 0.
+    side: f64,
+    /// What is seen through the rough face, if the detector looks in there.
+    seen: Option<Azimuthal>,
+    /// What later hits send inwards, if any of it is seen as it is.
+    sent: Option<Azimuthal>,
+}
+
+impl<'a, B> AllLight<'a, B> {
+    /// That in the plane of observation turned by `phi`, rad.
+    pub(super) fn in_plane(&self, phi: f64) -> Light<'a, B> {
+        let cut = |light: &Option<Azimuthal>| light.as_ref().map(|light| light.in_plane(phi));
+        Light {
+            shared: self.shared,
+            beam: self.beam,
+            side: self.side,
+            turn: phi.sin_cos(),
+            seen: cut(&self.seen),
+            sent: cut(&self.sent),
+        }
+    }
+}
+
+/// The same in one plane of observation.
 #[derive(Debug)]
 pub(super) struct Light<'a, B> {
     shared: &'a Shared<'a, B>,
@@ -72,6 +105,8 @@ pub(super) struct Light<'a, B> {
     beam: Direction<f64>,
     /// 1, or -1 if it really comes from x > 0.
     side: f64,
+    /// Sine and cosine of the azimuth of the plane.
+    turn: (f64, f64),
     /// What is seen through the rough face, if the detector looks in there.
     seen: Option<Profile>,
     /// What later hits send inwards, if any of it is seen as it is.
@@ -110,18 +145,24 @@ impl<B: Bsdf<f64> + Sync> Light<'_, B> {
         if cos < 1e-9 {
             return 0.0;
         }
-        let view = |out: f64| Direction::from_unit(self.side * sin * along, out, cos * along);
-        let peaks = [-self.beam.x(), self.side * sin * along].map(|x| (x / inside.eta).asin());
-        let cosines = [self.beam.z(), cos * along];
+        let (turn_sin, turn_cos) = self.turn;
+        let x = self.side * (turn_cos * sin * along - turn_sin * out);
+        let off = turn_sin * sin * along + turn_cos * out;
+        let z = cos * along;
+        let views = [off, -off].map(|y| Direction::from_unit(x, y, z));
+        // the rule is about the plane of incidence, and the wider the further the view is from it
+        let polar = (sin * along).abs().copysign(x);
+        let peaks = [-self.beam.x(), polar].map(|x| (x / inside.eta).asin());
+        let cosines = [self.beam.z(), z];
         let lobe = |k: usize| inside.snell_width(cosines[k], &inside.polar(peaks[k].abs()));
-        let width = lobe(0).min(lobe(1)).hypot(psi / inside.eta);
+        let width = lobe(0).min(lobe(1)).hypot(off.abs().min(1.0).asin() / inside.eta);
         let mut sum = 0.0;
         inside.between(peaks[0], peaks[1], width, |at, c, s, weight| {
             let from = at.from(c, s);
             let arrives = at.kept * boundary.ars(self.beam, at.towards(c, s));
-            let mut leaves = boundary.ars(from, view(out));
-            if out > 0.0 {
-                leaves = 0.5 * (leaves + boundary.ars(from, view(-out)));
+            let mut leaves = boundary.ars(from, views[0]);
+            if off.abs() > 0.0 {
+                leaves = 0.5 * (leaves + boundary.ars(from, views[1]));
             }
             sum += weight * arrives * leaves;
         });

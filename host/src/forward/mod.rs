@@ -32,11 +32,12 @@ pub(crate) use rays::{Tiles, mix};
 pub use simulate::simulate;
 pub use wave::wave;
 
+use asperity_core::direction::Direction;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
-use crate::measurement::{Measurement, Quantity};
+use crate::measurement::{Measurement, Plane, Quantity};
 
 /// The sample in the beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,43 +78,90 @@ impl Setup {
     }
 }
 
-/// The angles of one incidence, degrees; observation angles ascend.
+/// The angles of one incidence in one plane of observation, degrees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incidence {
     /// Angle of incidence.
     pub sigma_deg: f64,
-    /// Angles of observation.
+    /// Azimuth of the plane of observation from the plane of incidence; 0 in that plane.
+    pub phi_deg: f64,
+    /// Angles of observation in that plane, ascending.
     pub theta_deg: Vec<f64>,
+}
+
+impl Incidence {
+    /// Observed in the plane of incidence.
+    pub fn in_plane(sigma_deg: f64, theta_deg: Vec<f64>) -> Self {
+        Self { sigma_deg, phi_deg: 0.0, theta_deg }
+    }
+
+    /// Whether the plane of observation is another than that of incidence.
+    pub(crate) fn is_turned(&self) -> bool {
+        self.phi_deg.abs() > 0.0
+    }
+
+    /// A direction as it is in a frame that is turned with the plane of observation.
+    pub(crate) fn turned_back(&self, w: Direction<f64>) -> Direction<f64> {
+        if self.is_turned() { turned(w, -self.phi_deg.to_radians()) } else { w }
+    }
+
+    /// A direction of that frame as it is in the frame of the plane of incidence.
+    pub(crate) fn turned(&self, w: Direction<f64>) -> Direction<f64> {
+        if self.is_turned() { turned(w, self.phi_deg.to_radians()) } else { w }
+    }
+
+    /// The point of the plane that is nearest to the undeviated or mirrored beam: its angle, and how far it is from it, rad.
+    pub(crate) fn nearest_to_beam(&self) -> (f64, f64) {
+        let sigma = self.sigma_deg.to_radians();
+        if !self.is_turned() {
+            return (sigma, 0.0);
+        }
+        let (sin, cos) = self.phi_deg.to_radians().sin_cos();
+        ((sigma.tan() * cos).atan(), (sigma.sin() * sin).abs().asin())
+    }
+
+    /// Angle between the direction at `theta`, rad, and the undeviated or mirrored beam.
+    pub(crate) fn from_beam(&self, theta: f64) -> f64 {
+        let (nearest, off) = self.nearest_to_beam();
+        let along = (theta - nearest).abs();
+        if self.is_turned() { (along.cos() * off.cos()).clamp(-1.0, 1.0).acos() } else { along }
+    }
+}
+
+/// A direction turned about the normal, by an angle in radians.
+fn turned(w: Direction<f64>, phi: f64) -> Direction<f64> {
+    let ([x, y, z], (sin, cos)) = (w.xyz(), phi.sin_cos());
+    Direction::from_unit(cos * x - sin * y, sin * x + cos * y, z)
 }
 
 /// The angles of a scan.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Angles {
-    /// One entry per incidence.
+    /// One entry per incidence and plane of observation, those of one incidence in a row.
     pub incidences: Vec<Incidence>,
 }
 
 impl Angles {
     /// The angles of a measurement, in the order of its readings.
     pub fn of(measurement: &Measurement) -> Self {
-        let mut angles = Self::default();
-        for r in measurement.readings() {
-            match angles.incidences.last_mut() {
-                Some(last) if last.sigma_deg.to_bits() == r.sigma_deg.to_bits() => {
-                    last.theta_deg.push(r.theta_deg);
-                }
-                _ => angles
-                    .incidences
-                    .push(Incidence { sigma_deg: r.sigma_deg, theta_deg: vec![r.theta_deg] }),
-            }
-        }
-        angles
+        let plane = |plane: Plane<'_>| Incidence {
+            sigma_deg: plane.sigma_deg,
+            phi_deg: plane.phi_deg,
+            theta_deg: plane.readings.iter().map(|r| r.theta_deg).collect(),
+        };
+        Self { incidences: measurement.by_plane().map(plane).collect() }
     }
 
-    /// The same observation angles for every incidence.
+    /// The same observation angles, in the plane of incidence, for every incidence.
     pub fn product(sigmas_deg: &[f64], theta_deg: &[f64]) -> Self {
-        let incidence = |&sigma_deg| Incidence { sigma_deg, theta_deg: theta_deg.to_vec() };
+        let incidence = |&sigma_deg| Incidence::in_plane(sigma_deg, theta_deg.to_vec());
         Self { incidences: sigmas_deg.iter().map(incidence).collect() }
+    }
+
+    /// The planes of observation of each incidence.
+    pub(crate) fn by_incidence(&self) -> Vec<&[Incidence]> {
+        let same = |a: &Incidence, b: &Incidence| a.sigma_deg.total_cmp(&b.sigma_deg).is_eq();
+        self.incidences.chunk_by(same).collect()
     }
 
     /// Number of readings.

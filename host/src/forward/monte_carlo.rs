@@ -182,7 +182,7 @@ impl Tile {
             let mut uniform = || uniforms.next();
             let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
             let mut receive = |wo: Direction<f64>, flux: f64| {
-                let Some((from, to)) = cone.angles(wo) else { return };
+                let Some((from, to)) = cone.angles(angles.turned_back(wo)) else { return };
                 let first = theta.partition_point(|t| *t < from);
                 for (at, _) in theta.iter().enumerate().skip(first).take_while(|(_, t)| **t <= to) {
                     tile.flux[at] += flux;

@@ -1,4 +1,4 @@
-//! Light inside as azimuthal modes on polar angles, and what is seen of it in the plane of incidence.
+//! Light inside as azimuthal modes on polar angles, and what is seen of it in a plane of observation.
 
 use std::f64::consts::PI;
 
@@ -45,46 +45,71 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Flux per solid angle outside, in the plane of incidence.
-    pub(super) fn profile(&self, sent: &Sent) -> Profile {
+    /// Flux per solid angle outside.
+    pub(super) fn seen(&self, sent: &Sent) -> Azimuthal {
         let first = logarithms(&sent.first, self.modes);
         let later = logarithms(&sent.later, self.modes);
         let first = Nodes { modes: &sent.first, logs: &first };
         let later = Nodes { modes: &sent.later, logs: &later };
-        let value = |response: &Response| {
+        let mut all = Vec::with_capacity(self.responses.len() * self.modes);
+        for response in &self.responses {
             let mut product = vec![0.0; self.modes];
             if !first.modes.is_empty() {
                 response.first.times(first, &mut product);
             }
             response.later.times(later, &mut product);
-            in_the_plane(&product)
-        };
-        Profile::new(self.grid.clone(), self.responses.iter().map(value).collect())
+            all.append(&mut product);
+        }
+        Azimuthal { grid: self.grid.clone(), modes: all, count: self.modes }
     }
 }
 
-/// A function in the plane of incidence.
+/// A function of direction, even about the plane of incidence: azimuthal modes at polar angles.
+#[derive(Clone, Debug)]
+pub(super) struct Azimuthal {
+    grid: PolarGrid,
+    /// Those of each node together.
+    modes: Vec<f64>,
+    /// Modes of a node.
+    count: usize,
+}
+
+impl Azimuthal {
+    /// From the modes of the nodes of a grid, `count` each.
+    pub(super) fn new(grid: PolarGrid, modes: Vec<f64>, count: usize) -> Self {
+        Self { grid, modes, count }
+    }
+
+    /// That of a beam along the normal, which does not depend on the azimuth but for the rounding of the rules.
+    pub(super) fn balanced(mut self) -> Self {
+        for node in self.modes.chunks_mut(self.count) {
+            node.iter_mut().skip(1).step_by(2).for_each(|odd| *odd = 0.0);
+        }
+        self
+    }
+
+    /// In the plane through the normal that is turned by `phi`, rad, from the plane of incidence.
+    pub(super) fn in_plane(&self, phi: f64) -> Profile {
+        let values = self.modes.chunks(self.count).map(|node| in_plane(node, phi)).collect();
+        Profile::new(self.grid.clone(), values)
+    }
+}
+
+/// A function in a plane through the normal.
 #[derive(Debug)]
 pub(super) struct Profile {
     grid: PolarGrid,
-    /// At azimuth 0 and at pi.
+    /// On both sides of the normal: at the azimuth of the plane, and half a turn off.
     values: Vec<[f64; 2]>,
     /// Their logarithms.
     logs: Vec<[f64; 2]>,
 }
 
 impl Profile {
-    /// From values at azimuths 0 and pi of the nodes of a grid.
-    pub(super) fn new(grid: PolarGrid, values: Vec<[f64; 2]>) -> Self {
+    /// From values on both sides of the normal at the nodes of a grid.
+    fn new(grid: PolarGrid, values: Vec<[f64; 2]>) -> Self {
         let logs = values.iter().map(|both| both.map(f64::ln)).collect();
         Self { grid, values, logs }
-    }
-
-    /// Both sides the same: what a beam along the normal gives but for the rounding of the rules.
-    pub(super) fn balanced(self) -> Self {
-        let mean = |[ahead, behind]: &[f64; 2]| [0.5 * (ahead + behind); 2];
-        let values = self.values.iter().map(mean).collect();
-        Self::new(self.grid, values)
     }
 
     /// At a signed angle.
@@ -94,15 +119,19 @@ impl Profile {
     }
 }
 
-/// A function's values at azimuths 0 and pi from its modes.
+/// A function's values at the azimuth `phi`, rad, and half a turn off, from its modes.
 ///
 /// The last modes fade out: a series that ends abruptly rings at all azimuths, and the dark side of a lobe is far darker
 /// than its peak.
-pub(super) fn in_the_plane(modes: &[f64]) -> [f64; 2] {
+fn in_plane(modes: &[f64], phi: f64) -> [f64; 2] {
+    // cos(m phi) by Chebyshev's recurrence
+    let cos = phi.cos();
+    let (mut this, mut next) = (1.0, cos);
     let mut sums = [0.0; 2];
     for (m, mode) in modes.iter().enumerate() {
         let fourth = (m as f64 / modes.len() as f64).powi(4);
-        sums[m & 1] += mode * (-FADE * fourth * fourth).exp();
+        sums[m & 1] += mode * (-FADE * fourth * fourth).exp() * this;
+        (this, next) = (next, 2.0 * cos * next - this);
     }
     let first = modes.first().copied().unwrap_or(0.0);
     [sums[0] + sums[1], sums[0] - sums[1]].map(|sum| (2.0 * sum - first) / (2.0 * PI))

@@ -8,7 +8,7 @@ use asperity_core::gonio::Geometry;
 use rayon::prelude::*;
 
 use super::aperture::{Integral, Line, Node, Warp, cubic, narrow_lines, smooth_lines};
-use super::inside::{Light, Shared};
+use super::inside::{AllLight, Light, Shared};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::returns::Returns;
@@ -79,31 +79,64 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
     effort: Effort,
 ) -> Readings {
     let shared = if effort.has_passes() { Shared::new(boundary, setup) } else { None };
-    let one = |incidence| OneIncidence::new(boundary, setup, incidence, effort, shared.as_ref());
-    let parts: Vec<(Vec<f64>, Neglected)> =
-        angles.incidences.par_iter().map(|incidence| one(incidence).readings()).collect();
+    let one = |planes: &&[Incidence]| -> Vec<(Vec<f64>, Neglected)> {
+        let beam = Beam::new(boundary, setup, planes[0].sigma_deg, effort, shared.as_ref());
+        planes.par_iter().map(|plane| OnePlane::new(&beam, plane).readings()).collect()
+    };
+    let parts: Vec<Vec<(Vec<f64>, Neglected)>> =
+        angles.by_incidence().par_iter().map(one).collect();
+    let all = || parts.iter().flatten();
     Readings {
-        neglected: parts.iter().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
-        values: parts.into_iter().flat_map(|p| p.0).collect(),
+        neglected: all().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
+        values: all().flat_map(|p| p.0.iter().copied()).collect(),
         std_errors: None,
     }
 }
 
-/// All that the readings of one incidence need.
-struct OneIncidence<'a, B> {
+/// All that the readings of one incidence have in common.
+struct Beam<'a, B> {
+    boundary: &'a B,
+    setup: &'a Setup,
+    effort: Effort,
+    entry: Entry,
+    /// Light of later hits, where nodes of the inside resolve it.
+    light: Option<AllLight<'a, B>>,
+    /// Light that keeps its direction at some hits.
+    returns: Option<Returns<'a, B>>,
+}
+
+impl<'a, B: Bsdf<f64> + Sync> Beam<'a, B> {
+    fn new(
+        boundary: &'a B,
+        setup: &'a Setup,
+        sigma_deg: f64,
+        effort: Effort,
+        shared: Option<&'a Shared<'a, B>>,
+    ) -> Self {
+        let entry = enter(setup, sigma_deg.to_radians());
+        let returns =
+            if effort.has_passes() { Returns::new(boundary, setup, &entry) } else { None };
+        let light = shared.map(|shared| shared.light(&entry, returns.as_ref()));
+        let returns = if light.is_some() { returns } else { returns.map(Returns::without_beam) };
+        Self { boundary, setup, effort, entry, light, returns }
+    }
+}
+
+/// All that the readings in one plane of observation need.
+struct OnePlane<'a, B> {
     boundary: &'a B,
     setup: &'a Setup,
     incidence: &'a Incidence,
     effort: Effort,
     sigma: f64,
     entry: Entry,
+    /// The point of the plane nearest to the peak, and how far it is from it, rad.
+    nearest: (f64, f64),
     /// Width of the lobe, rad.
     scale: f64,
     warp: Warp,
-    /// Light of later hits, where nodes of the inside resolve it.
     light: Option<Light<'a, B>>,
-    /// Light that keeps its direction at some hits.
-    returns: Option<Returns<'a, B>>,
+    returns: Option<&'a Returns<'a, B>>,
 }
 
 /// Half cells from one direction to the next in which light of later hits is computed.
@@ -127,24 +160,25 @@ impl ConeRule<'_> {
     }
 }
 
-impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
-    fn new(
-        boundary: &'a B,
-        setup: &'a Setup,
-        incidence: &'a Incidence,
-        effort: Effort,
-        shared: Option<&'a Shared<'a, B>>,
-    ) -> Self {
-        let sigma = incidence.sigma_deg.to_radians();
-        let scale = lobe_width(boundary.slope(), setup);
-        let cells_per_unit = if effort == Effort::Draft { 6.0 } else { 16.0 };
-        let warp = Warp::new(sigma, scale, cells_per_unit);
-        let entry = enter(setup, sigma);
-        let returns =
-            if effort.has_passes() { Returns::new(boundary, setup, &entry) } else { None };
-        let light = shared.map(|shared| shared.light(&entry, returns.as_ref()));
-        let returns = if light.is_some() { returns } else { returns.map(Returns::without_beam) };
-        Self { boundary, setup, incidence, effort, sigma, entry, scale, warp, light, returns }
+impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
+    fn new(beam: &'a Beam<'a, B>, incidence: &'a Incidence) -> Self {
+        let nearest = incidence.nearest_to_beam();
+        let scale = lobe_width(beam.boundary.slope(), beam.setup);
+        let cells_per_unit = if beam.effort == Effort::Draft { 6.0 } else { 16.0 };
+        let phi = incidence.phi_deg.to_radians();
+        Self {
+            boundary: beam.boundary,
+            setup: beam.setup,
+            incidence,
+            effort: beam.effort,
+            sigma: incidence.sigma_deg.to_radians(),
+            entry: beam.entry,
+            nearest,
+            scale,
+            warp: Warp::new(nearest.0, scale.hypot(nearest.1), cells_per_unit),
+            light: beam.light.as_ref().map(|light| light.in_plane(phi)),
+            returns: beam.returns.as_ref(),
+        }
     }
 
     fn readings(&self) -> (Vec<f64>, Neglected) {
@@ -166,17 +200,23 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             thetas.map(|theta| far.reading(theta)).collect()
         } else {
             let reach = NEAR * (half_angle + self.scale);
-            let (near, missing) = self.near(&nodes, half_angle, reach);
-            neglected = neglected.or_more(missing);
-            let is_near = |theta: f64| (theta - self.sigma).abs() <= reach;
-            thetas.map(|t| if is_near(t) { near.reading(t) } else { far.reading(t) }).collect()
+            let near = (self.nearest.1 <= reach).then(|| self.near(&nodes, half_angle, reach));
+            if let Some((_, missing)) = &near {
+                neglected = neglected.or_more(*missing);
+            }
+            let at = |theta: f64| match &near {
+                Some((near, _)) if self.incidence.from_beam(theta) <= reach => near.reading(theta),
+                _ => far.reading(theta),
+            };
+            thetas.map(at).collect()
         };
         for (value, theta) in values.iter_mut().zip(&self.incidence.theta_deg) {
             // differences of integrals and the cubic between readings may undershoot zero
             *value = value.max(0.0);
             let theta = theta.to_radians();
             // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
-            if self.entry.mirrored > 0.0 && (theta - self.sigma).abs() <= half_angle * (1.0 + 1e-9)
+            if self.entry.mirrored > 0.0
+                && self.incidence.from_beam(theta) <= half_angle * (1.0 + 1e-9)
             {
                 *value += self.entry.mirrored;
             }
@@ -198,7 +238,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             // A lobe wider than the cone looks the same on all lines for what was scattered twice.
             if k == 0 || self.setup.geometry == Geometry::Reflection {
                 let missing;
-                (inner, missing) = self.internal_density(nodes, line.psi);
+                (inner, missing) = self.internal_on_line(nodes, line.psi);
                 neglected = neglected.or_more(self.in_readings(missing));
             }
             integrals.push(self.integral(nodes, line.psi, |_| true, &inner));
@@ -211,7 +251,8 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
     /// Light of later hits is computed on every line: of a lobe far narrower than the cone it is as narrow itself.
     fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (ConeRule<'_>, Neglected) {
         let lines = narrow_lines(half_angle, self.scale);
-        let seen = |node: &Node| (node.theta - self.sigma).abs() <= reach + 2.0 * half_angle;
+        let seen =
+            |node: &Node| (node.theta - self.nearest.0).abs() <= reach + 2.0 * half_angle;
         let first = nodes.iter().position(seen).unwrap_or(0);
         // the cubic between computed directions knows less at the ends
         let first = (first - first % STRIDE).saturating_sub(2 * STRIDE);
@@ -220,7 +261,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         let mut neglected = Neglected::default();
         let mut integrals = Vec::with_capacity(lines.len());
         for line in &lines {
-            let (part, missing) = self.internal_density(&nodes[first..after], line.psi);
+            let (part, missing) = self.internal_on_line(&nodes[first..after], line.psi);
             let mut inner = vec![0.0; nodes.len()];
             inner[first..after].copy_from_slice(&part);
             neglected = neglected.or_more(self.in_readings(missing));
@@ -239,13 +280,30 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
     ) -> Integral {
         let value = |(node, inner): (&Node, &f64)| {
             if counts(node) {
-                (self.first_hit(node, psi) + inner + self.returning(node, psi)) * node.slope
+                let direct = |psi| self.first_hit(node, psi) + self.returning(node, psi);
+                (self.on_line(psi, direct) + inner) * node.slope
             } else {
                 0.0
             }
         };
         let density: Vec<f64> = nodes.iter().zip(inner).map(value).collect();
         Integral::new(&self.warp, &density)
+    }
+
+    /// What lies on the lines at `psi` and `-psi` together, half of each: in the plane of incidence they are alike.
+    fn on_line(&self, psi: f64, at: impl Fn(f64) -> f64) -> f64 {
+        if self.incidence.is_turned() && psi > 0.0 { 0.5 * (at(psi) + at(-psi)) } else { at(psi) }
+    }
+
+    /// [`Self::internal_density`] of both lines.
+    fn internal_on_line(&self, nodes: &[Node], psi: f64) -> (Vec<f64>, Neglected) {
+        let (mut density, mut neglected) = self.internal_density(nodes, psi);
+        if self.incidence.is_turned() && psi > 0.0 {
+            let (other, missing) = self.internal_density(nodes, -psi);
+            density.iter_mut().zip(other).for_each(|(a, b)| *a = 0.5 * (*a + b));
+            neglected = neglected.or_more(missing);
+        }
+        (density, neglected)
     }
 
     /// From a missing density, 1/sr, to what is missing from a reading.
@@ -277,7 +335,8 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
             Geometry::Transmission => -cos,
             Geometry::Reflection => cos,
         };
-        look(self.setup, Direction::from_unit(along * sin, out, along * z))
+        let wo = Direction::from_unit(along * sin, out, along * z);
+        look(self.setup, self.incidence.turned(wo))
     }
 
     /// Flux per solid angle after one hit of the rough face.
@@ -292,7 +351,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
 
     /// Flux per solid angle of light that keeps its direction at some hits, where it is as narrow as that of the first.
     fn returning(&self, node: &Node, psi: f64) -> f64 {
-        let Some(returns) = &self.returns else { return 0.0 };
+        let Some(returns) = self.returns else { return 0.0 };
         let later = || self.light.as_ref().map_or(0.0, |light| light.sent(node));
         self.view(node, psi).map_or(0.0, |view| view.factor * returns.density(&view, later))
     }
@@ -325,7 +384,7 @@ impl<'a, B: Bsdf<f64> + Sync> OneIncidence<'a, B> {
         let narrow = self.scale <= self.setup.aperture_deg.to_radians();
         let count = if narrow && count > 64 { count / 4 } else { count };
         let count = if self.effort == Effort::Fine { 8 * count } else { count };
-        let found = passes(self.boundary, eta, &self.entry, &views, self.returns.as_ref(), count);
+        let found = passes(self.boundary, eta, &self.entry, &views, self.returns, count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
         // view: it is left out of the cubic, which goes on there as it was.
         let way_out = |view: &Option<View>| view.as_ref().map_or(0.0, |v| v.factor);

@@ -122,7 +122,8 @@ impl<'a> Beams<'a> {
     fn speckle(&self, theta_deg: f64) -> f64 {
         let (s, c) = theta_deg.to_radians().sin_cos();
         let z = if self.setup.geometry == Geometry::Transmission { -c } else { c };
-        let towards = look(self.setup, Direction::from_unit(s, 0.0, z)).map(|v| v.towards);
+        let wo = self.angles.turned(Direction::from_unit(s, 0.0, z));
+        let towards = look(self.setup, wo).map(|v| v.towards);
         let n = self.boundary.eta().get();
         let outside = self.setup.aperture_deg.to_radians() * c;
         towards.map_or(0.0, |wo| {
@@ -171,6 +172,7 @@ impl<'a> Beams<'a> {
         for (beam, weight) in orders.iter().zip(weights) {
             for order in beam.iter() {
                 let Some((wo, share)) = self.out(order.wo) else { continue };
+                let wo = self.angles.turned_back(wo);
                 let Some((from, to)) = cone.angles(wo) else { continue };
                 let first = theta.partition_point(|t| *t < from);
                 let end = theta.partition_point(|t| *t <= to);

@@ -28,6 +28,8 @@ pub struct ColumnMap {
     pub theta: Column,
     /// The reading.
     pub reading: Column,
+    /// The azimuth of observation from the plane of incidence; without it all readings are in that plane.
+    pub phi: Option<Column>,
     /// Only rows whose columns have these values are used; values match as texts or as numbers.
     pub filters: Vec<(Column, String)>,
     /// The character between values, `,` unless said otherwise.
@@ -41,7 +43,8 @@ pub struct ColumnMap {
 pub enum ColumnMapError {
     /// Not `sigma=..,theta=..,reading=..`.
     #[error(
-        "`{0}` does not map columns; write sigma=NAME,theta=NAME,reading=NAME (or numbers from 1)"
+        "`{0}` does not map columns; write sigma=NAME,theta=NAME,reading=NAME (or numbers from 1), \
+         and phi=NAME for azimuths of observation"
     )]
     Map(String),
     /// Not `column=value`.
@@ -85,20 +88,20 @@ impl FromStr for ColumnMap {
     /// Reads `sigma=NAME,theta=NAME,reading=NAME`, in any order.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let fault = || ColumnMapError::Map(text.to_owned());
-        let mut found = [const { None }; 3];
+        let mut found = [const { None }; 4];
         for part in text.split(',') {
             let (role, name) = part.split_once('=').ok_or_else(fault)?;
-            let role = ["sigma", "theta", "reading"].iter().position(|known| *known == role.trim());
+            let role = ["sigma", "theta", "reading", "phi"].iter().position(|known| *known == role.trim());
             let slot = &mut found[role.ok_or_else(fault)?];
             if slot.replace(column(name).ok_or_else(fault)?).is_some() {
                 return Err(fault());
             }
         }
-        let [Some(sigma), Some(theta), Some(reading)] = found else {
+        let [Some(sigma), Some(theta), Some(reading), phi] = found else {
             return Err(fault());
         };
         let (filters, delimiter, decimal_comma) = (Vec::new(), b',', false);
-        Ok(Self { sigma, theta, reading, filters, delimiter, decimal_comma })
+        Ok(Self { sigma, theta, reading, phi, filters, delimiter, decimal_comma })
     }
 }
 

@@ -7,6 +7,9 @@
 //! sigma_deg,theta_deg,reading
 //! 0,-90,1.25e-3
 //! ```
+//! Further columns may follow: `phi_deg`, the azimuth of the plane of observation from the plane of incidence,
+//! `rotation_deg`, that of the sample about its normal, and `wavelength_nm`.
+//!
 //! Lines that begin with `#` and hold `key: value` are the header, see [`Metadata`]; all other such
 //! lines are comments. A byte order mark, both kinds of line ends, blank lines and spaces around
 //! values are accepted. Readings may stand in any order.
@@ -20,8 +23,16 @@ use super::{Measurement, Metadata, Reading};
 use crate::input::read_file;
 use crate::message::excerpt;
 
-/// Names of the columns of the standard file, in its order.
-pub const COLUMNS: [&str; 3] = ["sigma_deg", "theta_deg", "reading"];
+/// Names of the columns of the standard file, in its order; those after the third may be left out, and mean 0 or the
+/// wavelength of the header then. Any order is read.
+pub const COLUMNS: [&str; 6] =
+    ["sigma_deg", "theta_deg", "reading", "phi_deg", "rotation_deg", "wavelength_nm"];
+/// Columns that no file is without.
+const NEEDED: usize = 3;
+/// The place of the wavelength among them.
+const WAVELENGTH: usize = 5;
+/// Wavelengths nearer to each other than this are one, nm.
+pub(super) const SAME_NM: f64 = 1e-6;
 
 /// Reads a standard scan file.
 ///
@@ -54,14 +65,27 @@ pub fn load(path: impl AsRef<Path>) -> Result<Vec<u8>, ScanError> {
 /// # Errors
 /// [`ScanError`] with the place and the remedy for every deviation from the format.
 pub fn parse(bytes: impl AsRef<[u8]>, name: impl AsRef<Path>) -> Result<Measurement, ScanError> {
+    parse_band(bytes, name, None)
+}
+
+/// The same of one wavelength, nm, of those that a file holds.
+///
+/// # Errors
+/// [`ScanError`]; [`ScanFault::NoWavelength`] where there are none of it.
+pub fn parse_band(
+    bytes: impl AsRef<[u8]>,
+    name: impl AsRef<Path>,
+    wavelength_nm: Option<f64>,
+) -> Result<Measurement, ScanError> {
     let name = name.as_ref();
     let mut scan = Parser { name, ..Parser::default() };
     for (line, text) in (1..).zip(text(bytes.as_ref(), name)?.lines()) {
         scan.line(line, text.trim())?;
     }
-    if !scan.columns_seen {
+    if scan.columns.is_empty() {
         return Err(scan.fail(ScanFault::NoColumnLine { found: None }));
     }
+    scan.keep_band(wavelength_nm)?;
     let lines = scan.lines;
     let invalid = |error| ScanError::of_reading(name, error, |row| lines[row]);
     Measurement::new(scan.meta, scan.readings).map_err(invalid)
@@ -93,8 +117,11 @@ struct Parser<'a> {
     meta: Metadata,
     /// Known keys seen so far and their lines.
     keys: Vec<(&'static str, u64)>,
-    columns_seen: bool,
+    /// Those of the file, as places in [`COLUMNS`]; none before the line of their names.
+    columns: Vec<usize>,
     readings: Vec<Reading>,
+    /// The wavelength of each reading, if the file has a column of it.
+    wavelengths: Vec<f64>,
     /// The line of each reading.
     lines: Vec<u64>,
 }
@@ -105,8 +132,9 @@ impl Default for Parser<'_> {
             name: Path::new(""),
             meta: Metadata::default(),
             keys: Vec::new(),
-            columns_seen: false,
+            columns: Vec::new(),
             readings: Vec::new(),
+            wavelengths: Vec::new(),
             lines: Vec::new(),
         }
     }
@@ -124,15 +152,20 @@ impl Parser<'_> {
         if let Some(comment) = text.strip_prefix('#') {
             return self.comment(line, comment);
         }
-        if self.columns_seen {
+        if !self.columns.is_empty() {
             return self.row(line, text);
         }
-        let names = text.split(',').map(str::trim);
-        if !names.eq(COLUMNS) {
+        let place = |name: &str| COLUMNS.iter().position(|known| *known == name.trim());
+        let columns: Option<Vec<usize>> = text.split(',').map(place).collect();
+        let once = |columns: &Vec<usize>| {
+            let count = |k| columns.iter().filter(|column| **column == k).count();
+            (0..COLUMNS.len()).all(|k| count(k) == 1 || (k >= NEEDED && count(k) == 0))
+        };
+        let Some(columns) = columns.filter(once) else {
             let found = Some(format!("`{}`", excerpt(text)));
             return Err(self.fail(ScanFault::NoColumnLine { found }).at(line));
-        }
-        self.columns_seen = true;
+        };
+        self.columns = columns;
         Ok(())
     }
 
@@ -142,14 +175,14 @@ impl Parser<'_> {
         };
         let key = key.trim();
         if let Some(key) = known_key(key) {
-            if self.columns_seen {
+            if !self.columns.is_empty() {
                 return Err(self.fail(ScanFault::LateKey { key }).at(line));
             }
             if let Some(&(key, first_line)) = self.keys.iter().find(|(seen, _)| *seen == key) {
                 return Err(self.fail(ScanFault::RepeatedKey { key, first_line }).at(line));
             }
             self.keys.push((key, line));
-        } else if self.columns_seen || key.is_empty() || value.starts_with("//") {
+        } else if !self.columns.is_empty() || key.is_empty() || value.starts_with("//") {
             // a remark on readings, a sentence, an address
             return Ok(());
         }
@@ -157,22 +190,54 @@ impl Parser<'_> {
     }
 
     fn row(&mut self, line: u64, text: &str) -> Result<(), ScanError> {
-        let mut values = [0.0; 3];
+        let mut values = [0.0; COLUMNS.len()];
         let mut fields = text.split(',');
-        for (value, column) in values.iter_mut().zip(COLUMNS) {
+        for &k in &self.columns {
             let Some(field) = fields.next() else {
-                let found = text.split(',').count();
-                return Err(self.fail(ScanFault::FieldCount { found }).at(line));
+                return Err(self.field_count(text).at(line));
             };
-            *value = number(field).map_err(|fault| self.fail(fault).at(line).in_column(column))?;
+            let value = number(field);
+            values[k] = value.map_err(|fault| self.fail(fault).at(line).in_column(COLUMNS[k]))?;
         }
         if fields.next().is_some() {
-            let found = text.split(',').count();
-            return Err(self.fail(ScanFault::FieldCount { found }).at(line));
+            return Err(self.field_count(text).at(line));
         }
-        let [sigma_deg, theta_deg, value] = values;
-        self.readings.push(Reading { sigma_deg, theta_deg, value });
+        let [sigma_deg, theta_deg, value, phi_deg, rotation_deg, wavelength_nm] = values;
+        self.readings.push(Reading { sigma_deg, rotation_deg, phi_deg, theta_deg, value });
         self.lines.push(line);
+        if self.columns.contains(&WAVELENGTH) {
+            self.wavelengths.push(wavelength_nm);
+        }
+        Ok(())
+    }
+
+    fn field_count(&self, text: &str) -> ScanError {
+        let columns = self.columns.iter().map(|k| COLUMNS[*k]).collect();
+        self.fail(ScanFault::FieldCount { columns, found: text.split(',').count() })
+    }
+
+    /// Keeps the readings of one wavelength: that asked for, or that of all of them.
+    fn keep_band(&mut self, asked_nm: Option<f64>) -> Result<(), ScanError> {
+        let mut held_nm = self.wavelengths.clone();
+        held_nm.sort_by(f64::total_cmp);
+        held_nm.dedup();
+        held_nm.extend(self.meta.wavelength_nm.filter(|_| self.wavelengths.is_empty()));
+        let near = |nm: f64| move |held: &&f64| (**held - nm).abs() <= SAME_NM;
+        let kept = match (asked_nm, held_nm.as_slice()) {
+            (Some(asked_nm), held) => match held.iter().find(near(asked_nm)) {
+                Some(kept) => Some(*kept),
+                None => return Err(self.fail(ScanFault::NoWavelength { asked_nm, held_nm })),
+            },
+            (None, [] | [_]) => held_nm.first().copied(),
+            (None, _) => return Err(self.fail(ScanFault::Wavelengths { held_nm })),
+        };
+        let Some(kept) = kept else { return Ok(()) };
+        if !self.wavelengths.is_empty() {
+            let rows = self.readings.iter().zip(&self.lines).zip(&self.wavelengths);
+            let rows = rows.filter(|(_, nm)| (*nm - kept).abs() <= SAME_NM);
+            (self.readings, self.lines) = rows.map(|((reading, line), _)| (*reading, *line)).unzip();
+            self.meta.set("wavelength_nm", &kept.to_string()).map_err(|fault| self.fail(fault))?;
+        }
         Ok(())
     }
 }
@@ -203,7 +268,7 @@ mod tests {
         let scan = parse(text, "scan.csv").unwrap();
         assert_eq!(scan.meta.sample.as_deref(), Some("a: b"));
         assert_eq!(scan.meta.other, [("Gain".to_owned(), "3".to_owned())]);
-        let expected = Reading { sigma_deg: 0.0, theta_deg: 0.5, value: -0.00001 };
+        let expected = Reading::in_plane(0.0, 0.5, -0.00001);
         assert_eq!(scan.readings()[0], expected);
         assert_eq!(scan.incidences(), [0.0, 15.0]);
     }

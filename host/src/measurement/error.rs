@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::meta::HeaderFault;
 use super::select::SelectionFault;
-use super::{InvalidReading, ReadingFault};
+use super::{InvalidReading, Reading, ReadingFault};
 use crate::message::excerpt;
 
 /// Largest file that is read, in bytes; a scan of the finest kind is a thousandth of this.
@@ -75,15 +75,39 @@ pub enum ScanFault {
         /// The line found instead, in backquotes; `None` at the end of the file.
         found: Option<String>,
     },
+    /// Readings of several wavelengths, and none of them chosen.
+    #[error(
+        "it holds the wavelengths {}; choose one with --band", join(held_nm)
+    )]
+    Wavelengths {
+        /// Those there are, nm.
+        held_nm: Vec<f64>,
+    },
+    /// No reading of the wavelength chosen.
+    #[error("no reading is of {asked_nm} nm; it holds {}: correct --band", join(held_nm))]
+    NoWavelength {
+        /// That chosen, nm.
+        asked_nm: f64,
+        /// Those there are, nm.
+        held_nm: Vec<f64>,
+    },
+    /// A band with a name, where a file has wavelengths.
+    #[error("`{asked}` is no wavelength; give --band in nm, such as 550")]
+    NoBand {
+        /// That chosen.
+        asked: String,
+    },
     /// No readings below the names of the columns.
     #[error("there are no readings below the line with the column names; add one line per reading")]
     NoRows,
     /// A row with too few or too many fields.
     #[error(
-        "expected 3 values (sigma_deg,theta_deg,reading), found {found}; write one reading a line, \
-         decimals with a point; for another layout use --columns"
+        "expected {} values ({}), found {found}; write one reading a line, decimals with a point; for another layout \
+         use --columns", columns.len(), columns.join(",")
     )]
     FieldCount {
+        /// The columns of the file.
+        columns: Vec<&'static str>,
         /// The number of fields found.
         found: usize,
     },
@@ -112,14 +136,12 @@ pub enum ScanFault {
     },
     /// The same point twice.
     #[error(
-        "sigma {sigma_deg} deg, theta {theta_deg} deg was measured in line {first_line} already; \
-         average the two or keep one (--where chooses among several samples)"
+        "{} was measured in line {first_line} already; \
+         average the two or keep one (--where chooses among several samples)", reading.place()
     )]
     RepeatedPoint {
-        /// Angle of incidence in degrees.
-        sigma_deg: f64,
-        /// Angle of observation in degrees.
-        theta_deg: f64,
+        /// The second of the two.
+        reading: Reading,
         /// The line of the first of the two.
         first_line: u64,
     },
@@ -187,6 +209,16 @@ pub enum ScanFault {
     Syntax(#[from] ::csv::Error),
 }
 
+/// Wavelengths in words, at most [`LISTED`] of them.
+fn join(held_nm: &[f64]) -> String {
+    let all: Vec<_> = held_nm.iter().take(LISTED).map(|nm| format!("{nm}")).collect();
+    if all.is_empty() {
+        return "no wavelength".into();
+    }
+    let more = if held_nm.len() > LISTED { ", ..." } else { "" };
+    format!("{}{more} nm", all.join(", "))
+}
+
 impl ScanError {
     pub(super) fn new(path: impl Into<PathBuf>, fault: impl Into<ScanFault>) -> Self {
         Self { path: path.into(), line: None, column: None, fault: Box::new(fault.into()) }
@@ -210,8 +242,8 @@ impl ScanError {
     ) -> Self {
         let fault = match error.fault {
             ReadingFault::NoReadings => ScanFault::NoRows,
-            ReadingFault::Repeated { sigma_deg, theta_deg, first_row } => {
-                ScanFault::RepeatedPoint { sigma_deg, theta_deg, first_line: line_of(first_row) }
+            ReadingFault::Repeated { reading, first_row } => {
+                ScanFault::RepeatedPoint { reading, first_line: line_of(first_row) }
             }
             fault => ScanFault::Reading(fault),
         };

@@ -81,7 +81,19 @@ impl Import {
             }
             let role = match (sigma, theta, table.value(row, Role::Reading)?) {
                 (Some(sigma_deg), Some(theta_deg), Some(value)) => {
-                    readings.push(Reading { sigma_deg, theta_deg, value });
+                    let Some(phi_deg) = table.phi(row)? else {
+                        if !self.skip_missing {
+                            return Err(table.missing(row, Role::Phi));
+                        }
+                        counts.missing += 1;
+                        continue;
+                    };
+                    let azimuth = if theta_deg < 0.0 { phi_deg + 180.0 } else { phi_deg };
+                    let mut reading = Reading::at(sigma_deg, [theta_deg.abs(), azimuth], value);
+                    if phi_deg.abs() <= 0.0 {
+                        reading = Reading::in_plane(sigma_deg, theta_deg, value);
+                    }
+                    readings.push(reading);
                     rows.push(row);
                     continue;
                 }
@@ -156,7 +168,7 @@ mod tests {
         import.skip_missing = true;
         import.selection.sigma = "0:5".parse().unwrap();
         let (scan, counts) = import.parse(FILE, "f.csv").unwrap();
-        assert_eq!(scan.readings(), [Reading { sigma_deg: 0.0, theta_deg: 1.0, value: 2.0 }]);
+        assert_eq!(scan.readings(), [Reading::in_plane(0.0, 1.0, 2.0)]);
         let expected = RowCounts { total: 5, kept: 1, filtered: 1, out_of_range: 2, missing: 1 };
         assert_eq!(counts, expected);
         import.skip_missing = false;
@@ -170,7 +182,7 @@ mod tests {
         import.columns = import.columns.with_delimiter(";").unwrap();
         import.columns.decimal_comma = true;
         let (scan, _) = import.parse("1,5;0;2,5;0,5\n2;0;3;0,6\n", "f.csv").unwrap();
-        assert_eq!(scan.readings(), [Reading { sigma_deg: 0.0, theta_deg: 1.5, value: 2.5 }]);
+        assert_eq!(scan.readings(), [Reading::in_plane(0.0, 1.5, 2.5)]);
     }
 
     #[test]

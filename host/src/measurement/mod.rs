@@ -24,12 +24,12 @@
 //! | [`exchanged`] | reading the files of other programs |
 //! | [`write`](mod@write) | writing the standard file |
 //! | [`noise`] | the noise floor, from the readings alone |
+//! | [`isotropy`] | what no isotropic law can follow |
 
 use std::ops::Range;
 
-use thiserror::Error;
-
 pub mod meta;
+mod reading;
 pub mod select;
 pub mod error;
 pub mod csv;
@@ -39,36 +39,23 @@ pub mod import;
 pub mod exchanged;
 pub mod write;
 pub mod noise;
+pub mod isotropy;
 #[cfg(test)]
 mod malformed;
 
 pub use self::columns::ColumnMap;
 pub use self::error::{ScanError, ScanFault};
+pub use self::isotropy::Isotropy;
 pub use self::import::{Import, RowCounts};
 pub use self::meta::{Metadata, Quantity};
 pub use self::noise::NoiseEstimate;
+pub use self::reading::{InvalidReading, Reading, ReadingFault};
 pub use self::select::{AngleRange, Selection};
-
-/// Readings below zero are noise around zero as long as they are no lower than this fraction of the
-/// largest reading; below that the dark signal was subtracted wrongly.
-const NEGATIVE_LIMIT: f64 = 0.05;
-
-/// One position of the goniophotometer.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// Angle of incidence in degrees, in [0, 90).
-    pub sigma_deg: f64,
-    /// Angle of observation in the plane of incidence in degrees, in [-90, 90]; the undeviated beam
-    /// and the mirror direction are at `theta_deg == sigma_deg`.
-    pub theta_deg: f64,
-    /// The reading in the unit of [`Measurement::quantity`].
-    pub value: f64,
-}
 
 /// A scan of one sample: readings over angles of incidence and of observation.
 ///
-/// Readings are sorted by incidence, then by observation angle; all are finite and in their ranges,
-/// no point occurs twice, and at least one reading is above zero.
+/// Readings are sorted by incidence, rotation of the sample, plane and angle of observation; all are finite and in
+/// their ranges, no point occurs twice, and at least one reading is above zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// The known facts about the sample and the instrument.
@@ -76,11 +63,26 @@ pub struct Measurement {
     readings: Vec<Reading>,
 }
 
-/// The readings at one angle of incidence, by increasing observation angle; never empty.
+/// The readings at one angle of incidence, plane by plane; never empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incidence<'a> {
     /// Angle of incidence in degrees.
     pub sigma_deg: f64,
+    /// Where these readings are in [`Measurement::readings`].
+    pub range: Range<usize>,
+    /// The readings themselves.
+    pub readings: &'a [Reading],
+}
+
+/// The readings in one plane of observation, by increasing angle of observation; never empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane<'a> {
+    /// Angle of incidence in degrees.
+    pub sigma_deg: f64,
+    /// Rotation of the sample about its normal in degrees.
+    pub rotation_deg: f64,
+    /// Azimuth of the plane from the plane of incidence in degrees; 0 in that plane.
+    pub phi_deg: f64,
     /// Where these readings are in [`Measurement::readings`].
     pub range: Range<usize>,
     /// The readings themselves.
@@ -100,31 +102,25 @@ impl Measurement {
         }
         for (row, reading) in readings.iter_mut().enumerate() {
             reading.check().map_err(at(row))?;
-            // -0 and 0 are one angle
-            reading.sigma_deg += 0.0;
-            reading.theta_deg += 0.0;
+            reading.normalise();
         }
         let largest = largest(&readings);
         if largest <= 0.0 {
             return Err(whole(ReadingFault::AllDark));
         }
         for (row, reading) in readings.iter().enumerate() {
-            if reading.value < -NEGATIVE_LIMIT * largest {
+            if reading.value < -reading::NEGATIVE_LIMIT * largest {
                 return Err(at(row)(ReadingFault::Negative { value: reading.value, largest }));
             }
         }
         let mut order: Vec<usize> = (0..readings.len()).collect();
-        let point = |row: usize| (readings[row].sigma_deg, readings[row].theta_deg);
-        order.sort_by(|&a, &b| {
-            let ((sigma_a, theta_a), (sigma_b, theta_b)) = (point(a), point(b));
-            sigma_a.total_cmp(&sigma_b).then(theta_a.total_cmp(&theta_b))
-        });
+        order.sort_by(|&a, &b| readings[a].compare_place(&readings[b]));
         // the earliest repetition in the given order, which is the one a reader looks for
-        let repeated = order.windows(2).filter(|pair| point(pair[0]) == point(pair[1]));
+        let same = |pair: &&[usize]| readings[pair[0]].compare_place(&readings[pair[1]]).is_eq();
+        let repeated = order.windows(2).filter(same);
         if let Some(pair) = repeated.min_by_key(|pair| pair[1]) {
-            let (sigma_deg, theta_deg) = point(pair[1]);
-            let first_row = pair[0];
-            return Err(at(pair[1])(ReadingFault::Repeated { sigma_deg, theta_deg, first_row }));
+            let reading = readings[pair[1]];
+            return Err(at(pair[1])(ReadingFault::Repeated { reading, first_row: pair[0] }));
         }
         let readings = order.into_iter().map(|row| readings[row]).collect();
         Ok(Self { meta, readings })
@@ -156,6 +152,24 @@ impl Measurement {
         })
     }
 
+    /// The readings grouped by plane of observation, in their order.
+    pub fn by_plane(&self) -> impl Iterator<Item = Plane<'_>> {
+        let mut start = 0;
+        self.readings.chunk_by(Reading::is_in_plane_of).map(move |readings| {
+            let range = start..start + readings.len();
+            start = range.end;
+            let Reading { sigma_deg, rotation_deg, phi_deg, .. } = readings[0];
+            Plane { sigma_deg, rotation_deg, phi_deg, range, readings }
+        })
+    }
+
+    /// Whether all readings are in the plane of incidence, of one rotation of the sample.
+    pub fn is_in_plane(&self) -> bool {
+        let first = self.readings[0].rotation_deg;
+        let in_plane = |r: &Reading| r.phi_deg.abs() <= 0.0 && r.rotation_deg.total_cmp(&first).is_eq();
+        self.readings.iter().all(in_plane)
+    }
+
     /// The largest reading, above zero, in the unit of [`quantity`](Self::quantity): the divisor of
     /// the error figure \[Sokolov2022, eq. 18\].
     pub fn largest_reading(&self) -> f64 {
@@ -167,87 +181,12 @@ fn largest(readings: &[Reading]) -> f64 {
     readings.iter().map(|reading| reading.value).fold(f64::NEG_INFINITY, f64::max)
 }
 
-impl Reading {
-    fn check(&self) -> Result<(), ReadingFault> {
-        if !(0.0..90.0).contains(&self.sigma_deg) {
-            return Err(ReadingFault::Sigma(self.sigma_deg));
-        }
-        if !(-90.0..=90.0).contains(&self.theta_deg) {
-            return Err(ReadingFault::Theta(self.theta_deg));
-        }
-        if !self.value.is_finite() {
-            return Err(ReadingFault::NotFinite(self.value));
-        }
-        Ok(())
-    }
-}
-
-/// A set of readings that is not a measurement, and the reading at fault.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("{}{fault}", row.map(|row| format!("reading {}: ", row + 1)).unwrap_or_default())]
-pub struct InvalidReading {
-    /// Index of the reading in the order given; `None` where all are at fault together.
-    pub row: Option<usize>,
-    /// The fault.
-    pub fault: ReadingFault,
-}
-
-/// Faults of the readings themselves, from any source.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum ReadingFault {
-    /// There are none.
-    #[error("there are no readings; a scan needs at least one")]
-    NoReadings,
-    /// Angle of incidence outside [0, 90) degrees, or not finite.
-    #[error(
-        "the angle of incidence {0} deg is outside [0, 90); give degrees from the plate normal, \
-         or leave the row out (--sigma-range)"
-    )]
-    Sigma(f64),
-    /// Angle of observation outside [-90, 90] degrees, or not finite.
-    #[error(
-        "the angle of observation {0} deg is outside [-90, 90]; give degrees from the plate normal \
-         on the detector's side, or leave the row out (--theta-range)"
-    )]
-    Theta(f64),
-    /// NaN or infinite.
-    #[error("the reading {0} is not finite; delete the row where nothing was measured")]
-    NotFinite(f64),
-    /// Too far below zero to be noise.
-    #[error(
-        "the reading {value} is below zero by more than 5 % of the largest reading {largest}; \
-         check the dark signal that was subtracted"
-    )]
-    Negative {
-        /// The reading.
-        value: f64,
-        /// The largest one.
-        largest: f64,
-    },
-    /// The same point twice.
-    #[error(
-        "sigma {sigma_deg} deg, theta {theta_deg} deg was measured before (reading {}); \
-         average the two or keep one", first_row + 1
-    )]
-    Repeated {
-        /// Angle of incidence in degrees.
-        sigma_deg: f64,
-        /// Angle of observation in degrees.
-        theta_deg: f64,
-        /// Index of the first of the two.
-        first_row: usize,
-    },
-    /// No reading above zero.
-    #[error("no reading is above zero; the detector saw no light: check the lamp and the column")]
-    AllDark,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn reading(sigma_deg: f64, theta_deg: f64, value: f64) -> Reading {
-        Reading { sigma_deg, theta_deg, value }
+        Reading::in_plane(sigma_deg, theta_deg, value)
     }
 
     #[test]

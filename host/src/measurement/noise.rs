@@ -25,7 +25,7 @@
 //! they behave so: none is below zero, and where few counts are
 //! expected they scatter as counts do. Grain hides neither.
 
-use super::{Incidence, Measurement, Reading};
+use super::{Measurement, Reading};
 
 /// Orders of the differences of readings.
 const ORDERS: std::ops::RangeInclusive<usize> = 3..=8;
@@ -124,7 +124,7 @@ fn least(
     figures.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
-/// Readings of one incidence at equal steps.
+/// Readings in one plane of observation at equal steps.
 struct Run {
     /// Which of the scan's.
     readings: std::ops::Range<usize>,
@@ -135,17 +135,17 @@ struct Run {
 fn all_runs(scan: &Measurement) -> Vec<Run> {
     let mut first = 0;
     let mut found = Vec::new();
-    for incidence in scan.by_incidence() {
-        found.extend(runs(scan, &incidence, first));
-        first += incidence.readings.len();
+    for plane in scan.by_plane() {
+        found.extend(runs(scan, plane.readings, first));
+        first += plane.readings.len();
     }
     found
 }
 
-/// Those of an incidence whose readings begin at `first`.
-fn runs(scan: &Measurement, incidence: &Incidence<'_>, mut first: usize) -> Vec<Run> {
+/// Those of a plane whose readings begin at `first`.
+fn runs(scan: &Measurement, plane: &[Reading], mut first: usize) -> Vec<Run> {
     let spacing = |pair: &[Reading]| pair[1].theta_deg - pair[0].theta_deg;
-    let mut spacings: Vec<f64> = incidence.readings.windows(2).map(spacing).collect();
+    let mut spacings: Vec<f64> = plane.windows(2).map(spacing).collect();
     spacings.sort_by(f64::total_cmp);
     let Some(&step) = spacings.get(spacings.len() / 2) else {
         return Vec::new();
@@ -154,11 +154,11 @@ fn runs(scan: &Measurement, incidence: &Incidence<'_>, mut first: usize) -> Vec<
     // one step more than the aperture: its edge is never sharp
     let lag = ((aperture / step * (1.0 + 1e-9)).floor() as usize)
         .saturating_add(1)
-        .min(incidence.readings.len().max(1));
+        .min(plane.len().max(1));
     let regular = |a: &Reading, b: &Reading| {
         (b.theta_deg - a.theta_deg - step).abs() <= STEP_TOLERANCE * step
     };
-    let pieces = incidence.readings.chunk_by(regular).map(|piece| {
+    let pieces = plane.chunk_by(regular).map(|piece| {
         let readings = first..first + piece.len();
         first = readings.end;
         Run { readings, lag }
@@ -260,7 +260,7 @@ mod tests {
         let reading = |k: i32| {
             let theta_deg = f64::from(k) / 10.0;
             let clean = (-0.5 * (theta_deg / width_deg).powi(2)).exp();
-            Reading { sigma_deg: 0.0, theta_deg, value: disturb(clean) }
+            Reading::in_plane(0.0, theta_deg, disturb(clean))
         };
         let meta = Metadata { aperture_deg: Some(0.6), ..Metadata::default() };
         Measurement::new(meta, (-900..=900).map(reading).collect()).unwrap()
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn steps_far_below_the_aperture_are_no_trouble() {
-        let reading = |theta_deg| Reading { sigma_deg: 0.0, theta_deg, value: 1.0 };
+        let reading = |theta_deg| Reading::in_plane(0.0, theta_deg, 1.0);
         let meta = Metadata { aperture_deg: Some(0.6), ..Metadata::default() };
         let readings = vec![reading(0.0), reading(1e-20), reading(2e-20)];
         let scan = Measurement::new(meta, readings).unwrap();
@@ -367,7 +367,7 @@ mod tests {
     #[test]
     fn a_few_readings_or_uneven_steps_have_no_estimate() {
         let reading =
-            |k: i32| Reading { sigma_deg: 0.0, theta_deg: f64::from(k * k) / 20.0, value: 1.0 };
+            |k: i32| Reading::in_plane(0.0, f64::from(k * k) / 20.0, 1.0);
         let scan = Measurement::new(Metadata::default(), (0..40).map(reading).collect()).unwrap();
         assert_eq!(estimate(&scan), None);
         let point = Measurement::new(Metadata::default(), vec![reading(0)]).unwrap();

@@ -95,6 +95,8 @@ pub struct Selection {
     pub sigma: AngleRange,
     /// Angles of observation.
     pub theta: AngleRange,
+    /// Azimuths of planes of observation.
+    pub phi: AngleRange,
 }
 
 /// A selection that leaves nothing to use.
@@ -102,8 +104,8 @@ pub struct Selection {
 pub enum SelectionFault {
     /// No reading inside.
     #[error(
-        "no reading has sigma in {} and theta in {} deg; the scan covers sigma {} and theta {}: \
-         widen --sigma-range or --theta-range", asked.sigma, asked.theta, covered.sigma, covered.theta
+        "no reading has {asked}; the scan covers sigma {} and theta {}: widen --sigma-range, \
+         --theta-range or --phi-range", covered.sigma, covered.theta
     )]
     Nothing {
         /// The selection.
@@ -113,13 +115,19 @@ pub enum SelectionFault {
     },
     /// Readings inside, but all dark.
     #[error(
-        "no reading above zero has sigma in {} and theta in {} deg: widen --sigma-range or \
-         --theta-range", asked.sigma, asked.theta
+        "no reading above zero has {asked}: widen --sigma-range, --theta-range or --phi-range"
     )]
     Dark {
         /// The selection.
         asked: Selection,
     },
+}
+
+impl Display for Selection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "sigma in {} and theta in {} deg", self.sigma, self.theta)?;
+        if self.phi == AngleRange::ALL { Ok(()) } else { write!(f, ", phi in {} deg", self.phi) }
+    }
 }
 
 impl Selection {
@@ -133,7 +141,9 @@ impl Selection {
     /// # Errors
     /// [`SelectionFault`] where no reading, or none above zero, is inside.
     pub fn apply(&self, scan: &Measurement) -> Result<Measurement, SelectionFault> {
-        let inside = |reading: &&Reading| self.contains(reading.sigma_deg, reading.theta_deg);
+        let inside = |r: &&Reading| {
+            self.contains(r.sigma_deg, r.theta_deg) && self.phi.contains(r.phi_deg)
+        };
         let kept: Vec<Reading> = scan.readings().iter().filter(inside).copied().collect();
         if kept.is_empty() {
             let points =
@@ -159,9 +169,10 @@ impl Selection {
             min_deg: range.min_deg.min(angle),
             max_deg: range.max_deg.max(angle),
         };
-        points.fold(Self { sigma: empty, theta: empty }, |covered, (sigma, theta)| Self {
+        points.fold(Self { sigma: empty, theta: empty, phi: AngleRange::ALL }, |covered, (sigma, theta)| Self {
             sigma: grown(covered.sigma, sigma),
             theta: grown(covered.theta, theta),
+            ..covered
         })
     }
 }
@@ -187,7 +198,7 @@ mod tests {
     fn a_selection_keeps_what_is_inside_and_says_what_there_was() {
         let points = [(0.0, -10.0), (0.0, 10.0), (30.0, 10.0), (30.0, 40.0)];
         let reading =
-            |&(sigma_deg, theta_deg): &(f64, f64)| Reading { sigma_deg, theta_deg, value: 1.0 };
+            |&(sigma_deg, theta_deg): &(f64, f64)| Reading::in_plane(sigma_deg, theta_deg, 1.0);
         let scan =
             Measurement::new(Metadata::default(), points.iter().map(reading).collect()).unwrap();
         let mut selection = Selection { theta: "0:20".parse().unwrap(), ..Selection::default() };

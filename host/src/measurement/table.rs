@@ -19,6 +19,7 @@ pub(super) enum Role {
     Sigma,
     Theta,
     Reading,
+    Phi,
 }
 
 /// The rows of a file and the positions of the columns in use.
@@ -30,6 +31,8 @@ pub(super) struct Table<'a> {
     pub(super) rows: Vec<StringRecord>,
     /// sigma, theta, reading, then filters.
     indices: Vec<usize>,
+    /// Azimuth of the plane of observation, if there is a column of it.
+    phi: Option<usize>,
 }
 
 impl<'a> Table<'a> {
@@ -54,12 +57,13 @@ impl<'a> Table<'a> {
         };
         let with_headings = rows.first().is_some_and(|first| !is_data(first));
         let headings = if with_headings { rows.remove(0) } else { StringRecord::new() };
-        let mut table = Self { name, text, map, headings, rows, indices: Vec::new() };
+        let mut table = Self { name, text, map, headings, rows, indices: Vec::new(), phi: None };
         let angles_and_reading = [&map.sigma, &map.theta, &map.reading];
         let filters = map.filters.iter().map(|(column, _)| column);
         for column in angles_and_reading.into_iter().chain(filters) {
             table.indices.push(table.index(column)?);
         }
+        table.phi = map.phi.as_ref().map(|column| table.index(column)).transpose()?;
         Ok(table)
     }
 
@@ -126,13 +130,25 @@ impl<'a> Table<'a> {
     }
 
     fn field(&self, row: usize, role: Role) -> Option<&str> {
-        self.rows[row].get(self.indices[role as usize])
+        self.rows[row].get(self.place(role))
     }
 
     /// A number of a row; `None` where it is missing.
+    /// The azimuth of observation in a row: 0 without a column of it.
+    pub(super) fn phi(&self, row: usize) -> Result<Option<f64>, ScanError> {
+        if self.phi.is_some() { self.value(row, Role::Phi) } else { Ok(Some(0.0)) }
+    }
+
+    fn place(&self, role: Role) -> usize {
+        match (role, self.phi) {
+            (Role::Phi, Some(place)) => place,
+            _ => self.indices[role as usize],
+        }
+    }
+
     pub(super) fn value(&self, row: usize, role: Role) -> Result<Option<f64>, ScanError> {
         let Some(field) = self.field(row, role) else {
-            let (found, needed) = (self.rows[row].len(), self.indices[role as usize] + 1);
+            let (found, needed) = (self.rows[row].len(), self.place(role) + 1);
             return Err(self.fail_at(row, role, ScanFault::ShortRow { found, needed }));
         };
         if MISSING.iter().any(|word| field.eq_ignore_ascii_case(word)) {
@@ -155,6 +171,7 @@ impl<'a> Table<'a> {
             Role::Sigma => &self.map.sigma,
             Role::Theta => &self.map.theta,
             Role::Reading => &self.map.reading,
+            Role::Phi => self.map.phi.as_ref().unwrap_or(&self.map.theta),
         };
         self.fail(fault).at(self.line(row)).in_column(column.to_string())
     }

@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::Measurement;
+use super::{Measurement, Reading};
 use super::csv::COLUMNS;
 
 /// Writes a measurement as a standard scan file, which [`csv::read`](super::csv::read) reads back.
@@ -16,9 +16,16 @@ pub fn write(scan: &Measurement, mut out: impl Write) -> io::Result<()> {
     for (key, value) in scan.meta.entries() {
         writeln!(out, "# {}: {}", one_line(&key), one_line(&value))?;
     }
-    writeln!(out, "{}", COLUMNS.join(","))?;
-    for reading in scan.readings() {
-        writeln!(out, "{},{},{:.9e}", reading.sigma_deg, reading.theta_deg, reading.value)?;
+    // a scan in the plane of incidence needs no more than three columns
+    let is_plain = scan.is_in_plane() && scan.readings()[0].rotation_deg <= 0.0;
+    let columns = if is_plain { &COLUMNS[..3] } else { &COLUMNS[..5] };
+    writeln!(out, "{}", columns.join(","))?;
+    for Reading { sigma_deg, theta_deg, value, phi_deg, rotation_deg } in scan.readings() {
+        write!(out, "{sigma_deg},{theta_deg},{value:.9e}")?;
+        if !is_plain {
+            write!(out, ",{phi_deg},{rotation_deg}")?;
+        }
+        writeln!(out)?;
     }
     Ok(())
 }
@@ -46,7 +53,7 @@ mod tests {
         {
             meta.set(key, value).unwrap();
         }
-        let reading = |theta_deg, value| Reading { sigma_deg: 0.0, theta_deg, value };
+        let reading = |theta_deg, value| Reading::in_plane(0.0, theta_deg, value);
         let scan = Measurement::new(meta, vec![reading(0.5, 1.0 / 3.0), reading(-89.9, -1e-5)]);
         let expected = "# sample: 5\n# ior: 1.49\n# seed: 7\n# note: two lines\n\
                         sigma_deg,theta_deg,reading\n0,-89.9,-1.000000000e-5\n0,0.5,3.333333333e-1\n";

@@ -25,9 +25,11 @@ mod legend;
 mod render;
 mod sigma;
 mod map;
+mod polar;
 
 pub use figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
 pub use map::{MapPicture, map_png, map_svg};
+pub use polar::{PolarPicture, PolarPoint, PolarRow, polar_png, polar_svg};
 pub use render::{png, svg};
 pub use sigma::{AtSigma, shown, sigma_panels};
 

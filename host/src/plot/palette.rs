@@ -48,6 +48,15 @@ const VIRIDIS: [Rgb; 17] = [
     Rgb(0xfd, 0xe7, 0x25),
 ];
 
+/// Colours of differences, at 0 to 1: blue where too low, white at one half, red where too high.
+pub(super) fn difference(t: f64) -> Rgb {
+    let (from, to) = (Rgb(0x21, 0x66, 0xac), Rgb(0xb2, 0x18, 0x2b));
+    let off = (2.0 * t.clamp(0.0, 1.0) - 1.0).abs();
+    let Rgb(r, g, b) = if t < 0.5 { from } else { to };
+    let towards = |c: u8| (255.0 + off * (f64::from(c) - 255.0)).round() as u8;
+    Rgb(towards(r), towards(g), towards(b))
+}
+
 /// The style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stroke {

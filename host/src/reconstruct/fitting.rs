@@ -11,7 +11,8 @@ use crate::boundary::Boundary;
 use crate::fit::{Fit, FitError, cost_at, fit};
 use crate::forward::Sample;
 use crate::kirchhoff::warning_for_rays;
-use crate::measurement::{ScanError, csv, exchanged};
+use crate::measurement::exchanged::{self, Part};
+use crate::measurement::{ScanError, csv};
 use crate::method::{Kind, Method};
 use crate::provenance::InputFile;
 use crate::watch::Watch;
@@ -177,7 +178,7 @@ pub enum FitScanError {
 /// [`FitScanError`].
 pub fn fit_scan(path: &Path, method: &str) -> Result<Found, FitScanError> {
     let bytes = csv::load(path)?;
-    let (scan, input) = (exchanged::parse(&bytes, path)?, InputFile::of_bytes(path, &bytes));
+    let (scan, input) = (exchanged::parse(&bytes, path, &Part::default())?, InputFile::of_bytes(path, &bytes));
     let task = Task { input: Some(&input), ..Task::new(&scan, Said::default().about(&scan)?) };
     let trials = task.trials(method, None, &usually_asked)?;
     Ok(task.fit(&trials, Watch::nobody())?)

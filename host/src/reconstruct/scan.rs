@@ -245,7 +245,7 @@ impl ScanRequest {
         }
         self.say(boundary, setup, &raw, &mut meta);
         let at = self.sigma_deg.iter().flat_map(|&s| angles.iter().map(move |&t| (s, t)));
-        let reading = |((sigma_deg, theta_deg), value)| Reading { sigma_deg, theta_deg, value };
+        let reading = |((sigma_deg, theta_deg), value)| Reading::in_plane(sigma_deg, theta_deg, value);
         let readings = at.zip(raw.values.iter().copied()).map(reading).collect();
         Ok(VirtualScan {
             measurement: Measurement::new(meta, readings)?,
@@ -287,7 +287,7 @@ impl ScanRequest {
         let all = rays.count.saturating_mul(self.sigma_deg.len() as u64);
         watch.done(0, usize::try_from(all).unwrap_or(usize::MAX));
         for &sigma_deg in &self.sigma_deg {
-            let incidence = Incidence { sigma_deg, theta_deg: angles.to_vec() };
+            let incidence = Incidence::in_plane(sigma_deg, angles.to_vec());
             let Some(done) = monte_carlo(boundary, setup, &incidence, rays, watch) else {
                 raw.interrupted = true;
                 break;

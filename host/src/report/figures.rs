@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::measurement::Measurement;
+use crate::measurement::{Incidence, Measurement, Quantity, Reading};
 use crate::output::{AtomicFile, OutputError, finish_all};
-use crate::plot::{self, Figure, PlotError, Scale, sigma_panels};
+use crate::plot::{self, Figure, PlotError, PolarPicture, PolarPoint, PolarRow, Scale, sigma_panels};
 use crate::reconstruct::Entry;
 
 /// Why a plot was not written.
@@ -41,10 +41,12 @@ fn drawn(
     scale: Scale,
     wanted: &dyn Fn(f64) -> bool,
 ) -> Figure {
-    let incidences = || measurement.by_incidence().filter(|i| wanted(i.sigma_deg));
+    let is_drawn = |i: &Incidence<'_>| wanted(i.sigma_deg) && cut(i.readings).next().is_some();
+    let incidences = || measurement.by_incidence().filter(is_drawn);
     let measured: Vec<_> = incidences()
         .map(|i| {
-            (i.sigma_deg, i.readings.iter().map(|r| (r.theta_deg, r.value)).collect::<Vec<_>>())
+            let readings = cut(i.readings).map(|k| (i.readings[k].theta_deg, i.readings[k].value));
+            (i.sigma_deg, readings.collect::<Vec<_>>())
         })
         .collect();
     let fits: Vec<_> = entries
@@ -52,15 +54,52 @@ fn drawn(
         .map(|entry| {
             let curves = incidences()
                 .map(|i| {
-                    let angles = i.readings.iter().map(|r| r.theta_deg);
-                    let values = entry.fit.readings[i.range.clone()].iter().copied();
-                    (i.sigma_deg, angles.zip(values).collect::<Vec<_>>())
+                    let values = &entry.fit.readings[i.range.clone()];
+                    let readings = cut(i.readings).map(|k| (i.readings[k].theta_deg, values[k]));
+                    (i.sigma_deg, readings.collect::<Vec<_>>())
                 })
                 .collect::<Vec<_>>();
             (format!("{} ({:.2} %)", entry.label, entry.fit.rmsd_percent), curves)
         })
         .collect();
     sigma_panels(title, &measured, &fits, scale)
+}
+
+/// The places of the readings in the plane of incidence, of the first rotation of the sample.
+fn cut(readings: &[Reading]) -> impl Iterator<Item = usize> {
+    let first = readings.first().map_or(0.0, |r| r.rotation_deg);
+    let in_plane =
+        move |r: &Reading| r.phi_deg.abs() <= 0.0 && r.rotation_deg.total_cmp(&first).is_eq();
+    readings.iter().enumerate().filter(move |(_, r)| in_plane(r)).map(|(k, _)| k)
+}
+
+/// The lobes of a scan over the hemisphere, measured and fitted; `None` of a scan in the plane of incidence alone.
+pub fn hemispheres(title: &str, measurement: &Measurement, entry: &Entry) -> Option<PolarPicture> {
+    if measurement.is_in_plane() {
+        return None;
+    }
+    let all: Vec<_> = measurement.by_incidence().collect();
+    let row = |k: usize| {
+        let incidence = &all[k];
+        let rotation = incidence.readings[0].rotation_deg;
+        let of_first = |(r, _): &(&Reading, &f64)| r.rotation_deg.total_cmp(&rotation).is_eq();
+        let fitted = &entry.fit.readings[incidence.range.clone()];
+        let point = |(r, fitted): (&Reading, &f64)| {
+            let [polar_deg, azimuth_deg] = r.direction();
+            PolarPoint { polar_deg, azimuth_deg, values: [r.value, *fitted] }
+        };
+        let points = incidence.readings.iter().zip(fitted).filter(of_first).map(point).collect();
+        PolarRow { caption: format!("measured, σ = {}°", incidence.sigma_deg), points }
+    };
+    let label = match measurement.quantity() {
+        Quantity::Flux => "flux",
+        Quantity::Bsdf => "BSDF (1/sr)",
+    };
+    Some(PolarPicture {
+        title: format!("{title}: {} ({:.2} %)", entry.label, entry.fit.rmsd_percent),
+        label: label.into(),
+        rows: plot::shown(all.len()).into_iter().map(row).collect(),
+    })
 }
 
 /// The files `stem-linear` and `stem-log`, each as SVG and PNG, opened before the work.
@@ -97,6 +136,32 @@ impl FigureFiles {
             contents.push(plot::svg(&figure)?.into_bytes());
             contents.push(plot::png(&figure)?);
         }
+        let written = self.0.iter().map(|file| file.path().to_owned()).collect();
+        finish_all(self.0.into_iter().zip(contents).collect())?;
+        Ok(written)
+    }
+}
+
+/// The files `stem-polar`, SVG and PNG, opened before the work.
+#[derive(Debug)]
+pub struct PolarFiles([AtomicFile; 2]);
+
+impl PolarFiles {
+    /// Opens both.
+    ///
+    /// # Errors
+    /// Those of [`AtomicFile::create`].
+    pub fn create(folder: &Path, stem: &str) -> Result<Self, OutputError> {
+        let open = |end| AtomicFile::create(folder.join(format!("{stem}-polar.{end}")));
+        Ok(Self([open("svg")?, open("png")?]))
+    }
+
+    /// Draws and completes both; returns their paths.
+    ///
+    /// # Errors
+    /// [`FigureError`]; none is written then.
+    pub fn write(self, picture: &PolarPicture) -> Result<Vec<PathBuf>, FigureError> {
+        let contents = [plot::polar_svg(picture)?.into_bytes(), plot::polar_png(picture)?];
         let written = self.0.iter().map(|file| file.path().to_owned()).collect();
         finish_all(self.0.into_iter().zip(contents).collect())?;
         Ok(written)

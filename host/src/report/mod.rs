@@ -8,7 +8,7 @@ mod heights;
 mod html;
 mod trade;
 
-pub use figures::{FigureError, FigureFiles, figure, figure_at};
+pub use figures::{FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use html::{Picture, page};
 pub use trade::TradeReport;

@@ -114,7 +114,7 @@ impl Sampled<'_> {
     fn scan<S: Scatter<f64> + Sync>(&self, boundary: &S, rays: Rays) -> Option<Vec<f64>> {
         let mut values = Vec::new();
         for sigma_deg in gp200::SIGMAS_DEG {
-            let angles = Incidence { sigma_deg, theta_deg: self.thetas.to_vec() };
+            let angles = Incidence::in_plane(sigma_deg, self.thetas.to_vec());
             let read = monte_carlo(boundary, self.setup, &angles, rays, self.watch.quiet());
             values.extend(read?.values);
         }

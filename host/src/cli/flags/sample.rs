@@ -68,7 +68,7 @@ impl SampleFlags {
         scan: &Path,
         map: Option<&PathBuf>,
     ) -> Result<Loaded, Failure> {
-        let (measurement, input) = self.read.read(scan)?;
+        let (measurement, input) = self.read.read(scan, self.setup.geometry)?;
         let (body, setup) = self.setup.resolve(&measurement, scan)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
         let light = self.light.light(Some(&measurement.meta))?;

@@ -9,8 +9,9 @@ use clap::ValueEnum;
 use crate::cli::error::{Failure, without_effect};
 use crate::cli::say;
 use crate::forward::Setup;
+use crate::measurement::exchanged::{self, Part};
 use crate::measurement::import::Import;
-use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv, exchanged};
+use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
 use crate::method::Body;
 use crate::provenance::InputFile;
 use crate::reconstruct::{Said, Situation, Unclear};
@@ -121,21 +122,33 @@ pub(in crate::cli) struct ReadFlags {
     /// Angles of observation to use, FROM:TO in degrees
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
     theta_range: Option<String>,
+    /// Azimuths of planes of observation to use, FROM:TO in degrees; 0:0 is the plane of incidence
+    #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true)]
+    phi_range: Option<String>,
+    /// Of a file that holds several bands: a wavelength in nm, or the name of a band
+    #[arg(long, value_name = "BAND")]
+    band: Option<String>,
 }
 
 impl ReadFlags {
     /// The flags, each with whether it is given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 4] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 6] {
         [
             ("--columns", self.columns.is_some()), // all others of a foreign file need it
             ("--quantity", self.quantity.is_some()),
             ("--sigma-range", self.sigma_range.is_some()),
             ("--theta-range", self.theta_range.is_some()),
+            ("--phi-range", self.phi_range.is_some()),
+            ("--band", self.band.is_some()),
         ]
     }
 
     /// Reads a scan; the second part names the file's content for the provenance.
-    pub(in crate::cli) fn read(&self, path: &Path) -> Result<(Measurement, InputFile), Failure> {
+    pub(in crate::cli) fn read(
+        &self,
+        path: &Path,
+        geometry: Option<GeometryFlag>,
+    ) -> Result<(Measurement, InputFile), Failure> {
         let range = |flag: &str, text: &Option<String>| match text {
             Some(text) => text.parse().map_err(|e| Failure::bad(format!("--{flag}: {e}"))),
             None => Ok(crate::measurement::AngleRange::ALL),
@@ -143,11 +156,13 @@ impl ReadFlags {
         let selection = Selection {
             sigma: range("sigma-range", &self.sigma_range)?,
             theta: range("theta-range", &self.theta_range)?,
+            phi: range("phi-range", &self.phi_range)?,
         };
         let bytes = csv::load(path)?;
         let input = InputFile::of_bytes(path, &bytes);
+        let part = Part { geometry: geometry.map(Geometry::from), band: self.band.clone() };
         let Some(columns) = &self.columns else {
-            let mut scan = exchanged::parse(&bytes, path)?;
+            let mut scan = exchanged::parse(&bytes, path, &part)?;
             if let Some(quantity) = self.quantity {
                 scan.meta.quantity = Some(quantity.into());
             }
