@@ -24,5 +24,6 @@ mod recovery;
 mod forward;
 mod forward_inside;
 mod forward_limits;
+mod out_of_plane;
 mod fit_robustness;
 mod optional_parameters;
