@@ -23,7 +23,11 @@ fn read(surface: &str) -> Option<Measurement> {
     let import = Import {
         columns: columns.with_filter(&format!("surface={surface}")).unwrap(),
         quantity: Quantity::Bsdf,
-        selection: Selection { sigma: "5:75".parse().unwrap(), theta: ":60".parse().unwrap(), ..Selection::default() },
+        selection: Selection {
+            sigma: "5:75".parse().unwrap(),
+            theta: ":60".parse().unwrap(),
+            ..Selection::default()
+        },
         skip_missing: false,
     };
     let (scan, _) = import.read(path).unwrap();

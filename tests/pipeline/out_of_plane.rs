@@ -116,7 +116,8 @@ fn a_hemisphere_is_fitted_and_holds_the_light_that_leaves() {
         let area = sin * 6.0_f64.to_radians() * 15.0_f64.to_radians();
         flux += reading.value * cos * area;
     }
-    let wide = Virtual { setup: asperity::forward::Setup { aperture_deg: 1.0, ..sample.setup }, ..sample };
+    let wide =
+        Virtual { setup: asperity::forward::Setup { aperture_deg: 1.0, ..sample.setup }, ..sample };
     let plane = Incidence::in_plane(35.0, vec![0.0]);
     let rays = Rays { count: 200_000, seed: 3 };
     let drawn = monte_carlo(&wide.boundary, &wide.setup, &plane, rays, Watch::nobody()).unwrap();

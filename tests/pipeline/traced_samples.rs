@@ -126,8 +126,7 @@ fn a_map_mirrored_at_its_edges_scatters_like_the_whole() {
     let part = quarter.of(&prepared.map).unwrap();
     assert_eq!(Edges::of(&part), Edges::Mirrored);
     let setup = setup(&scan);
-    let angles =
-        Incidence::in_plane(30.0, (0..181).map(|k| f64::from(k) - 90.0).collect());
+    let angles = Incidence::in_plane(30.0, (0..181).map(|k| f64::from(k) - 90.0).collect());
     let rays = Rays { count: 1_000_000, seed: 2 };
     let trace = |map, edges| {
         let field = Arc::new(Field::new(map, edges).unwrap());

@@ -251,8 +251,7 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
     /// Light of later hits is computed on every line: of a lobe far narrower than the cone it is as narrow itself.
     fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (ConeRule<'_>, Neglected) {
         let lines = narrow_lines(half_angle, self.scale);
-        let seen =
-            |node: &Node| (node.theta - self.nearest.0).abs() <= reach + 2.0 * half_angle;
+        let seen = |node: &Node| (node.theta - self.nearest.0).abs() <= reach + 2.0 * half_angle;
         let first = nodes.iter().position(seen).unwrap_or(0);
         // the cubic between computed directions knows less at the ends
         let first = (first - first % STRIDE).saturating_sub(2 * STRIDE);

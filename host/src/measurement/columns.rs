@@ -91,7 +91,8 @@ impl FromStr for ColumnMap {
         let mut found = [const { None }; 4];
         for part in text.split(',') {
             let (role, name) = part.split_once('=').ok_or_else(fault)?;
-            let role = ["sigma", "theta", "reading", "phi"].iter().position(|known| *known == role.trim());
+            let role =
+                ["sigma", "theta", "reading", "phi"].iter().position(|known| *known == role.trim());
             let slot = &mut found[role.ok_or_else(fault)?];
             if slot.replace(column(name).ok_or_else(fault)?).is_some() {
                 return Err(fault());

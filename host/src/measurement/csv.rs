@@ -235,7 +235,8 @@ impl Parser<'_> {
         if !self.wavelengths.is_empty() {
             let rows = self.readings.iter().zip(&self.lines).zip(&self.wavelengths);
             let rows = rows.filter(|(_, nm)| (*nm - kept).abs() <= SAME_NM);
-            (self.readings, self.lines) = rows.map(|((reading, line), _)| (*reading, *line)).unzip();
+            (self.readings, self.lines) =
+                rows.map(|((reading, line), _)| (*reading, *line)).unzip();
             self.meta.set("wavelength_nm", &kept.to_string()).map_err(|fault| self.fail(fault))?;
         }
         Ok(())

@@ -76,9 +76,7 @@ pub enum ScanFault {
         found: Option<String>,
     },
     /// Readings of several wavelengths, and none of them chosen.
-    #[error(
-        "it holds the wavelengths {}; choose one with --band", join(held_nm)
-    )]
+    #[error("it holds the wavelengths {}; choose one with --band", join(held_nm))]
     Wavelengths {
         /// Those there are, nm.
         held_nm: Vec<f64>,

@@ -26,11 +26,7 @@ pub struct Part {
 ///
 /// # Errors
 /// [`ScanError`] with the place and the remedy.
-pub fn parse(
-    bytes: &[u8],
-    name: impl AsRef<Path>,
-    part: &Part,
-) -> Result<Measurement, ScanError> {
+pub fn parse(bytes: &[u8], name: impl AsRef<Path>, part: &Part) -> Result<Measurement, ScanError> {
     let name = name.as_ref();
     let of_file = |fault| ScanError::new(name, fault);
     let file = name.file_name().unwrap_or_default().to_string_lossy();
@@ -104,7 +100,9 @@ fn the_lobe(mut lobes: Vec<SampledBsdf>, part: &Part) -> Result<SampledBsdf, Str
         _ => return Err(format!("it holds {held}; choose one with --geometry")),
     };
     if !lobe.has_level {
-        return Err("it gives the shape of the lobe and no level; give readings with a level".into());
+        return Err(
+            "it gives the shape of the lobe and no level; give readings with a level".into()
+        );
     }
     Ok(lobe)
 }

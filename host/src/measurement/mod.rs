@@ -45,8 +45,8 @@ mod malformed;
 
 pub use self::columns::ColumnMap;
 pub use self::error::{ScanError, ScanFault};
-pub use self::isotropy::Isotropy;
 pub use self::import::{Import, RowCounts};
+pub use self::isotropy::Isotropy;
 pub use self::meta::{Metadata, Quantity};
 pub use self::noise::NoiseEstimate;
 pub use self::reading::{InvalidReading, Reading, ReadingFault};
@@ -166,7 +166,8 @@ impl Measurement {
     /// Whether all readings are in the plane of incidence, of one rotation of the sample.
     pub fn is_in_plane(&self) -> bool {
         let first = self.readings[0].rotation_deg;
-        let in_plane = |r: &Reading| r.phi_deg.abs() <= 0.0 && r.rotation_deg.total_cmp(&first).is_eq();
+        let in_plane =
+            |r: &Reading| r.phi_deg.abs() <= 0.0 && r.rotation_deg.total_cmp(&first).is_eq();
         self.readings.iter().all(in_plane)
     }
 

@@ -366,8 +366,7 @@ mod tests {
 
     #[test]
     fn a_few_readings_or_uneven_steps_have_no_estimate() {
-        let reading =
-            |k: i32| Reading::in_plane(0.0, f64::from(k * k) / 20.0, 1.0);
+        let reading = |k: i32| Reading::in_plane(0.0, f64::from(k * k) / 20.0, 1.0);
         let scan = Measurement::new(Metadata::default(), (0..40).map(reading).collect()).unwrap();
         assert_eq!(estimate(&scan), None);
         let point = Measurement::new(Metadata::default(), vec![reading(0)]).unwrap();

@@ -55,12 +55,9 @@ impl Reading {
             self.theta_deg = -self.theta_deg;
         }
         // -0 and 0 are one angle
-        for angle in [
-            &mut self.sigma_deg,
-            &mut self.rotation_deg,
-            &mut self.phi_deg,
-            &mut self.theta_deg,
-        ] {
+        for angle in
+            [&mut self.sigma_deg, &mut self.rotation_deg, &mut self.phi_deg, &mut self.theta_deg]
+        {
             *angle += 0.0;
         }
     }
@@ -180,4 +177,3 @@ pub enum ReadingFault {
     #[error("no reading is above zero; the detector saw no light: check the lamp and the column")]
     AllDark,
 }
-

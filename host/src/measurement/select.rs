@@ -114,9 +114,7 @@ pub enum SelectionFault {
         covered: Selection,
     },
     /// Readings inside, but all dark.
-    #[error(
-        "no reading above zero has {asked}: widen --sigma-range, --theta-range or --phi-range"
-    )]
+    #[error("no reading above zero has {asked}: widen --sigma-range, --theta-range or --phi-range")]
     Dark {
         /// The selection.
         asked: Selection,
@@ -141,9 +139,8 @@ impl Selection {
     /// # Errors
     /// [`SelectionFault`] where no reading, or none above zero, is inside.
     pub fn apply(&self, scan: &Measurement) -> Result<Measurement, SelectionFault> {
-        let inside = |r: &&Reading| {
-            self.contains(r.sigma_deg, r.theta_deg) && self.phi.contains(r.phi_deg)
-        };
+        let inside =
+            |r: &&Reading| self.contains(r.sigma_deg, r.theta_deg) && self.phi.contains(r.phi_deg);
         let kept: Vec<Reading> = scan.readings().iter().filter(inside).copied().collect();
         if kept.is_empty() {
             let points =
@@ -169,11 +166,14 @@ impl Selection {
             min_deg: range.min_deg.min(angle),
             max_deg: range.max_deg.max(angle),
         };
-        points.fold(Self { sigma: empty, theta: empty, phi: AngleRange::ALL }, |covered, (sigma, theta)| Self {
-            sigma: grown(covered.sigma, sigma),
-            theta: grown(covered.theta, theta),
-            ..covered
-        })
+        points.fold(
+            Self { sigma: empty, theta: empty, phi: AngleRange::ALL },
+            |covered, (sigma, theta)| Self {
+                sigma: grown(covered.sigma, sigma),
+                theta: grown(covered.theta, theta),
+                ..covered
+            },
+        )
     }
 }
 

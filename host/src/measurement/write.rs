@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::{Measurement, Reading};
 use super::csv::COLUMNS;
+use super::{Measurement, Reading};
 
 /// Writes a measurement as a standard scan file, which [`csv::read`](super::csv::read) reads back.
 ///

@@ -115,12 +115,8 @@ fn draw(picture: &PolarPicture, medium: Medium) -> Result<Canvas, PlotError> {
     let (title, letters) = fitted(&picture.title, size::TITLE, 16, WIDTH - 60.0);
     canvas.text((0.5 * WIDTH, 44.0), &title, letters, Anchor::Middle);
     for (k, row) in picture.rows.iter().enumerate() {
-        let frames = LEFT.map(|left| Frame {
-            left,
-            top: TOP + ROW * k as f64,
-            width: DISC,
-            height: DISC,
-        });
+        let frames =
+            LEFT.map(|left| Frame { left, top: TOP + ROW * k as f64, width: DISC, height: DISC });
         let names = [row.caption.as_str(), "fitted", "fitted − measured"];
         let colors = [&of_readings, &of_readings, &of_differences];
         let value = |k: usize, p: &PolarPoint| if k == 2 { percent(p) } else { p.values[k] };
@@ -230,7 +226,8 @@ mod tests {
 
     #[test]
     fn a_picture_has_three_discs_a_row_and_nothing_dark_is_drawn() {
-        let row = |value| PolarRow { caption: "σ = 0°".into(), points: vec![point(5.0, 0.0, value)] };
+        let row =
+            |value| PolarRow { caption: "σ = 0°".into(), points: vec![point(5.0, 0.0, value)] };
         let picture = |value| PolarPicture {
             title: "plate".into(),
             label: "BSDF (1/sr)".into(),

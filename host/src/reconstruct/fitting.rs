@@ -178,7 +178,8 @@ pub enum FitScanError {
 /// [`FitScanError`].
 pub fn fit_scan(path: &Path, method: &str) -> Result<Found, FitScanError> {
     let bytes = csv::load(path)?;
-    let (scan, input) = (exchanged::parse(&bytes, path, &Part::default())?, InputFile::of_bytes(path, &bytes));
+    let (scan, input) =
+        (exchanged::parse(&bytes, path, &Part::default())?, InputFile::of_bytes(path, &bytes));
     let task = Task { input: Some(&input), ..Task::new(&scan, Said::default().about(&scan)?) };
     let trials = task.trials(method, None, &usually_asked)?;
     Ok(task.fit(&trials, Watch::nobody())?)

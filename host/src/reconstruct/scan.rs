@@ -245,7 +245,8 @@ impl ScanRequest {
         }
         self.say(boundary, setup, &raw, &mut meta);
         let at = self.sigma_deg.iter().flat_map(|&s| angles.iter().map(move |&t| (s, t)));
-        let reading = |((sigma_deg, theta_deg), value)| Reading::in_plane(sigma_deg, theta_deg, value);
+        let reading =
+            |((sigma_deg, theta_deg), value)| Reading::in_plane(sigma_deg, theta_deg, value);
         let readings = at.zip(raw.values.iter().copied()).map(reading).collect();
         Ok(VirtualScan {
             measurement: Measurement::new(meta, readings)?,

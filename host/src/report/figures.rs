@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::measurement::{Incidence, Measurement, Quantity, Reading};
 use crate::output::{AtomicFile, OutputError, finish_all};
-use crate::plot::{self, Figure, PlotError, PolarPicture, PolarPoint, PolarRow, Scale, sigma_panels};
+use crate::plot::{
+    self, Figure, PlotError, PolarPicture, PolarPoint, PolarRow, Scale, sigma_panels,
+};
 use crate::reconstruct::Entry;
 
 /// Why a plot was not written.

@@ -21,8 +21,7 @@ fn setup(geometry: Geometry, rough_side: RoughSide) -> Setup {
 }
 
 fn run(boundary: &(impl Scatter<f64> + Sync), setup: &Setup, rays: Rays) -> MonteCarlo {
-    let angles =
-        Incidence::in_plane(30.0, (-4..=16).map(|k| 5.0 * f64::from(k)).collect());
+    let angles = Incidence::in_plane(30.0, (-4..=16).map(|k| 5.0 * f64::from(k)).collect());
     monte_carlo(boundary, setup, &angles, rays, Watch::nobody()).unwrap()
 }
 
