@@ -33,7 +33,7 @@ fn stirling_rest(x: f64) -> f64 {
 /// The beta function of two numbers from 1; 0 if either is infinite.
 ///
 /// Relative error below 1e-12, also where one is large: the logarithms of the gamma functions would then cancel
-/// \[DiDonato & Morris 1992\].
+/// \[`DiDonato` & Morris 1992\].
 pub(crate) fn beta(p: f64, q: f64) -> f64 {
     let (p, q) = if p <= q { (p, q) } else { (q, p) };
     if !q.is_finite() {
@@ -76,12 +76,12 @@ fn fraction(a: f64, b: f64, x: f64) -> f64 {
         let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
         d = 1.0 / apart(1.0 + even * d);
         c = apart(1.0 + even / c);
-        value = value * (d * c);
+        value *= d * c;
         let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
         d = 1.0 / apart(1.0 + odd * d);
         c = apart(1.0 + odd / c);
         let step = d * c;
-        value = value * step;
+        value *= step;
         if Real::abs(step - 1.0) < 1e-15 {
             break;
         }

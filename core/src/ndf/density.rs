@@ -6,6 +6,7 @@
 //! projected area of the facets that face the direction is `|cos| + sin L` \[Smith 1967; Heitz 2014\].
 
 use core::f64::consts::{FRAC_1_PI, PI};
+use core::marker::PhantomData;
 
 use crate::direction::Direction;
 use crate::math::Real;
@@ -106,7 +107,7 @@ fn visible_slope<T: Real, D: Density<T>>(density: &D, mu: f64, v: f64) -> f64 {
         mu,
         power: density.tail(),
         start: Real::pow(steeper, 1.0 / density.tail()),
-        of: core::marker::PhantomData,
+        of: PhantomData,
     };
     let mut sums = [0.0; PANELS];
     let mut total = 0.0;
@@ -115,23 +116,23 @@ fn visible_slope<T: Real, D: Density<T>>(density: &D, mu: f64, v: f64) -> f64 {
         total += *sum;
     }
     let mut left = wanted / (excess + mu * steeper) * total;
-    let mut panel = 0;
-    for sum in &sums[..PANELS - 1] {
+    let mut panel = 0.0;
+    for sum in sums.iter().take(PANELS - 1) {
         if left < *sum {
             break;
         }
         left -= *sum;
-        panel += 1;
+        panel += 1.0;
     }
-    let start = panel as f64 / PANELS as f64;
+    let start = panel / PANELS as f64;
     let (mut low, mut high) = (start, start + 1.0 / PANELS as f64);
     let mut x = 0.5 * (low + high);
     for _ in 0..40 {
         let error = steep.integral([start, x]) - left;
         if error > 0.0 {
-            high = x
+            high = x;
         } else {
-            low = x
+            low = x;
         }
         if Real::abs(error) <= 1e-13 * total {
             break;
@@ -149,7 +150,7 @@ struct Steep<'a, T, D> {
     power: f64,
     /// `y` of the facets just as steep.
     start: f64,
-    of: core::marker::PhantomData<T>,
+    of: PhantomData<T>,
 }
 
 impl<T: Real, D: Density<T>> Steep<'_, T, D> {
@@ -195,9 +196,9 @@ fn visible_azimuth(slope: f64, mu: f64, u: f64) -> f64 {
         let (sin, cos) = Real::sin_cos(phi);
         let error = b * phi + a * sin - wanted;
         if error > 0.0 {
-            high = phi
+            high = phi;
         } else {
-            low = phi
+            low = phi;
         }
         if Real::abs(error) <= 1e-14 * full {
             break;

@@ -9,8 +9,8 @@ use crate::quantity::{Alpha, QuantityError};
 /// `D = 1 / (pi sigma^2 cos^4 (1 + tan^2 / c)^gamma)`, `c = (gamma - 1) sigma^2`.
 ///
 /// `gamma` = 2 is GGX of `alpha` = `sigma`, and a large one Beckmann. `Lambda` is closed: with `mu = cot theta`,
-/// `Lambda = c^(gamma-1) Gamma(gamma-1/2) / (sqrt pi Gamma(gamma-1)) (c + mu^2)^(3/2-gamma) / ((2 gamma - 3) mu)
-/// - I_x(gamma-1, 1/2) / 2`, `x = c / (c + mu^2)`.
+/// `x = c / (c + mu^2)`, `a = gamma - 1` and Euler's beta function,
+/// `Lambda = x^a sqrt(c + mu^2) / (B(a, 1/2) (2 a - 1) mu) - I_x(a, 1/2) / 2`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Student<T> {
     sigma: Alpha<T>,
