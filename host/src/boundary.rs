@@ -1,7 +1,8 @@
 //! The rough boundary of a model, made by any method.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx, Scatter, Scattered};
+use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
+use asperity_core::ndf::any::AnyDensity;
 
 use crate::embedded::EmbeddedTable;
 use crate::hybrid::HybridBoundary;
@@ -13,6 +14,8 @@ use crate::raytrace::TracedBoundary;
 pub enum Boundary {
     /// GGX facets on a dielectric.
     Ggx(Ggx<f64>),
+    /// Facets of another density, with masking, on a dielectric; boxed, for its tables are large.
+    Microfacet(Box<Microfacet<f64, AnyDensity<f64>>>),
     /// A fitted density of facet normals on a dielectric; boxed, for its tables are large.
     Normals(Box<Normals<f64>>),
     /// GGX facets and a Lambert floor on an opaque body.
@@ -33,6 +36,10 @@ macro_rules! with_boundary {
     ($boundary:expr, $name:ident => $body:expr, traced $traced:ident => $other:expr) => {
         match $boundary {
             $crate::boundary::Boundary::Ggx($name) => $body,
+            $crate::boundary::Boundary::Microfacet(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
             $crate::boundary::Boundary::Normals(boxed) => {
                 let $name = &**boxed;
                 $body
@@ -61,6 +68,7 @@ impl Boundary {
     pub fn eta(&self) -> Option<f64> {
         match self {
             Self::Ggx(b) => Some(b.eta.get()),
+            Self::Microfacet(b) => Some(b.eta.get()),
             Self::Normals(b) => Some(b.eta.get()),
             Self::Traced(t) => Some(t.eta.get()),
             Self::Wave(w) => Some(w.eta().get()),

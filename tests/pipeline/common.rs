@@ -75,6 +75,7 @@ impl Virtual {
     pub(crate) fn slope(&self) -> f64 {
         match &self.boundary {
             Boundary::Ggx(b) => b.slope(),
+            Boundary::Microfacet(b) => b.slope(),
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
             Boundary::Wave(b) => b.slope(),

@@ -11,6 +11,8 @@ mod facet;
 mod ggx;
 #[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
 mod half;
+#[cfg(feature = "microfacet")]
+mod microfacet;
 #[cfg(feature = "normals")]
 mod normals;
 #[cfg(feature = "ggx")]
@@ -22,6 +24,8 @@ mod tests_cast;
 #[cfg(feature = "ggx")]
 pub use ggx::Ggx;
 pub use lobe_set::LobeSet;
+#[cfg(feature = "microfacet")]
+pub use microfacet::{Masking, Microfacet};
 #[cfg(feature = "normals")]
 pub use normals::Normals;
 #[cfg(feature = "ggx")]

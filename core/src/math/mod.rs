@@ -8,6 +8,8 @@ mod fast;
 mod hardware;
 #[cfg(feature = "fast")]
 mod polynomial;
+#[cfg(feature = "microfacet")]
+pub(crate) mod special;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, clippy::float_cmp, reason = "oracles, and exact values")]
 mod tests_fast;

@@ -7,6 +7,20 @@ pub mod law;
 #[cfg(feature = "normals")]
 mod edge;
 #[cfg(feature = "normals")]
+mod form;
+#[cfg(feature = "normals")]
+mod quantile;
+#[cfg(feature = "normals")]
 mod visible;
 #[cfg(feature = "normals")]
 pub mod normals;
+#[cfg(feature = "microfacet")]
+pub mod density;
+#[cfg(feature = "microfacet")]
+pub mod beckmann;
+#[cfg(feature = "microfacet")]
+pub mod student;
+#[cfg(feature = "microfacet")]
+pub mod smith;
+#[cfg(feature = "microfacet")]
+pub mod any;

@@ -4,45 +4,15 @@
 //! `p(m) = F(theta_m) / C`, `C = 2 pi * integral of F sin theta`. Everything is computed in double
 //! precision when the density is made, and kept in fixed-size tables.
 
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::PI;
 
-use super::edge::Edges;
-use super::law::{Law, Profile};
+use super::form::Form;
+use super::law::Law;
+use super::quantile::{Measure, quantile_table, table_value};
 use super::visible::VisibleShare;
 use crate::direction::Direction;
 use crate::math::Real;
-use crate::quadrature::{hermite, monotone_slope};
 use crate::sampling::inverse_smoothstep;
-
-/// Share of the normals that is cut off at either end of the table of quantiles.
-const NO_ACCOUNT: f64 = 1e-9;
-/// The computation of a law from a half vector.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Form<T> {
-    /// The normal law about 0: `2^-(halvings t^2)`.
-    Normal { halvings: T },
-    /// Another power of `t`, by way of `t^2 / delta^2`.
-    Power { narrowness: T },
-    /// From the angle.
-    Angle,
-    /// From the angle to an edge, where the law needs more digits than an angle has.
-    Edges(Edges<T>),
-}
-
-impl<T: Real> Form<T> {
-    fn of(law: &Law<f64>) -> Self {
-        let narrowness = 1.0 / (law.delta() * law.delta());
-        let normal = law.profile() == Profile::Gauss && law.n().total_cmp(&2.0).is_eq();
-        match Edges::of(law) {
-            Some(edges) => Self::Edges(edges),
-            None if law.centre() > 0.0 => Self::Angle,
-            None if normal => {
-                Self::Normal { halvings: T::from_f64(0.5 * narrowness * core::f64::consts::LOG2_E) }
-            }
-            None => Self::Power { narrowness: T::from_f64(narrowness) },
-        }
-    }
-}
 
 /// A normalised density of facet normals with an inverse-CDF table of `N` nodes.
 ///
@@ -65,9 +35,8 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     pub fn new(law: Law<T>) -> Self {
         const { assert!(N >= 4, "a table of quantiles needs four nodes at least") };
         let wide: Law<f64> = law.cast();
-        let mut total = 0.0;
-        each_panel(&wide, |a, b| total += panel_mass(&wide, a, b));
-        let table = quantile_table::<N>(&wide, total);
+        let total = Measure::Number.total(&wide);
+        let table = quantile_table::<N>(&wide, Measure::Number, total);
         let slope = |x| tangent(table_value(&table, x));
         Self {
             law,
@@ -104,16 +73,7 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
         z2: T,
         in_two: impl FnOnce() -> [[T; 2]; 2],
     ) -> T {
-        let value = match &self.form {
-            Form::Normal { halvings } => (T::angle_squared(xy2, z2) * *halvings).halved(),
-            Form::Power { narrowness } => {
-                let power = T::HALF * self.law.n();
-                self.law.falls((T::angle_squared(xy2, z2) * *narrowness).pow(power))
-            }
-            Form::Angle => self.law.value(xy2.sqrt().atan2(z2.sqrt())),
-            Form::Edges(edges) => edges.value(&self.law, in_two()),
-        };
-        value * self.twice_inverse_norm
+        self.form.value(&self.law, xy2, z2, in_two) * self.twice_inverse_norm
     }
 
     /// Draws a normal with density `p(m)` from two uniforms in [0, 1).
@@ -137,130 +97,6 @@ impl<T: Real, const N: usize> NormalDensity<T, N> {
     }
 }
 
-/// Hermite interpolation of the quantile table at `x` in [0, 1].
-#[inline]
-fn table_value<T: Real, const N: usize>(table: &[[T; 2]; N], x: T) -> T {
-    let cells = T::from_f64((N - 1) as f64);
-    let position = x * cells;
-    let k = position.to_index().min(N - 2);
-    match (table.get(k), table.get(k + 1)) {
-        (Some(&a), Some(&b)) => {
-            let s = (position - T::from_f64(k as f64)).max(T::ZERO).min(T::ONE);
-            hermite(s, T::ONE / cells, a, b).max(T::ZERO).min(T::ONE)
-        }
-        _ => T::ZERO,
-    }
-}
-
-/// Calls `visit(a, b)` for panels that cover [0, pi/2] in order and are graded about the centre of the
-/// law: geometric, and finer near one width away, where a large exponent makes an edge.
-fn each_panel(law: &Law<f64>, mut visit: impl FnMut(f64, f64)) {
-    let (centre, delta, n) = (law.centre(), law.delta(), law.n());
-    let least = 1e-6 * delta;
-    let fine = 1.0 + Real::min(0.25, 4.0 / n);
-    let ratio = |y: f64| if y > 0.25 * delta && y < 8.0 * delta { fine } else { 1.5 };
-    let mut y = centre;
-    while y > least {
-        let next = y / ratio(y);
-        visit(centre - y, if next > least { centre - next } else { centre });
-        y = next;
-    }
-    let most = FRAC_PI_2 - centre;
-    let mut y = 0.0;
-    while y < most {
-        let next = if y > 0.0 { y * ratio(y) } else { least };
-        let end = if next < most { next } else { most };
-        visit(centre + y, centre + end);
-        y = next;
-    }
-}
-
-/// `integral of F sin theta` over [a, b] by eight points.
-fn panel_mass(law: &Law<f64>, a: f64, b: f64) -> f64 {
-    let sum: f64 = EIGHT_POINTS.iter().map(|&(x, w)| w * mass_density(law, a + x * (b - a))).sum();
-    sum * (b - a)
-}
-
-fn mass_density(law: &Law<f64>, theta: f64) -> f64 {
-    law.value(theta) * Real::sin_cos(theta).0
-}
-
-/// The eight-point Gauss-Legendre rule on [0, 1]: [`gauss_legendre`] computed once and for all.
-const EIGHT_POINTS: [(f64, f64); 8] = [
-    (0.01985507175123188, 0.05061426814518813),
-    (0.101_666_761_293_186_64, 0.11119051722668724),
-    (0.2372337950418355, 0.15685332293894363),
-    (0.4082826787521751, 0.181341891689181),
-    (0.591717321247825, 0.181341891689181),
-    (0.7627662049581645, 0.15685332293894363),
-    (0.8983332387068134, 0.11119051722668724),
-    (0.9801449282487681, 0.05061426814518813),
-];
-
-/// Quantiles of `t = 1 - cos theta` and their slopes `dt/dx`.
-fn quantile_table<const N: usize>(law: &Law<f64>, total: f64) -> [[f64; 2]; N] {
-    let mut table = [[1.0, 0.0]; N];
-    let node = |k: usize| k as f64 / (N - 1) as f64;
-    // A tail of no account is cut off, or the outermost cell would spread over all angles beyond.
-    let least = if law.centre() > 0.0 { NO_ACCOUNT } else { 0.0 };
-    let (mut below, mut k) = (0.0, 0);
-    each_panel(law, |a, b| {
-        let mass = panel_mass(law, a, b) / total;
-        while k < N {
-            let x = node(k);
-            let u = Real::min(Real::max(x * x * (3.0 - 2.0 * x), least), 1.0 - NO_ACCOUNT);
-            let target = u - below;
-            if target > mass {
-                break;
-            }
-            let theta = invert_panel(law, total, (a, b), mass, target);
-            let half = Real::sin_cos(0.5 * theta).0;
-            if let Some(row) = table.get_mut(k) {
-                // du/dt = F / total, du/dx = 6 x (1 - x)
-                *row = [2.0 * half * half, 6.0 * x * (1.0 - x) * total / law.value(theta)];
-            }
-            k += 1;
-        }
-        below += mass;
-    });
-    limit_slopes(&mut table);
-    table
-}
-
-/// The angle in the panel below which a share `target` of all normals lies, counted from its start.
-fn invert_panel(law: &Law<f64>, total: f64, (a, b): (f64, f64), mass: f64, target: f64) -> f64 {
-    let h = b - a;
-    let (da, db) = (mass_density(law, a) / total, mass_density(law, b) / total);
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..24 {
-        let s = 0.5 * (low + high);
-        if hermite(s, h, [0.0, da], [mass, db]) < target { low = s } else { high = s }
-    }
-    let mut theta = a + 0.5 * (low + high) * h;
-    for _ in 0..2 {
-        let density = mass_density(law, theta) / total;
-        let step = (panel_mass(law, a, theta) / total - target) / density;
-        if step.is_finite() {
-            theta = Real::min(Real::max(theta - step, a), b);
-        }
-    }
-    theta
-}
-
-/// Makes the table monotone between its nodes.
-fn limit_slopes<const N: usize>(table: &mut [[f64; 2]; N]) {
-    let cells = (N - 1) as f64;
-    let values = table.map(|row| row[0]);
-    for (k, row) in table.iter_mut().enumerate() {
-        let here = row[0];
-        let left = k.checked_sub(1).and_then(|j| values.get(j));
-        let right = values.get(k + 1);
-        let secant = |other: Option<&f64>| other.map(|v| (v - here).abs() * cells);
-        let (l, r) = (secant(left), secant(right));
-        row[1] = monotone_slope(row[1], l.or(r).unwrap_or(0.0), r.or(l).unwrap_or(0.0));
-    }
-}
-
 /// The tangent of the angle of which `t = 1 - cos`.
 fn tangent(t: f64) -> f64 {
     Real::sqrt(t * (2.0 - t)) / (1.0 - t)
@@ -269,21 +105,13 @@ fn tangent(t: f64) -> f64 {
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 mod tests {
-    use super::{EIGHT_POINTS, NormalDensity};
+    use super::NormalDensity;
     use crate::direction::Direction;
     use crate::ndf::law::{Law, Profile};
-    use crate::quadrature::gauss_legendre;
     use std::format;
 
     fn density(profile: Profile, delta: f64, n: f64, centre: f64) -> NormalDensity<f64, 256> {
         NormalDensity::new(Law::new(profile, delta, n, centre).unwrap())
-    }
-
-    #[test]
-    fn the_constant_rule_is_the_computed_one() {
-        for (a, b) in EIGHT_POINTS.iter().zip(gauss_legendre::<8>()) {
-            assert!((a.0 - b.0).abs() < 2e-16 && (a.1 - b.1).abs() < 2e-16, "{a:?} {b:?}");
-        }
     }
 
     /// Mass below `theta` by brute force, one million midpoints in ln(theta).

@@ -21,7 +21,8 @@ use crate::work::interruptible;
 /// ----------
 /// scan : Scan
 ///     The readings.
-/// method : {"ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid"}
+/// method : {"ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid", "beckmann", "student",
+///     "smith-normals"}
 ///     The method; the measured ones need `map`.
 /// ior : float, optional
 ///     Index of the plate over that of the air.

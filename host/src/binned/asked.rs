@@ -40,7 +40,11 @@ impl Asked {
             Boundary::Traced(t) => traced(t, (t.eta(), t.anisotropy()), wi, rays, watch)?,
             Boundary::Hybrid(h) => traced(&**h, (h.eta(), h.anisotropy()), wi, rays, watch)?,
             Boundary::Wave(wave) => of_waves(wave, wi, rays, watch)?,
-            Boundary::Ggx(_) | Boundary::Normals(_) | Boundary::Opaque(_) | Boundary::Table(_) => {
+            Boundary::Ggx(_)
+            | Boundary::Microfacet(_)
+            | Boundary::Normals(_)
+            | Boundary::Opaque(_)
+            | Boundary::Table(_) => {
                 return Ok(Self::AsItIs);
             }
         };

@@ -62,7 +62,7 @@ impl Method for GgxMethod {
     fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
         let mut values = values.iter().copied();
         let mut next = |name| values.next().ok_or(BuildError::Missing(name));
-        let width = alpha(next("alpha")?)?;
+        let width = alpha("alpha", next("alpha")?)?;
         if !self.opaque {
             return Ok(Boundary::Ggx(Ggx::new(width, body.eta()?)));
         }

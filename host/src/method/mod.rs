@@ -4,6 +4,9 @@
 //! |---|---|---|
 //! | `ggx` | [`ggx`] | closed form in `asperity_core::bsdf` |
 //! | `normals` | [`normals`] | density of normals in `asperity_core::ndf` |
+//! | `beckmann` | [`beckmann`] | microfacets of `asperity_core::bsdf`, Gaussian slopes |
+//! | `student` | [`student`] | the same, with a fitted tail |
+//! | `smith-normals` | [`smith_normals`] | the same, with the laws of `normals` |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 //! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
@@ -13,6 +16,9 @@ mod parameter;
 mod kind;
 pub mod ggx;
 pub mod normals;
+pub mod beckmann;
+pub mod student;
+pub mod smith_normals;
 pub mod heights;
 mod measured;
 mod wave_job;
@@ -21,6 +27,7 @@ pub mod measured_wave;
 pub mod measured_hybrid;
 mod registry;
 
+pub use beckmann::BeckmannMethod;
 pub use ggx::GgxMethod;
 pub use heights::HeightsMethod;
 pub use kind::{Choice, Kind, Lack, Origin, Waves};
@@ -30,6 +37,8 @@ pub use measured_wave::MeasuredWaveMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 pub use registry::{KINDS, in_words};
+pub use smith_normals::SmithNormalsMethod;
+pub use student::StudentMethod;
 
 use asperity_core::ndf::law::Profile;
 use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};
@@ -140,10 +149,10 @@ fn profile_name(profile: Profile) -> &'static str {
     }
 }
 
-/// Checks a GGX width.
-fn alpha(value: f64) -> Result<Alpha<f64>, BuildError> {
+/// Checks the width of a slope distribution.
+fn alpha(name: &'static str, value: f64) -> Result<Alpha<f64>, BuildError> {
     Alpha::new(value).map_err(|_: QuantityError| BuildError::OutOfDomain {
-        name: "alpha",
+        name,
         value,
         least: Alpha::<f64>::LEAST,
         most: Alpha::<f64>::MOST,

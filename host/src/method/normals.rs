@@ -27,8 +27,22 @@ const N: Parameter = Parameter::new("n", "", (0.5, 64.0), Scale::Log, &[2.0]);
 const THETA0: Parameter =
     Parameter::new("theta0", "deg", (0.0, 60.0), Scale::Linear, &[1.0]).or_zero();
 
-static PLAIN: [Parameter; 2] = [DELTA, N];
-static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];
+pub(super) static PLAIN: [Parameter; 2] = [DELTA, N];
+pub(super) static CENTRED: [Parameter; 3] = [DELTA, N, THETA0];
+
+/// The law of checked values, in the order of the parameters.
+pub(super) fn law(profile: Profile, centre: bool, values: &[f64]) -> Result<Law<f64>, BuildError> {
+    let value = |k: usize, name| values.get(k).copied().ok_or(BuildError::Missing(name));
+    let (delta, n) = (value(0, "delta")?, value(1, "n")?);
+    let theta0 = if centre { value(2, "theta0")? } else { 0.0 };
+    let out =
+        |name, value, least, most, unit| BuildError::OutOfDomain { name, value, least, most, unit };
+    Law::new(profile, delta.to_radians(), n, theta0.to_radians()).map_err(|e| match e {
+        LawError::Delta => out("delta", delta, 1e-6_f64.to_degrees(), 10.0_f64.to_degrees(), "deg"),
+        LawError::Exponent => out("n", n, 0.1, 100.0, ""),
+        _ => out("theta0", theta0, 0.0, 90.0, "deg"),
+    })
+}
 
 /// Its description and needs.
 pub(super) const KIND: Kind = Kind {
@@ -60,25 +74,7 @@ impl Method for NormalsMethod {
     }
 
     fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
-        let value = |k: usize, name| values.get(k).copied().ok_or(BuildError::Missing(name));
-        let (delta, n) = (value(0, "delta")?, value(1, "n")?);
-        let theta0 = if self.centre { value(2, "theta0")? } else { 0.0 };
-        let out = |name, value, least, most, unit| BuildError::OutOfDomain {
-            name,
-            value,
-            least,
-            most,
-            unit,
-        };
-        let law = Law::new(self.profile, delta.to_radians(), n, theta0.to_radians()).map_err(
-            |e| match e {
-                LawError::Delta => {
-                    out("delta", delta, 1e-6_f64.to_degrees(), 10.0_f64.to_degrees(), "deg")
-                }
-                LawError::Exponent => out("n", n, 0.1, 100.0, ""),
-                _ => out("theta0", theta0, 0.0, 90.0, "deg"),
-            },
-        )?;
+        let law = law(self.profile, self.centre, values)?;
         let eta = body.eta()?;
         Ok(Boundary::Normals(Box::new(Normals::new(NormalDensity::new(law), eta))))
     }

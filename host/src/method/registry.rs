@@ -4,16 +4,22 @@
 //! the methods of comparisons come from here.
 
 use super::kind::{Choice, Kind, Lack, Origin};
-use super::{Body, Method, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals};
+use super::{
+    Body, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals,
+    smith_normals, student,
+};
 
 /// All methods, in the order of tables.
-pub const KINDS: [Kind; 6] = [
+pub const KINDS: [Kind; 9] = [
     ggx::KIND,
     normals::KIND,
     heights::KIND,
     measured_ray::KIND,
     measured_wave::KIND,
     measured_hybrid::KIND,
+    beckmann::KIND,
+    student::KIND,
+    smith_normals::KIND,
 ];
 
 impl Kind {

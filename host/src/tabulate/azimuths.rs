@@ -36,7 +36,11 @@ fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
             let (map, edges) = hybrid.surface();
             of(map, edges)
         }
-        Boundary::Ggx(_) | Boundary::Normals(_) | Boundary::Opaque(_) | Boundary::Table(_) => None,
+        Boundary::Ggx(_)
+        | Boundary::Microfacet(_)
+        | Boundary::Normals(_)
+        | Boundary::Opaque(_)
+        | Boundary::Table(_) => None,
     };
     found.filter(Anisotropy::is_directional)
 }

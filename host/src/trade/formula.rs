@@ -1,7 +1,8 @@
 //! The laws in closed form, in any number type.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx};
+use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx};
 use asperity_core::math::Real;
+use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::law::Law;
 use asperity_core::ndf::normals::NormalDensity;
 use asperity_core::quantity::{Alpha, RelativeIor};
@@ -48,5 +49,13 @@ impl Formula for OpaqueGgx<f64> {
     fn of<T: Real>(&self) -> Option<OpaqueGgx<T>> {
         let alpha = Alpha::new(number(self.alpha.get())).ok()?;
         OpaqueGgx::new(alpha, number(self.gain), number(self.lambert))
+    }
+}
+
+impl Formula for Microfacet<f64, AnyDensity<f64>> {
+    type In<T: Real> = Microfacet<T, AnyDensity<T>>;
+
+    fn of<T: Real>(&self) -> Option<Self::In<T>> {
+        Some(self.cast())
     }
 }

@@ -72,6 +72,7 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
     }
     match boundary {
         Boundary::Ggx(law) => bench.formula(law, Some(&Payload::ggx(law))),
+        Boundary::Microfacet(law) => bench.formula(&**law, None),
         Boundary::Normals(law) => bench.formula(&**law, Some(&Payload::normals(law))),
         Boundary::Opaque(law) => bench.formula(law, None),
         Boundary::Wave(wave) => {

@@ -1,0 +1,66 @@
+//! Any of the densities, where which one it is shows at run time only.
+
+use super::beckmann::Beckmann;
+use super::density::Density;
+use super::smith::SmithNormals;
+use super::student::Student;
+use crate::math::Real;
+
+/// One of the densities of this crate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "there is no allocation to box it; who has one may")]
+pub enum AnyDensity<T> {
+    /// Gaussian slopes.
+    Beckmann(Beckmann<T>),
+    /// Student-t slopes.
+    Student(Student<T>),
+    /// An angular law with masking.
+    SmithNormals(SmithNormals<T>),
+}
+
+macro_rules! each {
+    ($any:expr, $density:ident => $body:expr) => {
+        match $any {
+            AnyDensity::Beckmann($density) => $body,
+            AnyDensity::Student($density) => $body,
+            AnyDensity::SmithNormals($density) => $body,
+        }
+    };
+}
+
+impl<T: Real> Density<T> for AnyDensity<T> {
+    type In<U: Real> = AnyDensity<U>;
+
+    #[inline]
+    fn d(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T {
+        each!(self, density => density.d(xy2, z2, in_two))
+    }
+
+    fn excess(&self, mu: f64) -> f64 {
+        each!(self, density => Density::<T>::excess(density, mu))
+    }
+
+    fn steeper(&self, slope: f64) -> f64 {
+        each!(self, density => Density::<T>::steeper(density, slope))
+    }
+
+    fn slope_above(&self, share: f64) -> f64 {
+        each!(self, density => Density::<T>::slope_above(density, share))
+    }
+
+    fn slope(&self) -> T {
+        each!(self, density => density.slope())
+    }
+
+    fn tail(&self) -> f64 {
+        each!(self, density => Density::<T>::tail(density))
+    }
+
+    fn cast<U: Real>(&self) -> AnyDensity<U> {
+        match self {
+            Self::Beckmann(density) => AnyDensity::Beckmann(density.cast()),
+            Self::Student(density) => AnyDensity::Student(density.cast()),
+            Self::SmithNormals(density) => AnyDensity::SmithNormals(density.cast()),
+        }
+    }
+}

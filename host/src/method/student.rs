@@ -1,0 +1,101 @@
+//! Method `student`: microfacets with Student-t slopes \[Ribardiere et al. 2017\].
+//!
+//! `sigma` is the width, `gamma` the tail: 2 is `ggx`, large values are `beckmann`. Between them lie most ground and
+//! etched surfaces. Closed form.
+
+use asperity_core::bsdf::Microfacet;
+use asperity_core::ndf::any::AnyDensity;
+use asperity_core::ndf::student::Student;
+
+use super::kind::{Kind, Origin, Waves};
+use super::{Body, BuildError, Method, Parameter, Scale, alpha};
+use crate::boundary::Boundary;
+
+/// The method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StudentMethod;
+
+static PARAMETERS: [Parameter; 2] = [
+    Parameter::new("sigma", "", (1e-4, 5.0), Scale::Log, &[0.004, 0.02, 0.08, 0.25, 0.8]),
+    Parameter::new("gamma", "", (1.55, 100.0), Scale::Log, &[2.0, 6.0]),
+];
+
+/// Its description and needs.
+pub(super) const KIND: Kind = Kind {
+    name: "student",
+    summary: "microfacets with a fitted tail between and beyond GGX and Beckmann, closed form",
+    origin: Origin::Beyond,
+    has_profile: false,
+    needs_map: false,
+    traced: false,
+    waves: Waves::None,
+    takes_opaque: false,
+    optional: &[],
+    make: |_| Ok(Box::new(StudentMethod)),
+};
+
+impl Method for StudentMethod {
+    fn name(&self) -> &'static str {
+        KIND.name
+    }
+
+    fn references(&self) -> &'static [&'static str] {
+        &["Ribardiere et al. 2017", "Walter2007"]
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &PARAMETERS
+    }
+
+    fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
+        let value = |k: usize, name| values.get(k).copied().ok_or(BuildError::Missing(name));
+        let (sigma, gamma) = (value(0, "sigma")?, value(1, "gamma")?);
+        let facets =
+            Student::new(alpha("sigma", sigma)?, gamma).map_err(|_| BuildError::OutOfDomain {
+                name: "gamma",
+                value: gamma,
+                least: Student::<f64>::LEAST,
+                most: Student::<f64>::MOST,
+                unit: "",
+            })?;
+        let density = AnyDensity::Student(facets);
+        Ok(Boundary::Microfacet(Box::new(Microfacet::new(density, body.eta()?))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Body, Method, StudentMethod};
+    use crate::boundary::Boundary;
+
+    #[test]
+    fn values_outside_the_domain_are_refused_by_name() {
+        let body = Body::Dielectric { ior: 1.49 };
+        assert!(StudentMethod.boundary(&[0.3, 3.0], body).is_ok());
+        for (values, name) in [
+            (vec![], "`sigma`"),
+            (vec![0.3], "`gamma`"),
+            (vec![-0.3, 3.0], "`sigma`"),
+            (vec![0.3, 1.5], "`gamma`"),
+            (vec![0.3, f64::NAN], "`gamma`"),
+        ] {
+            let text = StudentMethod.boundary(&values, body).unwrap_err().to_string();
+            assert!(text.contains(name), "{text}");
+        }
+        assert!(StudentMethod.boundary(&[0.3, 3.0], Body::Opaque).is_err());
+    }
+
+    #[test]
+    fn a_tail_of_two_is_ggx() {
+        use asperity_core::direction::Direction;
+        let body = Body::Dielectric { ior: 1.49 };
+        let student = StudentMethod.boundary(&[0.3, 2.0], body).unwrap();
+        let ggx = super::super::GgxMethod::new(body).boundary(&[0.3], body).unwrap();
+        let wi = Direction::from_angles(0.9, 0.0);
+        for k in 0..30 {
+            let wo = Direction::from_angles(0.1 * f64::from(k), 2.5);
+            let of = |b: &Boundary| b.eval(wi, wo).unwrap();
+            assert!((of(&student) - of(&ggx)).abs() <= 1e-11 * of(&ggx), "{k}");
+        }
+    }
+}
