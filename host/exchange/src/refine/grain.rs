@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{At, Refined, sort};
+use super::axis::{Axis, sort};
+use super::{At, Refined};
+use crate::frame::Frame;
 use crate::law::Coordinates;
 use crate::sampled::Grid;
 
@@ -10,11 +12,11 @@ impl Refined<'_> {
     /// A grid that widens away from the rays: grain has no shape to follow.
     pub(super) fn grade(&mut self) {
         let absolute = self.layout.coordinates == Coordinates::Absolute;
-        let end = self.radii.last().copied().unwrap_or(FRAC_PI_2);
-        let (mut radii, mut azimuths) = (vec![0.0, end], self.azimuths.clone());
+        let end = self.radii.nodes.last().copied().unwrap_or(FRAC_PI_2);
+        let (mut radii, mut azimuths) = (vec![0.0, end], self.around.nodes.clone());
         for at in self.group {
             let Some(ray) = at.ray else { continue };
-            let width = self.width(at, ray).max(4.0 * self.options.resolution).max(1e-3);
+            let width = self.width(at, Frame::Specular { theta: ray }).max(4.0 * self.options.resolution).max(1e-3);
             for offset in graded(width / 5.0, end) {
                 let middle = if absolute { ray } else { 0.0 };
                 radii.extend([middle - offset, middle + offset]);
@@ -27,14 +29,30 @@ impl Refined<'_> {
         radii.retain(|r| (0.0..=end).contains(r));
         let turn = if self.mirrored { PI } else { 2.0 * PI - 1e-6 };
         azimuths.retain(|a| (0.0..=turn).contains(a));
-        (self.radii, self.azimuths) = (thinned(radii), thinned(azimuths));
-        if self.mirrored && self.azimuths.last().is_some_and(|a| *a < PI) {
-            self.azimuths.push(PI);
+        let mut azimuths = thinned(azimuths);
+        if !self.mirrored {
+            azimuths.push(2.0 * PI);
+        } else if azimuths.last().is_some_and(|a| *a < PI) {
+            azimuths.push(PI);
         }
+        (self.radii, self.around) = (Axis::new(thinned(radii)), Axis::new(azimuths));
+    }
+
+    /// Means at all nodes, scaled to the flux where it is known.
+    pub(super) fn means(&self, at: &At, grid: &Grid) -> Vec<f64> {
+        let nodes = (0..grid.azimuths.len()).flat_map(|j| (0..grid.radii.len()).map(move |i| (i, j)));
+        let mut values: Vec<f64> = nodes.map(|node| self.mean(at, grid, node)).collect();
+        if let Some(flux) = self.law.flux(at.incidence) {
+            let how = self.layout.interpolation;
+            let is = grid.integral(&|c, _| grid.value(&values, c, how));
+            let scale = if is > 0.0 { flux / is } else { 1.0 };
+            values.iter_mut().for_each(|v| *v *= scale);
+        }
+        values
     }
 
     /// The mean over the directions that a node stands for.
-    pub(super) fn mean(&self, at: &At, grid: &Grid, (i, j): (usize, usize)) -> f64 {
+    fn mean(&self, at: &At, grid: &Grid, (i, j): (usize, usize)) -> f64 {
         const PARTS: usize = 5;
         let span = |axis: &[f64], k: usize, turn: Option<f64>| {
             let here = axis[k];
