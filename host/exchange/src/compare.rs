@@ -121,6 +121,5 @@ fn degrees(radians: f64) -> f64 {
 /// Flux of a law: what it knows, else by cubature.
 fn law_flux(law: &dyn Law, file: &SampledBsdf, from: [f64; 2]) -> f64 {
     let mirrored = file.symmetry == Symmetry::Isotropic;
-    law.flux(from)
-        .unwrap_or_else(|| hemisphere::flux(law, from, file.specular(from[0]), mirrored))
+    law.flux(from).unwrap_or_else(|| hemisphere::flux(law, from, file.specular(from[0]), mirrored))
 }

@@ -18,7 +18,8 @@ const GAUSS: [[f64; 2]; 4] = [
 ];
 
 /// The same, 2 points.
-pub(crate) const COARSE: [[f64; 2]; 2] = [[0.211_324_865_405_187_13, 0.5], [0.788_675_134_594_812_9, 0.5]];
+pub(crate) const COARSE: [[f64; 2]; 2] =
+    [[0.211_324_865_405_187_13, 0.5], [0.788_675_134_594_812_9, 0.5]];
 
 /// How often a cell is halved at most.
 const DEPTH: usize = 5;

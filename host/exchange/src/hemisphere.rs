@@ -99,15 +99,19 @@ impl Region {
         let (inner, outer) = (close[0] + close[1], wide[0] + wide[1]);
         let area = 4.0 * half[0] * half[1];
         let seventh = area
-            * (-3_816.0 * centre + 2_940.0 * inner + 1_020.0 * outer + 200.0 * diagonal
+            * (-3_816.0 * centre
+                + 2_940.0 * inner
+                + 1_020.0 * outer
+                + 200.0 * diagonal
                 + 6_859.0 / 4.0 * corners)
             / 19_683.0;
         let fifth = area
-            * (-971.0 / 729.0 * centre + 245.0 / 486.0 * inner + 65.0 / 1_458.0 * outer
+            * (-971.0 / 729.0 * centre
+                + 245.0 / 486.0 * inner
+                + 65.0 / 1_458.0 * outer
                 + 25.0 / 729.0 * diagonal);
-        let fourth = [0, 1].map(|k: usize| {
-            (close[k] - 2.0 * centre - (wide[k] - 2.0 * centre) / 7.0).abs()
-        });
+        let fourth =
+            [0, 1].map(|k: usize| (close[k] - 2.0 * centre - (wide[k] - 2.0 * centre) / 7.0).abs());
         let axis = usize::from(fourth[1] > fourth[0]);
         Self { low, high, value: seventh, error: (seventh - fifth).abs(), axis }
     }

@@ -241,7 +241,10 @@ impl<'a> Refined<'a> {
     }
 
     fn unmarked(&self) -> Marks {
-        Marks { radial: vec![false; self.radii.intervals()], around: vec![false; self.around.intervals()] }
+        Marks {
+            radial: vec![false; self.radii.intervals()],
+            around: vec![false; self.around.intervals()],
+        }
     }
 
     /// Narrowest interval of an axis that is halved for the sake of values.

@@ -108,8 +108,7 @@ fn bend(axis: &[f64], k: usize, value: &dyn Fn(usize) -> f64) -> f64 {
     let curvature = |middle: usize| {
         let (before, after) = (middle.checked_sub(1)?, middle + 1);
         let last = axis.get(after)?;
-        let slope =
-            |a: usize, b: usize| (value(b) - value(a)) / (axis[b] - axis[a]);
+        let slope = |a: usize, b: usize| (value(b) - value(a)) / (axis[b] - axis[a]);
         Some(2.0 * (slope(middle, after) - slope(before, middle)) / (last - axis[before]))
     };
     let sides = [curvature(k), curvature(k + 1)].into_iter().flatten();

@@ -61,11 +61,19 @@ impl Refined<'_> {
         }
         let mut all: Vec<Spoiler> = Vec::new();
         let radial = radial.into_iter().enumerate();
-        all.extend(radial.map(|(place, error)| Spoiler { error, nodes: na, place, is_radial: true }));
+        all.extend(radial.map(|(place, error)| Spoiler {
+            error,
+            nodes: na,
+            place,
+            is_radial: true,
+        }));
         let around = around.into_iter().enumerate();
-        all.extend(
-            around.map(|(place, error)| Spoiler { error, nodes: nr, place, is_radial: false }),
-        );
+        all.extend(around.map(|(place, error)| Spoiler {
+            error,
+            nodes: nr,
+            place,
+            is_radial: false,
+        }));
         all.sort_by(|a, b| b.worth().total_cmp(&a.worth()));
         // where nodes tell less than there is, as at a jump, the worst intervals are halved and not all
         let told: f64 = all.iter().map(|s| s.error).sum();
@@ -159,7 +167,12 @@ impl Bends {
 
     /// Mean distances over a cell, along the radius and along the azimuth.
     fn of(&self, i: usize, j: usize) -> [f64; 2] {
-        let corners = [j * self.nr + i, j * self.nr + i + 1, (j + 1) * self.nr + i, (j + 1) * self.nr + i + 1];
+        let corners = [
+            j * self.nr + i,
+            j * self.nr + i + 1,
+            (j + 1) * self.nr + i,
+            (j + 1) * self.nr + i + 1,
+        ];
         [0, 1].map(|axis: usize| {
             let scale = |k: usize| self.scale.as_ref().map_or(1.0, |values| values[k]);
             let mean = corners.iter().map(|k| self.at[*k][axis] * scale(*k)).sum::<f64>() / 4.0;
