@@ -5,9 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::frame::Frame;
+use crate::hemisphere;
 use crate::law::{Capped, Law};
-use crate::sampled::{Grid, Incidence, Nodes, SampledBsdf};
+use crate::sampled::{Incidence, Nodes, SampledBsdf, Symmetry};
 
 /// One incidence of a file beside the law.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -91,7 +91,7 @@ fn row(
         rotation_deg: degrees(incidence.phi),
         nodes: directions.len(),
         node_error_percent: if peaks.law > 0.0 { 100.0 * worst / peaks.law } else { 0.0 },
-        flux_law: raw.flux(from).unwrap_or_else(|| law_flux(raw, file, incidence)),
+        flux_law: law_flux(raw, file, from),
         flux_file: file.flux(k, 0),
         flux_stated: incidence.stated.first().copied(),
         peak_law: peaks.law,
@@ -118,18 +118,8 @@ fn degrees(radians: f64) -> f64 {
     (radians.to_degrees() * 1e9).round() / 1e9
 }
 
-/// Flux of a law by quadrature: on the grid of the file, or on one about the ray where the file has none.
-fn law_flux(law: &dyn Law, file: &SampledBsdf, incidence: &Incidence) -> f64 {
-    let from = [incidence.theta, incidence.phi];
-    let value = |_: [f64; 2], out: [f64; 2]| law.value(from, out).max(0.0);
-    if let Nodes::Grid(grid) = &incidence.nodes {
-        return grid.integral(&value);
-    }
-    let frame =
-        file.specular(incidence.theta).map_or(Frame::Absolute, |theta| Frame::Specular { theta });
-    let mut radii: Vec<f64> = (0..96).map(|k| 1e-4 * 1.11_f64.powi(k)).collect();
-    radii.retain(|r| *r < 3.1);
-    radii.insert(0, 0.0);
-    let azimuths = (0..48).map(|k| f64::from(k) * std::f64::consts::PI / 24.0).collect();
-    Grid { frame, radii, azimuths, mirrored: false }.integral(&value)
+/// Flux of a law: what it knows, else by cubature.
+fn law_flux(law: &dyn Law, file: &SampledBsdf, from: [f64; 2]) -> f64 {
+    let mirrored = file.symmetry == Symmetry::Isotropic;
+    law.flux(from).unwrap_or_else(|| hemisphere::flux(law, from, file.specular(from[0]), mirrored))
 }

@@ -18,7 +18,8 @@ const GAUSS: [[f64; 2]; 4] = [
 ];
 
 /// The same, 2 points.
-const COARSE: [[f64; 2]; 2] = [[0.211_324_865_405_187_13, 0.5], [0.788_675_134_594_812_9, 0.5]];
+pub(crate) const COARSE: [[f64; 2]; 2] =
+    [[0.211_324_865_405_187_13, 0.5], [0.788_675_134_594_812_9, 0.5]];
 
 /// How often a cell is halved at most.
 const DEPTH: usize = 5;
@@ -103,18 +104,6 @@ impl Grid {
         strips.flat_map(of_strip).collect()
     }
 
-    /// The cells between nodes, with their places on both axes; `azimuths` has the end of the last interval.
-    pub(crate) fn cells_of(
-        &self,
-        azimuths: &[f64],
-    ) -> impl Iterator<Item = (Cell, (usize, usize))> {
-        let strips: Vec<[f64; 2]> = azimuths.windows(2).map(|w| [w[0], w[1]]).collect();
-        strips.into_iter().enumerate().flat_map(move |(j, azimuths)| {
-            let pairs = self.radii.windows(2).enumerate();
-            pairs.map(move |(i, r)| (Cell { radii: [r[0], r[1]], azimuths }, (i, j)))
-        })
-    }
-
     /// The integral over a cell, halved until two rules agree: the horizon, total reflection and grazing light leave kinks.
     pub(crate) fn cell(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64) -> f64 {
         if self.frame != Frame::Absolute {
@@ -129,11 +118,6 @@ impl Grid {
             }
         }
         self.halved(cell, f, DEPTH)
-    }
-
-    /// The same for a cell over the horizon where nothing is steep.
-    pub(crate) fn smooth_cell(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64) -> f64 {
-        self.by_rule(cell, &COARSE, f)
     }
 
     fn halved(&self, cell: Cell, f: &dyn Fn([f64; 2], [f64; 2]) -> f64, depth: usize) -> f64 {

@@ -69,6 +69,21 @@ impl Frame {
         }
     }
 
+    /// Cosine of the outgoing polar angle at coordinates `[radius, azimuth]`; below 0 below the horizon.
+    pub(crate) fn height(self, [radius, azimuth]: [f64; 2]) -> f64 {
+        match self {
+            Self::Absolute => radius.cos(),
+            Self::Specular { theta } => {
+                theta.cos() * radius.cos() + theta.sin() * radius.sin() * azimuth.cos()
+            }
+            Self::Cosines { theta } => {
+                let (x, y) = (theta.sin() + radius * azimuth.cos(), radius * azimuth.sin());
+                let left = 1.0 - x * x - y * y;
+                if left > 0.0 { left.sqrt() } else { left }
+            }
+        }
+    }
+
     /// Projected solid angle per unit of the two coordinates, where `cos` is the cosine of the outgoing polar angle.
     pub fn projected(self, radius: f64, cos: f64) -> f64 {
         match self {

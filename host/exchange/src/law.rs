@@ -106,6 +106,8 @@ pub enum Coordinates {
     Absolute,
     /// About the specular or direct ray; incidences without one are left out.
     Specular,
+    /// Differences of direction cosines to those of that ray; the same.
+    Cosines,
 }
 
 /// A grid of a format.

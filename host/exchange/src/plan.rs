@@ -16,7 +16,8 @@ pub fn plan(law: &dyn Law, subject: &Subject, layout: Layout, options: &Options)
         let frame = match (layout.coordinates, ray) {
             (Coordinates::Absolute, _) => Frame::Absolute,
             (Coordinates::Specular, Some(theta)) => Frame::Specular { theta },
-            (Coordinates::Specular, None) => continue,
+            (Coordinates::Cosines, Some(theta)) => Frame::Cosines { theta },
+            (Coordinates::Specular | Coordinates::Cosines, None) => continue,
         };
         frames.push(At { incidence: [theta, phi], frame, ray });
     }

@@ -489,6 +489,11 @@ fn check_tree(name: &str, alpha: f64, which: usize, allowed: &Allowed) {
         let below = centres.iter().zip(&incidence.values).filter(|(at, _)| at[0] < HIGHEST);
         let top = below.map(|(_, v)| *v).fold(0.0, f64::max);
         let (flux_error, peak_error) = (100.0 * (is / flux - 1.0), 100.0 * (top / peak - 1.0));
+        println!(
+            "{title}: {:.1} deg {} cells, flux {flux:.5} {flux_error:.4} %, peak {peak_error:.3} %",
+            incidence.theta.to_degrees(),
+            centres.len()
+        );
         if flux > 1e-6 && incidence.theta < 1.4 {
             assert!(flux_error.abs() < allowed.flux, "{title} {flux_error}");
             // beyond 50 degrees the balance of the flux takes more from the few cells of the peak

@@ -68,7 +68,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let output = AtomicFile::create(path)?;
     let law = FileLaw::new(&lobe);
     let subject = law.subject();
-    options.incidences = lobe.incidences.iter().map(|i| [i.theta, i.phi]).collect();
+    options.incidences = law.incidences();
     let made = if holds(writer, &lobe, path) {
         lobe.clone()
     } else {

@@ -156,13 +156,22 @@ impl Piece {
     }
 }
 
+/// A part of a full turn; the same number from whichever ring it comes.
+fn turn(k: usize, count: usize) -> f64 {
+    let (mut a, mut b) = (k, count);
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    TAU * (k / a.max(1)) as f64 / (count / a.max(1)) as f64
+}
+
 fn pieces(rings: &[Ring]) -> Vec<Piece> {
     let of_ring = |(ring, r): (usize, &Ring)| {
         let r = *r;
         (0..r.count).map(move |k| Piece {
             ring,
             edges: r.edges,
-            azimuth: TAU * k as f64 / r.count as f64,
+            azimuth: turn(k, r.count),
             place: [k, r.count],
         })
     };

@@ -13,6 +13,8 @@ use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::{Frame, around};
 use crate::interpolation::Interpolation;
+use crate::law::{Coordinates, Layout};
+use crate::plan::plan;
 use crate::sampled::{Band, Grid, Incidence, Lobe, Nodes, SampledBsdf, Side, Symmetry};
 use crate::text::{Lines, degrees, excerpt};
 
@@ -26,7 +28,7 @@ pub(super) const FORMAT: Format = Format {
     read: Some(read),
     write: Some(Writer {
         sample: |law, subject, options| {
-            let sampled = crate::cosines::plan(law, subject, options);
+            let sampled = plan(law, subject, COSINES, options);
             if sampled.symmetry == Symmetry::None {
                 return Err(refuse("azimuths of the incidence", "use zemax or speos"));
             }
@@ -42,6 +44,13 @@ pub(super) const FORMAT: Format = Format {
             "what is not scattered by this lobe is written as absorbed; the temperature is 300 K",
         ],
     }),
+};
+
+/// Differences of cosines, the same for all incidences.
+const COSINES: Layout = Layout {
+    coordinates: Coordinates::Cosines,
+    own_grids: false,
+    interpolation: Interpolation::Linear,
 };
 
 /// Between the lines of the description, which is one.

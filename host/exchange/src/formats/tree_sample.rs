@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::cells::{Leaf, Slice, corner, slices, slices_of};
 use crate::error::CannotHold;
 use crate::frame::{Frame, around, specular};
+use crate::hemisphere;
 use crate::interpolation::Interpolation;
 use crate::law::{Law, Options, Subject};
 use crate::patches::full_width;
@@ -121,6 +122,8 @@ struct Growth<'a> {
     finest: f64,
     ratio: f64,
     is_mirrored: bool,
+    /// Whether left and right of the plane of incidence are alike.
+    is_symmetric: bool,
     /// Peak and narrowest width over the incidence.
     peaks: Vec<[f64; 2]>,
 }
@@ -145,6 +148,7 @@ impl<'a> Growth<'a> {
             flux_tolerance: options.flux_tolerance,
             finest,
             ratio,
+            is_symmetric: subject.symmetry == Symmetry::Isotropic,
             is_mirrored: limits.rank == 3 && subject.symmetry == Symmetry::Isotropic,
             peaks,
         }
@@ -256,7 +260,14 @@ impl<'a> Growth<'a> {
         }
         // small cells are free to differ from one incidence to the next
         ranges.iter_mut().zip(&leaves).for_each(|(range, leaf)| *range /= leaf.width);
-        self.balance(&mut leaves, &ranges);
+        // those of the peak are to keep their values as far as the others can do without them
+        let spared = |(range, leaf): (&f64, &Leaf)| {
+            let [peak, _] = self.peak(leaf.low, leaf.width);
+            let below = if peak > 0.0 { 1.0 - leaf.value / peak } else { 1.0 };
+            range * below.clamp(PEAK_GIVES, 1.0)
+        };
+        let gentle: Vec<f64> = ranges.iter().zip(&leaves).map(spared).collect();
+        self.balance(&mut leaves, &[&gentle, &ranges]);
         leaves
     }
 
@@ -322,63 +333,35 @@ impl<'a> Growth<'a> {
         (0..children).map(child).sum::<f64>() / children as f64
     }
 
-    /// Scattered flux of the law at the incidence of a slice, by the points of Gauss of its cells.
-    fn flux(&self, leaves: &[Leaf], slice: &Slice) -> f64 {
-        let rank = self.limits.rank;
+    /// Scattered flux of the law at the incidence of a slice.
+    fn flux(&self, slice: &Slice) -> f64 {
         let middle = slice.low.map(|x| x + slice.width / 2.0);
-        let known = {
-            let [theta, towards] = if rank == 3 {
-                [(1.0 - 2.0 * middle[0]).asin(), -PI]
-            } else {
-                angles_of(disc_of(middle))
-            };
-            self.law.flux([theta, around(towards + PI)])
+        let [theta, towards] = if self.limits.rank == 3 {
+            [(1.0 - 2.0 * middle[0]).asin(), -PI]
+        } else {
+            angles_of(disc_of(middle))
         };
-        if let Some(flux) = known {
-            return flux;
-        }
-        let of_leaf = |k: &usize| {
-            let leaf = &leaves[*k];
-            // wide cells lie at the horizon too, where a direction changes fast
-            let parts = match rank {
-                3 if leaf.width > 0.03 => 6,
-                3 if leaf.width > 0.004 => 3,
-                4 if leaf.width > 0.1 => 4,
-                _ => 1,
-            };
-            let step = leaf.width / f64::from(parts);
-            let mut sum = 0.0;
-            for i in 0..2 * parts {
-                for j in 0..2 * parts {
-                    let at = |axis: usize, k: i32| {
-                        let share = if k % 2 == 0 { INNER } else { 1.0 - INNER };
-                        leaf.low[axis] + (f64::from(k / 2) + share) * step
-                    };
-                    sum += self.value(if rank == 3 {
-                        [middle[0], at(1, i), at(2, j), 0.0]
-                    } else {
-                        [middle[0], middle[1], at(2, i), at(3, j)]
-                    });
-                }
-            }
-            sum / 4.0 * step * step
-        };
-        PI * slice.inside.iter().map(of_leaf).sum::<f64>()
+        let incidence = [theta, around(towards + PI)];
+        let known = self.law.flux(incidence);
+        known.unwrap_or_else(|| {
+            let ray = specular(theta, self.ratio);
+            hemisphere::flux(self.law, incidence, ray, self.is_symmetric)
+        })
     }
 
     /// Moves values within the range of their cells until the flux of every incidence is that of the law: cells of different lengths in the
-    /// incidence show a moving lobe at different places.
-    fn balance(&self, leaves: &mut [Leaf], ranges: &[f64]) {
+    /// incidence show a moving lobe at different places. Ranges come stage by stage.
+    fn balance(&self, leaves: &mut [Leaf], stages: &[&[f64]]) {
         let slices = slices_of(leaves, self.limits.rank);
         let step = (slices.len() / FLUXES).max(1);
         let exact: Vec<f64> = if self.limits.rank == 4 {
-            slices.par_iter().map(|slice| self.flux(leaves, slice)).collect()
+            slices.par_iter().map(|slice| self.flux(slice)).collect()
         } else {
             // along the incidence the flux is smooth
             let last = slices.len().saturating_sub(1);
             let places: Vec<usize> = (0..last).step_by(step).chain(std::iter::once(last)).collect();
             let found: Vec<f64> =
-                places.par_iter().map(|k| self.flux(leaves, &slices[*k])).collect();
+                places.par_iter().map(|k| self.flux(&slices[*k])).collect();
             let middle = |k: usize| slices[k].low[0] + slices[k].width / 2.0;
             let between = |k: usize| {
                 let high = places.partition_point(|p| *p <= k).min(places.len() - 1);
@@ -390,7 +373,7 @@ impl<'a> Growth<'a> {
             (0..slices.len()).map(between).collect()
         };
         let mut order: Vec<usize> = (0..slices.len()).collect();
-        for _ in 0..SWEEPS {
+        for ranges in stages.iter().flat_map(|ranges| std::iter::repeat_n(ranges, SWEEPS)) {
             let mut worst = 0.0_f64;
             // to and fro
             order.reverse();
@@ -419,8 +402,10 @@ impl<'a> Growth<'a> {
 
 /// Incidences whose flux is integrated; others lie between them.
 const FLUXES: usize = 128;
+/// Share of its range that a cell of the peak gives to the balance.
+const PEAK_GIVES: f64 = 0.1;
 /// Passes over all incidences at most.
-const SWEEPS: usize = 300;
+const SWEEPS: usize = 400;
 
 /// Largest value of a law in the plane of incidence.
 fn peak(law: &dyn Law, incidence: [f64; 2], ratio: f64) -> f64 {

@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{At, Refined, sort};
+use super::axis::{Axis, sort};
+use super::{At, Refined};
+use crate::frame::Frame;
 use crate::law::Coordinates;
 use crate::sampled::Grid;
 
@@ -10,31 +12,41 @@ impl Refined<'_> {
     /// A grid that widens away from the rays: grain has no shape to follow.
     pub(super) fn grade(&mut self) {
         let absolute = self.layout.coordinates == Coordinates::Absolute;
-        let end = self.radii.last().copied().unwrap_or(FRAC_PI_2);
-        let (mut radii, mut azimuths) = (vec![0.0, end], self.azimuths.clone());
+        let end = self.radii.nodes.last().copied().unwrap_or(FRAC_PI_2);
+        let (mut along, mut across) = (Steps::default(), Steps::default());
         for at in self.group {
             let Some(ray) = at.ray else { continue };
-            let width = self.width(at, ray).max(4.0 * self.options.resolution).max(1e-3);
-            for offset in graded(width / 5.0, end) {
-                let middle = if absolute { ray } else { 0.0 };
-                radii.extend([middle - offset, middle + offset]);
-                if absolute {
-                    let around = offset / ray.sin().max(width);
-                    azimuths.extend([around, 2.0 * PI - around]);
-                }
+            let frame = Frame::Specular { theta: ray };
+            let width = self.width(at, frame).max(4.0 * self.options.resolution).max(1e-3);
+            along.add(if absolute { ray } else { 0.0 }, width / 5.0);
+            if absolute {
+                across.add(0.0, width / 5.0 / ray.sin().max(width));
             }
         }
-        radii.retain(|r| (0.0..=end).contains(r));
-        let turn = if self.mirrored { PI } else { 2.0 * PI - 1e-6 };
-        azimuths.retain(|a| (0.0..=turn).contains(a));
-        (self.radii, self.azimuths) = (thinned(radii), thinned(azimuths));
-        if self.mirrored && self.azimuths.last().is_some_and(|a| *a < PI) {
-            self.azimuths.push(PI);
+        let mut azimuths = across.axis(PI, PI / 12.0);
+        if !self.mirrored {
+            let others: Vec<f64> = azimuths.iter().rev().skip(1).map(|a| 2.0 * PI - a).collect();
+            azimuths.extend(others);
         }
+        (self.radii, self.around) = (Axis::new(along.axis(end, WIDEST)), Axis::new(azimuths));
+    }
+
+    /// Means at all nodes, scaled to the flux where it is known.
+    pub(super) fn means(&self, at: &At, grid: &Grid) -> Vec<f64> {
+        let nodes =
+            (0..grid.azimuths.len()).flat_map(|j| (0..grid.radii.len()).map(move |i| (i, j)));
+        let mut values: Vec<f64> = nodes.map(|node| self.mean(at, grid, node)).collect();
+        if let Some(flux) = self.law.flux(at.incidence) {
+            let how = self.layout.interpolation;
+            let is = grid.integral(&|c, _| grid.value(&values, c, how));
+            let scale = if is > 0.0 { flux / is } else { 1.0 };
+            values.iter_mut().for_each(|v| *v *= scale);
+        }
+        values
     }
 
     /// The mean over the directions that a node stands for.
-    pub(super) fn mean(&self, at: &At, grid: &Grid, (i, j): (usize, usize)) -> f64 {
+    fn mean(&self, at: &At, grid: &Grid, (i, j): (usize, usize)) -> f64 {
         const PARTS: usize = 5;
         let span = |axis: &[f64], k: usize, turn: Option<f64>| {
             let here = axis[k];
@@ -69,27 +81,88 @@ impl Refined<'_> {
     }
 }
 
-/// Offsets that grow by a fifth, from a first step to `end`.
-fn graded(step: f64, end: f64) -> Vec<f64> {
-    let (mut all, mut at, mut width) = (Vec::new(), 0.0, step);
-    while at < end {
-        all.push(at);
-        at += width;
-        width = (width * 1.2).min(0.12);
-    }
-    all
+/// Widest step of radii.
+const WIDEST: f64 = 0.12;
+/// What a step grows by for each unit of distance.
+const GROWTH: f64 = 0.2;
+
+/// Places that an axis is finest at.
+#[derive(Default)]
+struct Steps {
+    /// Place and step there.
+    at: Vec<[f64; 2]>,
 }
 
-/// Sorted, without nodes that lie in the last tenth before another.
-fn thinned(mut axis: Vec<f64>) -> Vec<f64> {
-    sort(&mut axis);
-    let mut kept: Vec<f64> = Vec::new();
-    for (k, x) in axis.iter().enumerate() {
-        let gap = axis.get(k + 1).map_or(f64::INFINITY, |next| next - x);
-        let before = kept.last().map_or(f64::INFINITY, |last| x - last);
-        if gap > 0.1 * before || kept.is_empty() {
-            kept.push(*x);
+impl Steps {
+    /// Of the same places the finest counts.
+    fn add(&mut self, place: f64, step: f64) {
+        match self.at.iter_mut().find(|a| (a[0] - place).abs() < 1e-9) {
+            Some(known) => known[1] = known[1].min(step),
+            None => self.at.push([place, step]),
         }
     }
-    kept
+
+    fn step(&self, x: f64, widest: f64) -> f64 {
+        let of = |[place, step]: &[f64; 2]| step + GROWTH * (x - place).abs();
+        self.at.iter().map(of).fold(widest, f64::min)
+    }
+
+    /// Nodes from 0 to `end`: the places, and steps that widen away from them.
+    fn axis(&self, end: f64, widest: f64) -> Vec<f64> {
+        let mut places: Vec<f64> = self.at.iter().map(|a| a[0]).filter(|x| *x < end).collect();
+        places.extend([0.0, end]);
+        sort(&mut places);
+        // of places nearer than a step the first
+        let mut kept: Vec<f64> = Vec::new();
+        for x in places {
+            if x == end {
+                kept.pop_if(|last| *last > 0.0 && x - *last < 0.5 * self.step(x, widest));
+            } else if kept.last().is_some_and(|last| x - last < 0.5 * self.step(x, widest)) {
+                continue;
+            }
+            kept.push(x);
+        }
+        let mut axis = vec![0.0];
+        for pair in kept.windows(2) {
+            let mut inner = vec![pair[0]];
+            while let Some(last) = inner.last().copied().filter(|last| *last < pair[1]) {
+                // not wider than what the far end of the step asks for
+                let step = self.step(last, widest);
+                inner.push(last + step.min(self.step(last + step, widest)));
+            }
+            let reach = inner.last().copied().unwrap_or(pair[1]) - pair[0];
+            let scale = (pair[1] - pair[0]) / reach;
+            axis.extend(inner.iter().skip(1).map(|x| pair[0] + (x - pair[0]) * scale));
+        }
+        axis
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_places_of_a_kind_cost_no_more_than_one() {
+        let mut one = Steps::default();
+        one.add(0.0, 0.01);
+        let mut many = Steps::default();
+        (0..100).for_each(|k| many.add(0.0, 0.01 + 1e-4 * f64::from(k)));
+        assert_eq!(one.axis(3.0, WIDEST), many.axis(3.0, WIDEST));
+    }
+
+    #[test]
+    fn places_are_nodes_and_steps_are_kept() {
+        let mut steps = Steps::default();
+        steps.add(0.5, 0.01);
+        steps.add(0.9, 0.03);
+        let axis = steps.axis(FRAC_PI_2, WIDEST);
+        for place in [0.0, 0.5, 0.9, FRAC_PI_2] {
+            assert!(axis.iter().any(|x| (x - place).abs() < 1e-12), "{place} {axis:?}");
+        }
+        for w in axis.windows(2) {
+            assert!(w[1] > w[0] && w[1] - w[0] <= steps.step(w[0], WIDEST) + 1e-12, "{w:?}");
+        }
+        assert!(axis.len() < 80, "{}", axis.len());
+    }
 }
