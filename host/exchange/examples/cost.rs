@@ -158,7 +158,7 @@ fn between(made: &SampledBsdf, law: &Counted) -> f64 {
         for k in 0..20_000 {
             let u = |m: f64| (f64::from(k) * m).fract();
             let out =
-                frame.absolute([3.0 * u(0.754_877_666_25).powi(3), 3.14 * u(0.569_840_290_998)]);
+                frame.absolute([3.0 * u(0.754_877_666_25).powi(3), 3.0 * u(0.569_840_290_998)]);
             if out[0] < 1.56 && peak > 0.0 {
                 let is = incidence.value(0, out, made.interpolation);
                 worst = worst.max((is - law.value(from, out)).abs() / peak);

@@ -53,7 +53,9 @@ impl FileLaw<'_> {
             let first = all.first().map_or(0.0, |at| at[1]);
             all.sort_by(|a, b| a[0].total_cmp(&b[0]));
             all.dedup_by(|a, b| (a[0] - b[0]).abs() < SAME);
-            all.iter_mut().for_each(|at| at[1] = first);
+            for at in &mut all {
+                at[1] = first;
+            }
         }
         all
     }

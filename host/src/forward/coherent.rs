@@ -63,7 +63,7 @@ pub(super) fn add(setup: &Setup, angles: &Incidence, values: &mut [f64], flux: f
     }
     for (value, theta_deg) in values.iter_mut().zip(&angles.theta_deg) {
         let theta = theta_deg.to_radians();
-        if angles.from_beam(theta) <= half * (1.0 + 1e-9) {
+        if angles.angle_to_beam(theta) <= half * (1.0 + 1e-9) {
             *value += flux * unit(setup, theta);
         }
     }

@@ -121,7 +121,7 @@ impl Incidence {
     }
 
     /// Angle between the direction at `theta`, rad, and the undeviated or mirrored beam.
-    pub(crate) fn from_beam(&self, theta: f64) -> f64 {
+    pub(crate) fn angle_to_beam(&self, theta: f64) -> f64 {
         let (nearest, off) = self.nearest_to_beam();
         let along = (theta - nearest).abs();
         if self.is_turned() { (along.cos() * off.cos()).clamp(-1.0, 1.0).acos() } else { along }

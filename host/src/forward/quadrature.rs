@@ -205,7 +205,9 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
                 neglected = neglected.or_more(*missing);
             }
             let at = |theta: f64| match &near {
-                Some((near, _)) if self.incidence.from_beam(theta) <= reach => near.reading(theta),
+                Some((near, _)) if self.incidence.angle_to_beam(theta) <= reach => {
+                    near.reading(theta)
+                }
                 _ => far.reading(theta),
             };
             thetas.map(at).collect()
@@ -216,7 +218,7 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
             let theta = theta.to_radians();
             // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
             if self.entry.mirrored > 0.0
-                && self.incidence.from_beam(theta) <= half_angle * (1.0 + 1e-9)
+                && self.incidence.angle_to_beam(theta) <= half_angle * (1.0 + 1e-9)
             {
                 *value += self.entry.mirrored;
             }

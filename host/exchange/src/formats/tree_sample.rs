@@ -360,8 +360,7 @@ impl<'a> Growth<'a> {
             // along the incidence the flux is smooth
             let last = slices.len().saturating_sub(1);
             let places: Vec<usize> = (0..last).step_by(step).chain(std::iter::once(last)).collect();
-            let found: Vec<f64> =
-                places.par_iter().map(|k| self.flux(&slices[*k])).collect();
+            let found: Vec<f64> = places.par_iter().map(|k| self.flux(&slices[*k])).collect();
             let middle = |k: usize| slices[k].low[0] + slices[k].width / 2.0;
             let between = |k: usize| {
                 let high = places.partition_point(|p| *p <= k).min(places.len() - 1);

@@ -40,7 +40,9 @@ impl Refined<'_> {
             let how = self.layout.interpolation;
             let is = grid.integral(&|c, _| grid.value(&values, c, how));
             let scale = if is > 0.0 { flux / is } else { 1.0 };
-            values.iter_mut().for_each(|v| *v *= scale);
+            for value in &mut values {
+                *value *= scale;
+            }
         }
         values
     }
@@ -115,7 +117,7 @@ impl Steps {
         // of places nearer than a step the first
         let mut kept: Vec<f64> = Vec::new();
         for x in places {
-            if x == end {
+            if x >= end {
                 kept.pop_if(|last| *last > 0.0 && x - *last < 0.5 * self.step(x, widest));
             } else if kept.last().is_some_and(|last| x - last < 0.5 * self.step(x, widest)) {
                 continue;

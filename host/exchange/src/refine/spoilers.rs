@@ -42,10 +42,9 @@ impl Refined<'_> {
         let bends = Bends::new(self, values);
         let mut table = 0.0;
         let (mut radial, mut around) = (vec![0.0_f64; nr - 1], vec![0.0_f64; na - 1]);
-        for j in 0..na - 1 {
-            for i in 0..nr - 1 {
-                let radii = [self.radii.nodes[i], self.radii.nodes[i + 1]];
-                let azimuths = [self.around.nodes[j], self.around.nodes[j + 1]];
+        for (j, azimuths) in self.around.nodes.array_windows::<2>().enumerate() {
+            for (i, radii) in self.radii.nodes.array_windows::<2>().enumerate() {
+                let (radii, azimuths) = (*radii, *azimuths);
                 let placed = Placed { cell: Cell { radii, azimuths }, i, j };
                 table += self.seen(&grid, values, placed);
                 let weight = weight(at.frame, placed.cell);
