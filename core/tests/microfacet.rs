@@ -6,7 +6,13 @@
     feature = "reflection",
     feature = "transmission"
 ))]
-#![allow(clippy::unwrap_used, reason = "tests may fail")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::large_stack_arrays,
+    clippy::large_types_passed_by_value,
+    clippy::disallowed_methods,
+    reason = "tests may fail, have room, and use the platform's mathematics"
+)]
 
 use asperity_core::bsdf::{Bsdf, Lobe, Masking, Microfacet, Scatter};
 use asperity_core::direction::Direction;
@@ -166,6 +172,62 @@ fn values_are_finite_and_reciprocal_up_to_the_edges_in_both_precisions() {
         for masking in [Masking::Separable, Masking::Correlated] {
             edges::<f64>(density, masking);
             edges::<f32>(density, masking);
+        }
+    }
+}
+
+#[test]
+fn visible_normals_follow_their_density() {
+    // bins: 12 of the share of the area that is steeper, 8 of the azimuth from the direction, by symmetry half of it
+    let (rings, parts, count) = (12_usize, 8_usize, 40_000_u32);
+    for density in
+        [student(0.3, 1.7), student(0.5, 4.0), beckmann(0.7), smith(Profile::Gauss, 20.0, 8.0)]
+    {
+        for deg in [20.0, 60.0, 80.0, 88.0_f64] {
+            let w = Direction::from_angles(deg.to_radians(), 0.0);
+            let scale = density.g1(w) / w.z();
+            let mut expected = vec![0.0; rings * parts];
+            for ring in 0..rings {
+                for k in 0..400 {
+                    // shares spaced by a square, for the steepest facets are seen most
+                    let y = (ring as f64 + (f64::from(k) + 0.5) / 400.0) / rings as f64;
+                    let slope = Density::<f64>::slope_above(&density, y * y);
+                    let area = 2.0 * y / (400.0 * rings as f64);
+                    for part in 0..parts {
+                        for j in 0..40 {
+                            let phi = (part as f64 + (f64::from(j) + 0.5) / 40.0) / parts as f64;
+                            let facing =
+                                w.z() + w.x() * slope * (phi * core::f64::consts::PI).cos();
+                            expected[ring * parts + part] +=
+                                scale * facing.max(0.0) * area / (40 * parts) as f64;
+                        }
+                    }
+                }
+            }
+            let mut seen = vec![0.0; rings * parts];
+            for k in 0..count {
+                // SplitMix64
+                let mut word = (u64::from(k) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+                word = (word ^ (word >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                word = (word ^ (word >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+                word ^= word >> 31;
+                let u = [word >> 32, word & 0xffff_ffff].map(|x| x as f64 / 4_294_967_296.0);
+                let [x, y, z] = density.sample_visible(w, u).xyz();
+                let share = Density::<f64>::steeper(&density, x.hypot(y) / z).sqrt();
+                let phi = y.abs().atan2(x) / core::f64::consts::PI;
+                let bin = |v: f64, n: usize| ((v * n as f64) as usize).min(n - 1);
+                seen[bin(share, rings) * parts + bin(phi, parts)] += 1.0;
+            }
+            let (mut chi2, mut freedom) = (0.0, -1.0);
+            for (s, e) in seen.iter().zip(&expected) {
+                let e = e * f64::from(count);
+                if e > 20.0 {
+                    chi2 += (s - e) * (s - e) / e;
+                    freedom += 1.0;
+                }
+            }
+            let sigmas = (chi2 - freedom) / (2.0_f64 * freedom).sqrt();
+            assert!(freedom > 15.0 && sigmas < 5.0, "{density:?} {deg}: {sigmas} {chi2} {freedom}");
         }
     }
 }
