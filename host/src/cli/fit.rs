@@ -49,7 +49,7 @@ use crate::report::{self, FigureFiles, PolarFiles};
 pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray, measured-wave or measured-hybrid
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student or smith-normals
     #[arg(short, long, value_parser = MethodName)]
     method: String,
     /// Profile of `normals` and `heights`; both are tried without it

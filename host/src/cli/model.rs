@@ -43,12 +43,13 @@ impl ProfileFlag {
 ///   measured-ray   scale, cutoff_um (optional); --map FILE
 ///   measured-wave  the same, and --wavelength-nm NM
 ///   measured-hybrid  the same as measured-wave
+///   beckmann  alpha; student  sigma, gamma (tail, 1.51 to 500); smith-normals  as normals
 ///
 /// Example: asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx, normals, heights, measured-ray, measured-wave or measured-hybrid
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student or smith-normals
     #[arg(value_parser = MethodName)]
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad
