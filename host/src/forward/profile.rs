@@ -83,7 +83,7 @@ impl Azimuthal {
     /// That of a beam along the normal, which does not depend on the azimuth but for the rounding of the rules.
     pub(super) fn balanced(mut self) -> Self {
         for node in self.modes.chunks_mut(self.count) {
-            node.iter_mut().skip(1).step_by(2).for_each(|odd| *odd = 0.0);
+            node.iter_mut().skip(1).for_each(|mode| *mode = 0.0);
         }
         self
     }
