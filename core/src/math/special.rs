@@ -119,7 +119,7 @@ mod tests {
                 // with t = 1 - v^2 the integrand is 2 (1 - v^2)^(a - 1), from sqrt(1 - x); smooth but at v = 1,
                 // where v = 1 - s^4 mends it
                 let start: f64 = Real::sqrt(1.0 - x);
-                let (end, steps) = ((1.0 - start).powf(0.25), 40_000);
+                let (end, steps) = ((1.0 - start).powf(0.25), 200_000);
                 let sum: f64 = (0..steps)
                     .map(|k| {
                         let s = (f64::from(k) + 0.5) / f64::from(steps) * end;
