@@ -115,11 +115,11 @@ mod tests {
     fn the_incomplete_beta_function_agrees_with_its_integral() {
         for a in [0.51_f64, 0.7, 1.0, 2.0, 9.0, 99.0, 999.0] {
             let inverse = (ln_gamma(a + 0.5) - ln_gamma(a)).exp() / core::f64::consts::PI.sqrt();
-            for x in [0.0, 1e-3, 0.2, 0.5, 0.9, 0.99, 0.999, 1.0 - 1e-9, 1.0] {
+            for x in [1e-3, 0.2, 0.5, 0.9, 0.99, 0.999, 1.0 - 1e-9, 1.0] {
                 // with t = 1 - v^2 the integrand is 2 (1 - v^2)^(a - 1), from sqrt(1 - x); smooth but at v = 1,
                 // where v = 1 - s^4 mends it
                 let start: f64 = Real::sqrt(1.0 - x);
-                let (end, steps) = ((1.0 - start).powf(0.25), 40_000);
+                let (end, steps) = ((1.0 - start).powf(0.25), 200_000);
                 let sum: f64 = (0..steps)
                     .map(|k| {
                         let s = (f64::from(k) + 0.5) / f64::from(steps) * end;
