@@ -3,7 +3,7 @@
 use asperity_needs::absent;
 
 use crate::emulator::build;
-const CHOICES: [&str; 16] = [
+const CHOICES: [&str; 17] = [
     "",
     "f32",
     "f64",
@@ -13,6 +13,7 @@ const CHOICES: [&str; 16] = [
     "f64,fast,ggx,air,dielectric,reflection,transmission",
     "f64,normals,air,dielectric,transmission",
     "f32,fast,normals,air,dielectric,reflection,transmission",
+    "f32,microfacet,air,dielectric,reflection,transmission",
     "table,air,transmission",
     "table,fast,dielectric,reflection",
     "table,ggx,normals",

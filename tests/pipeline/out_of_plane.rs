@@ -111,8 +111,7 @@ fn a_hemisphere_is_fitted_and_holds_the_light_that_leaves() {
     assert!((alpha - 0.3).abs() < 1e-4 && found.rmsd_percent < 0.02, "{alpha}");
 
     // the trapezoidal rule over all planes, against the rays that leave on that side
-    let planes: Vec<Incidence> =
-        (-11..=12).map(|k| plane(35.0, 7.5 * f64::from(k), 2)).collect();
+    let planes: Vec<Incidence> = (-11..=12).map(|k| plane(35.0, 7.5 * f64::from(k), 2)).collect();
     let values = readings(&sample, planes.clone());
     let thetas = planes.iter().flat_map(|p| &p.theta_deg);
     let area = 2.0_f64.to_radians() * 7.5_f64.to_radians();
