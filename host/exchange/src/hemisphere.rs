@@ -83,7 +83,7 @@ struct Region {
 }
 
 impl Region {
-    /// By the rule of degree 7 of A. C. Genz and A. A. Malik, J. Comput. Appl. Math. 6 (1980) 295; the error is the distance from their rule of degree 5.
+    /// By the rule of degree 7 of A. C. Genz and A. A. Malik, Journal of Computational and Applied Mathematics 6 (1980) 295; the error is the distance from their rule of degree 5.
     fn new(low: [f64; 2], high: [f64; 2], f: &dyn Fn([f64; 2]) -> f64) -> Self {
         let middle = [0, 1].map(|k| f64::midpoint(low[k], high[k]));
         let half = [0, 1].map(|k| (high[k] - low[k]) / 2.0);
