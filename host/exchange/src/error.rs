@@ -69,3 +69,10 @@ pub struct CannotHold {
     /// The remedy.
     pub remedy: String,
 }
+
+impl CannotHold {
+    /// Of a format, what it has no place for, and the remedy.
+    pub fn new(format: &'static str, what: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { format, what: what.into(), remedy: remedy.into() }
+    }
+}

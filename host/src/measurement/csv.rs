@@ -262,6 +262,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn columns_stand_in_any_order_and_one_wavelength_is_chosen() {
+        let text = "wavelength_nm,reading,phi_deg,theta_deg,sigma_deg,rotation_deg\n\
+            450,1,0,10,0,0\n550,2,-30,10,0,90\n550,3,0,10,0,90\n";
+        let scan = parse_band(text, "a.csv", Some(550.0)).unwrap();
+        let expected =
+            Reading { rotation_deg: 90.0, phi_deg: -30.0, ..Reading::in_plane(0.0, 10.0, 2.0) };
+        assert_eq!((scan.readings().len(), scan.readings()[0]), (2, expected));
+        assert_eq!((scan.meta.wavelength_nm, scan.by_plane().count()), (Some(550.0), 2));
+        let several = parse(text, "a.csv").unwrap_err().to_string();
+        assert!(several.contains("450, 550 nm") && several.contains("--band"), "{several}");
+        let other = parse_band(text, "a.csv", Some(500.0)).unwrap_err().to_string();
+        assert!(other.contains("no reading is of 500 nm"), "{other}");
+    }
+
+    #[test]
     fn a_tolerable_file_is_read() {
         let text = "\u{feff}# Sample : a: b\r\n#no key\r\n# see http://x.org/y\r\n\r\n# Gain:3\r\n \
                     sigma_deg , theta_deg,reading \r\n# lamp changed: 10:32\r\n 15, 1.5 ,2e-3\r\n\r\n\

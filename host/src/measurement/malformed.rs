@@ -8,13 +8,14 @@ const HEAD: &str = "sigma_deg,theta_deg,reading\n";
 type Case = (&'static str, &'static [u8], u64, &'static [&'static str]);
 
 /// Files that fail before or in the line with the column names.
-const TOPS: [Case; 22] = [
+const TOPS: [Case; 23] = [
     ("empty", b"", 0, &["empty", "sigma_deg,theta_deg,reading"]),
     ("blank", b"\xef\xbb\xbf \r\n\n", 0, &["empty"]),
     ("header only", b"# ior: 1.5\n", 0, &["the end of the file", "--columns"]),
     ("no column line", b"# x: y\n0,0,1\n", 2, &["expected", "`0,0,1`", "--columns"]),
     ("wrong names", b"\nsigma,theta,r\n", 2, &["sigma_deg,theta_deg,reading", "--columns"]),
-    ("wrong order", b"theta_deg,sigma_deg,reading\n", 1, &["--columns"]),
+    ("column twice", b"sigma_deg,theta_deg,reading,phi_deg,phi_deg\n", 1, &["--columns"]),
+    ("other column", b"sigma_deg,theta_deg,reading,azimuth\n", 1, &["azimuth", "--columns"]),
     ("semicolons", b"sigma_deg;theta_deg;reading\n", 1, &["--columns"]),
     ("no rows", b"sigma_deg,theta_deg,reading\n# nothing\n", 0, &["no readings", "one line per"]),
     ("latin 1", b"# sample: geb\xfcrstet\n", 1, &["not UTF-8", "encoding UTF-8"]),

@@ -13,6 +13,8 @@ pub(super) const MEASURED_LINE: Rgb = Rgb(0xb4, 0xb4, 0xb4);
 /// The rim of a sparsely measured point.
 pub(super) const MEASURED_RIM: Rgb = Rgb(0x4d, 0x4d, 0x4d);
 
+/// What is not part of a picture.
+pub(super) const PAPER: Rgb = Rgb(0xff, 0xff, 0xff);
 /// Points of a map without a value.
 pub(super) const MISSING: Rgb = Rgb(0xb0, 0xb0, 0xb0);
 

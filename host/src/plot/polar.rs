@@ -11,7 +11,7 @@ use super::canvas::{Anchor, Canvas, Medium};
 use super::figure::PlotError;
 use super::layout::{WIDTH, fitted, size};
 use super::legend::baseline;
-use super::palette::{GRID, INK, MISSING, Rgb, Stroke, difference, viridis};
+use super::palette::{GRID, INK, MISSING, PAPER, Rgb, Stroke, difference, viridis};
 use super::polyline::Frame;
 use super::raster::Raster;
 
@@ -74,8 +74,10 @@ const DECADES: f64 = 4.0;
 const PIXELS: usize = 380;
 /// How far a reading reaches into a gap, pixels: 5 degrees.
 const REACH: u16 = 11;
-/// Colours of values; one more is for gaps.
-const COLORS: u8 = 254;
+/// Colours of values; one more is for gaps, and one for what is outside a disc.
+const COLORS: u8 = 253;
+const GAP: u8 = COLORS + 1;
+const OUTSIDE: u8 = COLORS + 2;
 
 /// A scale of colours.
 struct Colors<'a> {
@@ -87,7 +89,7 @@ struct Colors<'a> {
 impl Colors<'_> {
     fn of(axis: Axis, color: impl Fn(f64) -> Rgb, label: &str) -> Colors<'_> {
         let steps = (0..=COLORS).map(|k| color(f64::from(k) / f64::from(COLORS)));
-        Colors { axis, palette: steps.chain([MISSING]).collect(), label }
+        Colors { axis, palette: steps.chain([MISSING, PAPER]).collect(), label }
     }
 
     fn number(&self, value: f64) -> u8 {
@@ -138,34 +140,33 @@ fn draw(picture: &PolarPicture, medium: Medium) -> Result<Canvas, PlotError> {
 
 /// The pixels of a disc, the topmost row first: a reading in its pixel, the nearest one in a gap.
 fn pixels<'a>(points: impl Iterator<Item = (&'a PolarPoint, u8)>) -> Vec<u8> {
-    let gap = COLORS + 1;
-    let mut pixels = vec![gap; PIXELS * PIXELS];
-    let mut reached = VecDeque::new();
     let half = 0.5 * PIXELS as f64;
+    let empty = |place: usize| {
+        let [x, y] = [place % PIXELS, place / PIXELS].map(|k| k as f64 + 0.5 - half);
+        if x.hypot(y) <= half { GAP } else { OUTSIDE }
+    };
+    let mut pixels: Vec<u8> = (0..PIXELS * PIXELS).map(empty).collect();
+    let mut reached = VecDeque::new();
     for (p, shade) in points.filter(|(p, _)| p.polar_deg <= 90.0) {
         let (sin, cos) = p.azimuth_deg.to_radians().sin_cos();
         let radius = p.polar_deg / 90.0 * (half - 1.0);
         let pixel = |x: f64| (half + x).clamp(0.0, PIXELS as f64 - 1.0) as usize;
         let place = pixel(-radius * sin) * PIXELS + pixel(radius * cos);
-        if pixels[place] == gap {
+        if pixels[place] >= GAP {
             reached.push_back((place, 0));
         }
         pixels[place] = shade;
     }
-    let is_inside = |place: usize| {
-        let [x, y] = [place % PIXELS, place / PIXELS].map(|k| k as f64 + 0.5 - half);
-        x.hypot(y) <= half
-    };
     while let Some((place, far)) = reached.pop_front() {
         let (x, y) = (place % PIXELS, place / PIXELS);
         let beside = [
             (x > 0).then(|| place - 1),
             (x + 1 < PIXELS).then_some(place + 1),
-            (y > 0).then(|| place - PIXELS.min(place)),
+            (y > 0).then(|| place - PIXELS),
             (y + 1 < PIXELS).then_some(place + PIXELS),
         ];
         for next in beside.into_iter().flatten() {
-            if pixels[next] == gap && far < REACH && is_inside(next) {
+            if pixels[next] == GAP && far < REACH {
                 pixels[next] = pixels[place];
                 reached.push_back((next, far + 1));
             }
@@ -221,7 +222,7 @@ mod tests {
         let at = |x: usize, y: usize| pixels[y * PIXELS + x];
         let (middle, far) = (PIXELS / 2, PIXELS / 2 + 168);
         assert_eq!((at(far, middle), at(middle, PIXELS - far)), (1, 2));
-        assert_eq!(at(middle, middle), COLORS + 1);
+        assert_eq!((at(middle, middle), at(0, 0)), (GAP, OUTSIDE));
     }
 
     #[test]

@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write as _;
 
 use super::flat::{Negatives, lobes, places};
+use super::held;
 use super::own;
 use super::sampling::absolute;
 use super::{Format, Source, Writer};
@@ -151,10 +152,7 @@ fn band(name: &str) -> Band {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let [lobe] = lobes else {
-        let what = "more than one lobe".into();
-        return Err(CannotHold { format: NAME, what, remedy: "write a file for each".into() });
-    };
+    let lobe = held::one_lobe(NAME, lobes)?;
     let mut out = String::new();
     for line in own::lines(lobe) {
         let _ = writeln!(out, "COMMENT {line}");

@@ -9,6 +9,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Write as _;
 
+use super::held;
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
 use crate::frame::{Frame, around, specular};
@@ -227,11 +228,7 @@ fn least(law: &dyn Law, incidence: [f64; 2], ray: Option<f64>) -> f64 {
 }
 
 fn sample(law: &dyn Law, subject: &Subject, options: &Options) -> Result<SampledBsdf, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
     if subject.symmetry != Symmetry::Isotropic {
         return Err(refuse(
             "a surface that is not isotropic",
@@ -275,14 +272,8 @@ fn sample(law: &dyn Law, subject: &Subject, options: &Options) -> Result<Sampled
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
-    let [sampled] = lobes else {
-        return Err(refuse("more than one lobe", "write a file for each"));
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
+    let sampled = held::one_lobe(NAME, lobes)?;
     if sampled.symmetry != Symmetry::Isotropic {
         return Err(refuse("a surface that is not isotropic", "use another format"));
     }

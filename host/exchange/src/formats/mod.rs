@@ -9,6 +9,7 @@ use crate::sampled::SampledBsdf;
 use crate::text::decode;
 
 mod own;
+mod held;
 mod sampling;
 mod lattice;
 mod flat;

@@ -116,11 +116,7 @@ fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
     let [lobe] = lobes else {
         return Err(refuse("more than one lobe", "write the reflection alone"));
     };

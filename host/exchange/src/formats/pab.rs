@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use super::flat::{Negatives, lobes, places};
+use super::held;
 use super::own;
 use super::sampling::absolute;
 use super::{Format, Source, Writer};
@@ -170,11 +171,8 @@ fn global(lines: &Lines<'_>, theta: f64, phi: f64) -> Result<Global, Fault> {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse =
-        |what: String, remedy: &str| CannotHold { format: NAME, what, remedy: remedy.into() };
-    let [lobe] = lobes else {
-        return Err(refuse("more than one lobe".into(), "write a file for each"));
-    };
+    let refuse = |what: String, remedy: &str| CannotHold::new(NAME, what, remedy);
+    let lobe = held::one_lobe(NAME, lobes)?;
     let [incidence] = lobe.incidences.as_slice() else {
         let n = lobe.incidences.len();
         return Err(refuse(format!("{n} incidences"), "write a file for each with --incidence"));

@@ -8,6 +8,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write as _;
 
+use super::held;
 use super::own;
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
@@ -60,7 +61,7 @@ const BETWEEN: &str = " | ";
 const SAME: f64 = 1e-9;
 
 fn refuse(what: &str, remedy: &str) -> CannotHold {
-    CannotHold { format: NAME, what: what.into(), remedy: remedy.into() }
+    CannotHold::new(NAME, what, remedy)
 }
 
 /// The rows of one wavelength and incidence.
@@ -253,9 +254,7 @@ fn fold(columns: &mut Vec<Column>) -> bool {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let [sampled] = lobes else {
-        return Err(refuse("more than one lobe", "write a file for each"));
-    };
+    let sampled = held::one_lobe(NAME, lobes)?;
     let [Band::Wavelength(nm)] = sampled.bands[..] else {
         return Err(refuse(
             "a lobe without a wavelength, or of several",

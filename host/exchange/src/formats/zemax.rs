@@ -7,6 +7,7 @@
 
 use std::fmt::Write as _;
 
+use super::held;
 use super::own;
 use super::{Format, Source, Writer};
 use crate::error::{CannotHold, Fault};
@@ -247,14 +248,8 @@ fn read_block(lines: &mut Lines<'_>, header: &Header) -> Result<(f64, Vec<f64>),
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
-    let [sampled] = lobes else {
-        return Err(refuse("more than one lobe", "write a file for each"));
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
+    let sampled = held::one_lobe(NAME, lobes)?;
     let grids: Option<Vec<&Grid>> = sampled
         .incidences
         .iter()

@@ -16,6 +16,7 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 
 use super::flat::{HORIZON, lobes, places};
+use super::held;
 use super::own;
 use super::sampling::absolute;
 use super::{Format, Source, Writer};
@@ -224,17 +225,8 @@ fn uncertainty(column: &Column) -> Option<String> {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
-    let Some(first) = lobes.first() else {
-        return Err(refuse("no lobe", "give one"));
-    };
-    if lobes.iter().any(|lobe| lobe.side != first.side) {
-        return Err(refuse("both sides of a surface", "write a file for each"));
-    }
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
+    held::one_side(NAME, lobes)?;
     let nm = |band: &Band| if let Band::Wavelength(nm) = band { Some(*nm) } else { None };
     let bands = lobes.iter().flat_map(|lobe| &lobe.bands);
     let has_wavelengths = bands.clone().all(|band| nm(band).is_some());

@@ -17,6 +17,7 @@ use std::fmt::Write as _;
 
 use self::header::{Content, Header, Symmetric};
 use self::tokens::Tokens;
+use super::held;
 use super::lattice::Lattice;
 use super::own;
 use super::sampling::about_ray;
@@ -215,14 +216,8 @@ fn scale(sampled: &mut SampledBsdf, band: usize, kbdf: &[f64]) {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
-    let [lobe] = lobes else {
-        return Err(refuse("more than one lobe", "write a file for each"));
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
+    let lobe = held::one_lobe(NAME, lobes)?;
     let all_nm = lobe.bands.iter().all(|band| matches!(band, Band::Wavelength(_)));
     if !all_nm && !matches!(lobe.bands.len(), 1 | 3) {
         return Err(refuse("bands that are neither wavelengths nor three colours", "choose one"));

@@ -11,11 +11,7 @@ use crate::sampled::{Band, Grid, Lobe, Nodes, SampledBsdf, Side};
 use crate::text::degrees;
 
 pub(super) fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
     let first = lobes.first().ok_or_else(|| refuse("no lobe", "give one"))?;
     let all = lobes.iter().flat_map(|lobe| &lobe.incidences);
     let grids: Option<Vec<&Grid>> = all

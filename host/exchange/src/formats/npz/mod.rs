@@ -136,8 +136,7 @@ fn inflate(zip: &mut ZipArchive<Cursor<&[u8]>>, name: &str) -> Result<Option<Vec
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse =
-        |what: String, remedy: &str| CannotHold { format: NAME, what, remedy: remedy.into() };
+    let refuse = |what: String, remedy: &str| CannotHold::new(NAME, what, remedy);
     let bands = || lobes.iter().flat_map(|lobe| &lobe.bands);
     let has_wavelengths = bands().all(|band| matches!(band, Band::Wavelength(_)));
     if !has_wavelengths && lobes.iter().any(|lobe| lobe.bands.len() > 1) {

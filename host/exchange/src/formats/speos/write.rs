@@ -27,11 +27,7 @@ struct Table<'a> {
 }
 
 pub(super) fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
     let first = lobes.first().ok_or_else(|| refuse("no lobe", "give one"))?;
     if lobes.len() > 2 || lobes.iter().skip(1).any(|l| l.lobe == first.lobe || l.side != first.side)
     {

@@ -15,6 +15,7 @@ mod tests;
 use std::fmt::Write as _;
 
 use self::block::Kind;
+use super::held;
 use super::lattice::Lattice;
 use super::own;
 use super::sampling::about_ray;
@@ -49,17 +50,8 @@ fn read(source: &Source<'_>) -> Result<Vec<SampledBsdf>, Fault> {
 }
 
 fn encode(lobes: &[SampledBsdf]) -> Result<Vec<u8>, CannotHold> {
-    let refuse = |what: &str, remedy: &str| CannotHold {
-        format: NAME,
-        what: what.into(),
-        remedy: remedy.into(),
-    };
-    let Some(first) = lobes.first() else {
-        return Err(refuse("no lobe", "give one"));
-    };
-    if lobes.iter().any(|lobe| lobe.side != first.side) {
-        return Err(refuse("both sides of a surface", "write a file for each"));
-    }
+    let refuse = |what: &str, remedy: &str| CannotHold::new(NAME, what, remedy);
+    held::one_side(NAME, lobes)?;
     let mut out = String::from("VERSION 0.3\n");
     let _ = writeln!(out, "SOFTWARE asperity-{}", env!("CARGO_PKG_VERSION"));
     let mut seen = Vec::new();
