@@ -7,7 +7,7 @@ use crate::law::Law;
 
 /// Relative error at which the cubature ends, by an estimate that is far above the error itself.
 const RELATIVE: f64 = 1e-4;
-/// Most regions of an incidence; each costs 17 values.
+/// Most regions per incidence; each costs 17 values.
 const MOST_REGIONS: usize = 6_000;
 /// Each ring about the ray is this much wider than the one within.
 const GROWTH: f64 = 2.5;

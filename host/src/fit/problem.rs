@@ -112,13 +112,12 @@ impl<'a> Problem<'a> {
         if self.is_traced() {
             return Self { later: None, ..self.clone() };
         }
-        let planes = self.angles.incidences.len();
-        let share = DRAFT_ALL as f64 / self.measured.len() as f64;
-        let most = if planes > DRAFT_PLANES { usize::MAX } else { DRAFT_READINGS };
-        let thinned = if planes > DRAFT_PLANES { self.with_share(share) } else { self.clone() };
-        thinned.keeping(|values| {
+        if self.angles.incidences.len() > DRAFT_PLANES {
+            return self.with_share(DRAFT_ALL as f64 / self.measured.len() as f64);
+        }
+        self.keeping(|values| {
             let n = values.len();
-            let stride = n.div_ceil(most).max(1);
+            let stride = n.div_ceil(DRAFT_READINGS).max(1);
             let peak = (0..n).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
             (0..n).filter(|k| k % stride == peak % stride).collect()
         })

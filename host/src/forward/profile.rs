@@ -60,11 +60,14 @@ impl Windows {
             response.later.times(later, &mut product);
             all.append(&mut product);
         }
-        Azimuthal { grid: self.grid.clone(), modes: all, count: self.modes }
+        Azimuthal::new(self.grid.clone(), all, self.modes)
     }
 }
 
 /// A function of direction, even about the plane of incidence: azimuthal modes at polar angles.
+///
+/// The last modes fade out: a series that ends abruptly rings at all azimuths, and the dark side of a lobe is far darker
+/// than its peak.
 #[derive(Clone, Debug)]
 pub(super) struct Azimuthal {
     grid: PolarGrid,
@@ -76,7 +79,15 @@ pub(super) struct Azimuthal {
 
 impl Azimuthal {
     /// From the modes of the nodes of a grid, `count` each.
-    pub(super) fn new(grid: PolarGrid, modes: Vec<f64>, count: usize) -> Self {
+    pub(super) fn new(grid: PolarGrid, mut modes: Vec<f64>, count: usize) -> Self {
+        let fade = |m: usize| {
+            let fourth = (m as f64 / count as f64).powi(4);
+            (-FADE * fourth * fourth).exp()
+        };
+        let fades: Vec<f64> = (0..count).map(fade).collect();
+        for node in modes.chunks_mut(count) {
+            node.iter_mut().zip(&fades).for_each(|(mode, fade)| *mode *= fade);
+        }
         Self { grid, modes, count }
     }
 
@@ -120,17 +131,13 @@ impl Profile {
 }
 
 /// A function's values at the azimuth `phi`, rad, and half a turn off, from its modes.
-///
-/// The last modes fade out: a series that ends abruptly rings at all azimuths, and the dark side of a lobe is far darker
-/// than its peak.
 fn in_plane(modes: &[f64], phi: f64) -> [f64; 2] {
     // cos(m phi) by Chebyshev's recurrence
     let cos = phi.cos();
     let (mut this, mut next) = (1.0, cos);
     let mut sums = [0.0; 2];
     for (m, mode) in modes.iter().enumerate() {
-        let fourth = (m as f64 / modes.len() as f64).powi(4);
-        sums[m & 1] += mode * (-FADE * fourth * fourth).exp() * this;
+        sums[m & 1] += mode * this;
         (this, next) = (next, 2.0 * cos * next - this);
     }
     let first = modes.first().copied().unwrap_or(0.0);

@@ -79,27 +79,18 @@ impl Import {
                 outside.push((sigma, theta));
                 continue;
             }
-            let role = match (sigma, theta, table.value(row, Role::Reading)?) {
-                (Some(sigma_deg), Some(theta_deg), Some(value)) => {
-                    let Some(phi_deg) = table.phi(row)? else {
-                        if !self.skip_missing {
-                            return Err(table.missing(row, Role::Phi));
-                        }
-                        counts.missing += 1;
-                        continue;
-                    };
+            let (value, phi) = (table.value(row, Role::Reading)?, table.phi(row)?);
+            let role = match (sigma, theta, value, phi) {
+                (Some(sigma_deg), Some(theta_deg), Some(value), Some(phi_deg)) => {
                     let azimuth = if theta_deg < 0.0 { phi_deg + 180.0 } else { phi_deg };
-                    let mut reading = Reading::at(sigma_deg, [theta_deg.abs(), azimuth], value);
-                    if phi_deg.abs() <= 0.0 {
-                        reading = Reading::in_plane(sigma_deg, theta_deg, value);
-                    }
-                    readings.push(reading);
+                    readings.push(Reading::at(sigma_deg, [theta_deg.abs(), azimuth], value));
                     rows.push(row);
                     continue;
                 }
                 (None, ..) => Role::Sigma,
-                (_, None, _) => Role::Theta,
-                _ => Role::Reading,
+                (_, None, ..) => Role::Theta,
+                (_, _, None, _) => Role::Reading,
+                _ => Role::Phi,
             };
             if !self.skip_missing {
                 return Err(table.missing(row, role));
