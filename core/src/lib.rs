@@ -52,7 +52,7 @@ pub mod scope;
 pub mod math;
 pub mod quantity;
 pub mod direction;
-#[cfg(feature = "normals")]
+#[cfg(any(feature = "normals", feature = "tails"))]
 pub mod quadrature;
 pub mod sampling;
 pub mod fresnel;

@@ -11,6 +11,7 @@
 //! | `ggx` | no [`bsdf::Ggx`](crate::bsdf), no `OpaqueGgx` |
 //! | `normals` (needs `f64`) | no `bsdf::Normals`, no `ndf::law` and `ndf::normals`, no `quadrature` |
 //! | `microfacet` (needs `normals`) | no `bsdf::Microfacet`, no densities of `ndf` for it |
+//! | `tails` (needs `f64`) | no `bsdf::ShiftInvariant` |
 //! | `table` (needs `f32`) | no `table` |
 //! | `checksum` (needs `table`) | no checksum of a table |
 //! | `f32`, `f64` | that type is no [`Real`](crate::math::Real) |
@@ -22,7 +23,7 @@
 //! The smooth boundary, Fresnel's and Snell's laws know no lobes or sides to leave out.
 
 #![cfg_attr(
-    not(any(feature = "ggx", feature = "normals", feature = "table")),
+    not(any(feature = "ggx", feature = "normals", feature = "table", feature = "tails")),
     allow(dead_code, reason = "without a law nobody asks")
 )]
 

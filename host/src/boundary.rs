@@ -1,6 +1,6 @@
 //! The rough boundary of a model, made by any method.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered};
+use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant};
 use asperity_core::direction::Direction;
 use asperity_core::ndf::any::AnyDensity;
 
@@ -20,6 +20,8 @@ pub enum Boundary {
     Normals(Box<Normals<f64>>),
     /// GGX facets and a Lambert floor on an opaque body.
     Opaque(OpaqueGgx<f64>),
+    /// Scatter about the specular direction, of a sheet or of a face.
+    Tail(ShiftInvariant<f64>),
     /// A height map on a dielectric, traced; it can be sampled, not evaluated.
     Traced(TracedBoundary),
     /// A height map on a dielectric that scatters waves.
@@ -45,6 +47,7 @@ macro_rules! with_boundary {
                 $body
             }
             $crate::boundary::Boundary::Opaque($name) => $body,
+            $crate::boundary::Boundary::Tail($name) => $body,
             $crate::boundary::Boundary::Wave(boxed) => {
                 let $name = &**boxed;
                 $body
@@ -64,12 +67,13 @@ macro_rules! with_boundary {
 pub(crate) use with_boundary;
 
 impl Boundary {
-    /// Index of the dielectric over that of air; `None` for an opaque body.
+    /// Index of the dielectric over that of air, 1 of a sheet; `None` for an opaque body.
     pub fn eta(&self) -> Option<f64> {
         match self {
             Self::Ggx(b) => Some(b.eta.get()),
             Self::Microfacet(b) => Some(b.eta.get()),
             Self::Normals(b) => Some(b.eta.get()),
+            Self::Tail(b) => Some(b.eta().get()),
             Self::Traced(t) => Some(t.eta.get()),
             Self::Wave(w) => Some(w.eta().get()),
             Self::Hybrid(h) => Some(h.eta().get()),
@@ -84,6 +88,11 @@ impl Boundary {
     /// In a loop over many pairs match on the kind of boundary first: each call here looks for it.
     pub fn eval(&self, wi: Direction<f64>, wo: Direction<f64>) -> Option<f64> {
         with_boundary!(self, b => Some(b.eval(wi, wo)), traced _t => None)
+    }
+
+    /// Whether it is a sheet: air on both sides, no inside.
+    pub fn is_sheet(&self) -> bool {
+        matches!(self, Self::Tail(law) if law.eta().is_matched())
     }
 
     /// Whether it can only be sampled: its readings are a Monte Carlo simulation.
@@ -105,6 +114,7 @@ impl Boundary {
         match self {
             Self::Wave(wave) => wave.coherent(wi),
             Self::Table(table) => table.coherent(wi),
+            Self::Tail(law) => law.coherent_flux(wi),
             _ => CoherentFlux::default(),
         }
     }

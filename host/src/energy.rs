@@ -1,6 +1,6 @@
 //! Flux balance: reflected, transmitted and lost fractions, and reciprocity.
 
-use asperity_core::bsdf::{Bsdf, Lobe, LobeSet};
+use asperity_core::bsdf::{Bsdf, Lobe, LobeSet, ShiftInvariant};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -209,6 +209,9 @@ fn balance_until(
     }
     let wi = incidence(side, incidence_deg);
     let coherent = boundary.coherent(wi);
+    if let Boundary::Tail(law) = boundary {
+        return of_tail(law, side, incidence_deg);
+    }
     let (reflected, transmitted, lost) = with_boundary!(boundary,
     b => {
         let flux = |lobe| lobe_flux(b, wi, lobe);
@@ -227,6 +230,26 @@ fn balance_until(
         lost,
         coherent_reflected: coherent.reflected,
         coherent_transmitted: coherent.transmitted,
+        evanescent_reflected: None,
+        evanescent_transmitted: None,
+    }
+}
+
+/// What a law scatters about the specular direction is an integral of its own.
+fn of_tail(law: &ShiftInvariant<f64>, side: Side, incidence_deg: f64) -> Energy {
+    let wi = incidence(side, incidence_deg);
+    let (kept, scattered) = (law.coherent_flux(wi), law.scattered(wi));
+    let in_lobe = |lobe| if law.lobe() == lobe { scattered } else { 0.0 };
+    let reflected = kept.reflected + in_lobe(Lobe::Reflection);
+    let transmitted = kept.transmitted + in_lobe(Lobe::Transmission);
+    Energy {
+        incidence_deg,
+        side: side_name(side),
+        reflected,
+        transmitted,
+        lost: 1.0 - reflected - transmitted,
+        coherent_reflected: kept.reflected,
+        coherent_transmitted: kept.transmitted,
         evanescent_reflected: None,
         evanescent_transmitted: None,
     }

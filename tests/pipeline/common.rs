@@ -78,6 +78,7 @@ impl Virtual {
             Boundary::Microfacet(b) => b.slope(),
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
+            Boundary::Tail(b) => b.slope(),
             Boundary::Wave(b) => b.slope(),
             Boundary::Table(b) => b.slope(),
             Boundary::Traced(_) | Boundary::Hybrid(_) => {

@@ -30,6 +30,7 @@ fn scored(sample: &Virtual, n: f64, side: RoughSide, sigma: f64, rays: u32) -> V
     match &sample.boundary {
         Boundary::Ggx(law) => plate.readings(law, sigma, &theta, rays, 11),
         Boundary::Microfacet(law) => plate.readings(&**law, sigma, &theta, rays, 11),
+        Boundary::Tail(law) => plate.readings(law, sigma, &theta, rays, 11),
         Boundary::Normals(law) => plate.readings(&**law, sigma, &theta, rays, 11),
         _ => panic!("a closed form is meant"),
     }

@@ -5,7 +5,7 @@
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
 mod lobe_set;
-#[cfg(any(feature = "ggx", feature = "normals"))]
+#[cfg(any(feature = "ggx", feature = "normals", feature = "tails"))]
 mod facet;
 #[cfg(feature = "ggx")]
 mod ggx;
@@ -18,6 +18,8 @@ mod normals;
 #[cfg(feature = "ggx")]
 mod opaque;
 mod smooth;
+#[cfg(feature = "tails")]
+pub mod tail;
 #[cfg(all(test, feature = "ggx", feature = "normals", feature = "fast"))]
 mod tests_cast;
 
@@ -31,6 +33,8 @@ pub use normals::Normals;
 #[cfg(feature = "ggx")]
 pub use opaque::OpaqueGgx;
 pub use smooth::Smooth;
+#[cfg(feature = "tails")]
+pub use tail::ShiftInvariant;
 
 #[cfg(feature = "table")]
 pub(crate) use half::HalfVector;

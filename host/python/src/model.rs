@@ -70,6 +70,9 @@ impl Model {
             (Law::Other, Boundary::Opaque(b)) => {
                 return values(wi, wo, &Each(&Rounded(b), what), &Each(b, what));
             }
+            (Law::Other, Boundary::Tail(b)) => {
+                return values(wi, wo, &Each(&Rounded(b), what), &Each(b, what));
+            }
             (Law::Other, Boundary::Microfacet(b)) => {
                 let law = &**b;
                 return values(wi, wo, &Each(&Rounded(law), what), &Each(law, what));

@@ -81,6 +81,7 @@ impl Given<'_> {
             geometry: said.geometry,
             ior: self.ior,
             opaque: self.opaque,
+            sheet: false,
             rough_side: said.rough_side,
             aperture_deg: self.aperture_deg.or(said.aperture_deg),
         })

@@ -44,6 +44,7 @@ impl Asked {
             | Boundary::Microfacet(_)
             | Boundary::Normals(_)
             | Boundary::Opaque(_)
+            | Boundary::Tail(_)
             | Boundary::Table(_) => {
                 return Ok(Self::AsItIs);
             }

@@ -61,6 +61,7 @@ impl From<crate::report::FigureError> for Failure {
 pub(super) fn remedy(lack: &Lack) -> String {
     match lack {
         Lack::Map(_) => format!("{lack}; give --map FILE"),
+        Lack::Lobe(_) => format!("{lack}; give --lobe reflection or --lobe transmission"),
         Lack::Wavelength(_) => format!("{lack}; give --wavelength-nm in nm"),
         _ => lack.to_string(),
     }

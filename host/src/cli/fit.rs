@@ -49,7 +49,7 @@ use crate::report::{self, FigureFiles, PolarFiles};
 pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student or smith-normals
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, abg, harvey, k-correlation or super-gauss
     #[arg(short, long, value_parser = MethodName)]
     method: String,
     /// Profile of `normals` and `heights`; both are tried without it
@@ -67,6 +67,10 @@ pub(super) struct Args {
     /// Fit the most frequent height z0 of `heights` too (0 without it)
     #[arg(long)]
     fit_z0: bool,
+    /// Fit the share of the light that stays specular too, of abg, harvey, k-correlation and super-gauss: what is neither
+    /// scattered nor specular is then lost
+    #[arg(long)]
+    fit_specular: bool,
     /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -107,10 +111,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
     let (measurement, input) = args.read.read(&args.scan, args.setup.geometry)?;
-    let (body, setup) = args.setup.resolve(&measurement, &args.scan)?;
-    if body == Body::Opaque && (args.fit_ior || args.fit_gain) {
+    let kind = Kind::named(&args.method)?;
+    let of_sheet = kind.describes_sheet && !args.setup.in_plate();
+    let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;
+    if !matches!(body, Body::Dielectric { .. }) && (args.fit_ior || args.fit_gain) {
         return Err(Failure::bad(
-            "--fit-ior and --fit-gain are for a plate; an opaque body has a gain anyway and no index",
+            "--fit-ior and --fit-gain are for a plate; laws of an opaque body or a sheet have a level anyway and no index",
         ));
     }
     let map = match &args.map {
@@ -130,6 +136,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         map: map.as_ref(),
         light: args.light.light(Some(&measurement.meta))?,
         input: Some(&input),
+        in_plate: args.setup.in_plate(),
     };
     let profile = args.profile.map(ProfileFlag::word);
     let trials = trials(&task, &args.method, profile, &|name| args.asks_for(name))
@@ -184,6 +191,7 @@ impl Args {
             "h_max" => self.fit_h_max,
             "z0" => self.fit_z0,
             "cutoff_um" => !self.no_cutoff,
+            "specular" => self.fit_specular,
             other => usually_asked(other),
         }
     }
@@ -206,6 +214,7 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
         (args.fit_n, "--fit-n", "n"),
         (args.fit_h_max, "--fit-h-max", "h_max"),
         (args.fit_z0, "--fit-z0", "z0"),
+        (args.fit_specular, "--fit-specular", "specular"),
         (args.no_cutoff, "--no-cutoff", "cutoff_um"),
     ] {
         let has = |kind: &Kind| kind.optional.contains(&parameter);
@@ -214,7 +223,14 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
         }
     }
     let waves = in_words(&Kind::names(Kind::is_wave));
-    args.light.need_waves(kind.is_wave(), &format!("waves are sent by method {waves}"))?;
+    if kind.name == "k-correlation" {
+        args.light.need_no_speckle()?;
+    } else {
+        args.light.need_waves(kind.is_wave(), &format!("waves are sent by method {waves}"))?;
+    }
+    if args.setup.body.is_some() && !kind.describes_sheet {
+        belongs("--body", Kind::names(|kind| kind.describes_sheet))?;
+    }
     args.map_flags.need_map(args.map.is_some() && kind.needs_map)?;
     args.effort.need_rays(kind.traced)?;
     args.setup.check()?;

@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
+use asperity_core::bsdf::Lobe;
+use asperity_core::gonio::Geometry;
 use clap::ValueEnum;
 
 use super::error::{Failure, without_effect};
 use super::flags::light::LightFlags;
 use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
-use super::flags::scan::number;
+use super::flags::scan::{BodyFlag, GeometryFlag, number};
 use super::print;
 use crate::kirchhoff::Speckle;
 use crate::method::{Body, Choice, Kind};
@@ -44,12 +46,16 @@ impl ProfileFlag {
 ///   measured-wave  the same, and --wavelength-nm NM
 ///   measured-hybrid  the same as measured-wave
 ///   beckmann  alpha; student  sigma, gamma (tail, 1.51 to 500); smith-normals  as normals
+///   abg  A (1/sr), B, g; harvey  b0 (1/sr), L, S; super-gauss  A (1/sr), w, p; k-correlation  A (um^4), B (um), C with
+///        --wavelength-nm and in transmission --ior; all with --lobe, and an optional specular (share; the rest without it)
 ///
-/// Example: asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
+/// Examples:
+///   asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
+///   asperity model abg --set A=0.0025 B=0.001 g=1.8 --lobe reflection -o mirror.json
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student or smith-normals
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, abg, harvey, k-correlation or super-gauss
     #[arg(value_parser = MethodName)]
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad
@@ -61,6 +67,12 @@ pub(super) struct Args {
     /// The body is opaque (ggx only)
     #[arg(long)]
     opaque: bool,
+    /// The lobe that abg, harvey, k-correlation or super-gauss describes
+    #[arg(long, value_enum, value_name = "LOBE")]
+    lobe: Option<GeometryFlag>,
+    /// What these describe [default: sheet]
+    #[arg(long, value_enum)]
+    body: Option<BodyFlag>,
     /// Profile of the density of `normals` and `heights`
     #[arg(long, value_enum, alias = "law")]
     profile: Option<ProfileFlag>,
@@ -83,14 +95,32 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let kind = Kind::named(&args.method)?;
+    if args.body.is_some() && !kind.describes_sheet {
+        return Err(Failure::bad(format!(
+            "method {} describes a rough face; leave --body out",
+            args.method
+        )));
+    }
+    let of_sheet = kind.describes_sheet && args.body != Some(BodyFlag::Plate);
     let body = match (args.opaque, args.ior) {
+        _ if of_sheet => Body::Sheet { ior: args.ior },
         (true, _) => Body::Opaque,
         (false, Some(ior)) => Body::Dielectric { ior },
         (false, None) => {
             return Err(Failure::bad("the refractive index is missing; give --ior N, or --opaque"));
         }
     };
-    let kind = Kind::named(&args.method)?;
+    let lobe = args.lobe.map(Geometry::from).map(|geometry| match geometry {
+        Geometry::Reflection => Lobe::Reflection,
+        Geometry::Transmission => Lobe::Transmission,
+    });
+    if lobe.is_some() && !kind.describes_sheet {
+        return Err(Failure::bad(format!(
+            "method {} describes both lobes; leave --lobe out",
+            args.method
+        )));
+    }
     if args.profile.is_some() && !kind.has_profile {
         return Err(Failure::bad(format!(
             "method {} has no profile; leave --profile out",
@@ -100,7 +130,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.map.is_some() && !kind.needs_map {
         return Err(Failure::bad(format!("method {} has no map; leave --map out", args.method)));
     }
-    args.light.need_waves(kind.is_wave(), &format!("method {} sends no waves", args.method))?;
+    if kind.name == "k-correlation" {
+        args.light.need_no_speckle()?;
+    } else {
+        let why = format!("method {} sends no waves", args.method);
+        args.light.need_waves(kind.is_wave(), &why)?;
+    }
     args.map_flags.need_map(args.map.is_some())?;
     let drawn = kind.traced && !kind.needs_map;
     without_effect(&[("--seed", args.seed.is_some() && !drawn)], "the method draws no heights")?;
@@ -124,6 +159,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         asked: &|wanted| pairs.iter().any(|(name, _)| name == wanted),
         map: map.as_ref().map(|m| (&m.map, m.edges)),
         seed: args.seed.unwrap_or(1),
+        lobe,
+        wavelength_nm: args.light.single_nm(),
         ..Choice::new(&args.method, body)
     };
     let method = choice.method()?;

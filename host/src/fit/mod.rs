@@ -297,7 +297,7 @@ pub fn fit(
         boundary,
         ior: match body {
             Body::Dielectric { ior } => Some(ior),
-            Body::Opaque => None,
+            Body::Opaque | Body::Sheet { .. } => None,
         },
         rmsd_percent: rmsd_percent(&measured, &readings.values).unwrap_or(f64::NAN),
         objective: (options.objective, whole.cost_of(&readings.values)),

@@ -55,7 +55,7 @@ impl Later {
 }
 
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
-const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]);
+const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]).level();
 
 /// Readings per plane of observation that a draft needs, up to so many planes; beyond, readings in all.
 const DRAFT_READINGS: usize = 120;
@@ -75,10 +75,10 @@ impl<'a> Problem<'a> {
         watch: Watch<'a>,
     ) -> Self {
         let mut parameters = method.parameters().to_vec();
-        if options.fit_ior && options.body != Body::Opaque {
+        if options.fit_ior && matches!(options.body, Body::Dielectric { .. }) {
             parameters.push(IOR);
         }
-        if options.fit_gain && options.body != Body::Opaque {
+        if options.fit_gain && matches!(options.body, Body::Dielectric { .. }) {
             parameters.push(GAIN);
         }
         Self {
@@ -192,7 +192,7 @@ impl<'a> Problem<'a> {
 
     /// Whether light of later hits is there, and known apart from that of first ones.
     pub(super) fn has_later_hits(&self) -> bool {
-        matches!(self.setup.sample, Sample::Plate { .. })
+        matches!(self.setup.sample, Sample::Plate { eta, .. } if !eta.is_matched())
             && !self.is_traced()
             && self.method.wave().is_none()
     }
@@ -239,7 +239,7 @@ impl<'a> Problem<'a> {
     pub(super) fn check_fixed(&self) -> Result<(), BuildError> {
         match self.options.body {
             Body::Dielectric { .. } => self.options.body.eta().map(|_| ()),
-            Body::Opaque => Ok(()),
+            Body::Opaque | Body::Sheet { .. } => Ok(()),
         }
     }
 
@@ -396,10 +396,50 @@ impl<'a> Problem<'a> {
         points
     }
 
-    /// Sets `gain` and `lambert`, in which the readings are linear, to their least-squares values.
+    /// Sets the level of a law, in which readings are linear: what it does not scatter may be in them too. No higher than
+    /// there is light.
+    fn solve_level(&self, point: &mut [f64], level: usize) {
+        let (least, most) = self.parameters[level].bounds;
+        let at = |value: f64| {
+            let mut probe = point.to_vec();
+            probe[level] = value;
+            self.simulate(&probe, Effort::Draft).map(|r| r.map(|r| r.values))
+        };
+        let Ok(Some(base)) = at(least) else { return };
+        let mut unit = 1.0;
+        let slopes = loop {
+            match at(unit) {
+                Ok(Some(values)) => break values,
+                Err(BuildError::TooBright { scattered }) if scattered > 1.0 => {
+                    unit *= 0.5 / scattered;
+                }
+                _ => return,
+            }
+        };
+        let (mut aa, mut am) = (0.0, 0.0);
+        for ((&base, &value), &m) in base.iter().zip(&slopes).zip(self.measured.iter()) {
+            let (w, a) = (self.objective().weight2(m, self.largest), value - base);
+            aa += w * a * a;
+            am += w * a * (m - base);
+        }
+        let mut value = (am / aa * (unit - least) + least).clamp(least * 1.01, most * 0.99);
+        if !value.is_finite() {
+            return;
+        }
+        if let Err(BuildError::TooBright { scattered }) = at(value) {
+            value *= 0.95 / scattered;
+        }
+        point[level] = value;
+    }
+
+    /// Sets the level of a law, or `gain` and `lambert`, in which the readings are linear, to their least-squares values.
     pub(super) fn solve_linear(&self, point: &mut [f64]) {
         let index = |name| self.parameters.iter().position(|p| p.name == name);
-        let Some(gain) = index("gain") else { return };
+        let Some(gain) = self.parameters.iter().position(|p| p.is_level) else { return };
+        if self.parameters[gain].name != "gain" {
+            self.solve_level(point, gain);
+            return;
+        }
         let lambert = index("lambert");
         let readings = |gain_value: f64, lambert_value: f64| {
             let mut probe = point.to_vec();

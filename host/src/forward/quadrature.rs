@@ -369,7 +369,7 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
             if self.setup.geometry == Geometry::Reflection { STRIDE / 2 } else { STRIDE };
         let fine = nodes.len();
         let eta = match self.setup.sample {
-            Sample::Plate { eta, .. } if self.effort.has_passes() => eta.get(),
+            Sample::Plate { eta, .. } if self.effort.has_passes() && !eta.is_matched() => eta.get(),
             _ => return (vec![0.0; fine], Neglected::default()),
         };
         let views: Vec<Option<View>> =
@@ -455,7 +455,9 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
 /// Angular half width of the lobe outside the plate, rad: a scale for the warp, not a result.
 fn lobe_width(slope: f64, setup: &Setup) -> f64 {
     let gain = match (setup.geometry, setup.sample) {
-        (_, Sample::Plate { eta, .. }) => (eta.get() - 1.0).abs(),
+        // through a sheet, slopes are direction cosines
+        (Geometry::Transmission, Sample::Plate { eta, .. }) if eta.is_matched() => 1.0,
+        (_, Sample::Plate { eta, .. }) if !eta.is_matched() => (eta.get() - 1.0).abs(),
         _ => 2.0,
     };
     (slope * gain).clamp(1e-8, 0.5)

@@ -56,7 +56,7 @@ impl<'a, B: Bsdf<f64>> Returns<'a, B> {
     /// `None` where nothing keeps its direction, and for what has no inside.
     pub(super) fn new(boundary: &'a B, setup: &Setup, entry: &Entry) -> Option<Self> {
         let Sample::Plate { eta, rough_side } = setup.sample else { return None };
-        if !is_coherent(boundary) {
+        if eta.is_matched() || !is_coherent(boundary) {
             return None;
         }
         let smooth = Smooth { eta };

@@ -40,8 +40,8 @@ pub fn simulate(
             std_errors: Some(std_errors),
         });
     });
-    if let Boundary::Table(table) = boundary {
-        coherent::add_all(setup, plan, &mut readings.values, |wi| table.coherent(wi));
+    if matches!(boundary, Boundary::Table(_) | Boundary::Tail(_)) {
+        coherent::add_all(setup, plan, &mut readings.values, |wi| boundary.coherent(wi));
     }
     Some(readings)
 }

@@ -7,7 +7,7 @@ use asperity_core::bsdf::Microfacet;
 use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::beckmann::Beckmann;
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::Kind;
 use super::{Body, BuildError, Method, Parameter, Scale, alpha};
 use crate::boundary::Boundary;
 
@@ -22,14 +22,8 @@ static PARAMETERS: [Parameter; 1] =
 pub(super) const KIND: Kind = Kind {
     name: "beckmann",
     summary: "microfacets with Gaussian slopes, closed form",
-    origin: Origin::Beyond,
-    has_profile: false,
-    needs_map: false,
-    traced: false,
-    waves: Waves::None,
-    takes_opaque: false,
-    optional: &[],
     make: |_| Ok(Box::new(BeckmannMethod)),
+    ..Kind::CLOSED
 };
 
 impl Method for BeckmannMethod {

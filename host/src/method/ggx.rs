@@ -6,7 +6,7 @@
 
 use asperity_core::bsdf::{Ggx, OpaqueGgx};
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::{Kind, Origin};
 use super::{Body, BuildError, Method, Parameter, Scale, alpha};
 use crate::boundary::Boundary;
 
@@ -25,7 +25,7 @@ impl GgxMethod {
 
 const ALPHA: Parameter =
     Parameter::new("alpha", "", (1e-4, 5.0), Scale::Log, &[0.004, 0.02, 0.08, 0.25, 0.8]);
-const GAIN: Parameter = Parameter::new("gain", "", (1e-6, 100.0), Scale::Log, &[0.5]);
+const GAIN: Parameter = Parameter::new("gain", "", (1e-6, 100.0), Scale::Log, &[0.5]).level();
 const LAMBERT: Parameter =
     Parameter::new("lambert", "1/sr", (1e-6, 100.0), Scale::Log, &[0.03]).or_zero();
 
@@ -37,13 +37,9 @@ pub(super) const KIND: Kind = Kind {
     name: "ggx",
     summary: "Walter's microfacets with the GGX law, closed form",
     origin: Origin::Paper,
-    has_profile: false,
-    needs_map: false,
-    traced: false,
-    waves: Waves::None,
     takes_opaque: true,
-    optional: &[],
     make: |choice| Ok(Box::new(GgxMethod::new(choice.body))),
+    ..Kind::CLOSED
 };
 
 impl Method for GgxMethod {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use asperity_core::ndf::law::Profile;
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::{Kind, Origin};
 use super::{Body, BuildError, Method, Parameter, Scale};
 use crate::boundary::Boundary;
 use crate::raytrace::{Field, TracedBoundary};
@@ -37,6 +37,7 @@ const Z0: Parameter = Parameter {
     scale: Scale::Linear,
     starts: Cow::Borrowed(&[0.2]),
     none: Some(0.0),
+    is_level: false,
 };
 
 impl HeightsMethod {
@@ -81,12 +82,10 @@ pub(super) const KIND: Kind = Kind {
     summary: "random heights on a grid, traced with all bounces",
     origin: Origin::Paper,
     has_profile: true,
-    needs_map: false,
     traced: true,
-    waves: Waves::None,
-    takes_opaque: false,
     optional: &HeightsMethod::OPTIONAL,
     make: |choice| Ok(Box::new(HeightsMethod::new(choice.profile()?, choice.seed, choice.asked))),
+    ..Kind::CLOSED
 };
 
 impl Method for HeightsMethod {

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use asperity_core::bsdf::Lobe;
 use asperity_core::ndf::law::Profile;
 
 use super::{Body, BuildError, Method};
@@ -29,6 +30,8 @@ pub struct Kind {
     pub waves: Waves,
     /// Whether it describes an opaque body too.
     pub takes_opaque: bool,
+    /// Whether it describes the sheet as it is measured, unless the face inside a plate is asked for.
+    pub describes_sheet: bool,
     /// Optional parameters, present only on request.
     pub optional: &'static [&'static str],
     /// Makes it.
@@ -62,6 +65,21 @@ impl fmt::Debug for Kind {
 }
 
 impl Kind {
+    /// A method in closed form for the rough face of a dielectric, which needs nothing else.
+    pub(super) const CLOSED: Self = Self {
+        name: "",
+        summary: "",
+        origin: Origin::Beyond,
+        has_profile: false,
+        needs_map: false,
+        traced: false,
+        waves: Waves::None,
+        takes_opaque: false,
+        describes_sheet: false,
+        optional: &[],
+        make: |choice| Err(Lack::Method { name: choice.name.into(), known: String::new() }),
+    };
+
     /// Whether it uses waves and needs their wavelengths.
     pub fn is_wave(&self) -> bool {
         self.waves != Waves::None
@@ -85,6 +103,10 @@ pub struct Choice<'a> {
     pub wave: Option<&'a WaveOptions>,
     /// Seed of the heights, for methods that draw them.
     pub seed: u64,
+    /// The lobe, for methods that describe one.
+    pub lobe: Option<Lobe>,
+    /// The wavelength, nm, for spectra of roughness.
+    pub wavelength_nm: Option<f64>,
 }
 
 impl fmt::Debug for Choice<'_> {
@@ -96,7 +118,17 @@ impl fmt::Debug for Choice<'_> {
 impl<'a> Choice<'a> {
     /// A method for a body, without optional parameters.
     pub fn new(name: &'a str, body: Body) -> Self {
-        Self { name, profile: None, body, asked: &|_| false, map: None, wave: None, seed: 1 }
+        Self {
+            name,
+            profile: None,
+            body,
+            asked: &|_| false,
+            map: None,
+            wave: None,
+            seed: 1,
+            lobe: None,
+            wavelength_nm: None,
+        }
     }
 
     /// The profile of the law.
@@ -111,6 +143,11 @@ impl<'a> Choice<'a> {
     /// The map of a method that needs one.
     pub(super) fn need_map(&self, method: &Kind) -> Result<(&'a HeightMap, Edges), Lack> {
         self.map.ok_or(Lack::Map(method.name))
+    }
+
+    /// The lobe of a method that describes one.
+    pub(super) fn need_lobe(&self, method: &Kind) -> Result<Lobe, Lack> {
+        self.lobe.ok_or(Lack::Lobe(method.name))
     }
 
     /// The waves of a method that sends some.
@@ -146,6 +183,17 @@ pub enum Lack {
     /// There is no height map.
     #[error("method {0} needs a height map")]
     Map(&'static str),
+    /// It is not said which lobe it describes.
+    #[error("method {0} describes one lobe, reflection or transmission")]
+    Lobe(&'static str),
+    /// The body is a sheet.
+    #[error("method {method} describes a rough face, not a sheet; a sheet can be described with {others}")]
+    Sheet {
+        /// The method.
+        method: &'static str,
+        /// Methods that describe a sheet.
+        others: String,
+    },
     /// There is no wavelength.
     #[error("method {0} needs the wavelength of the light")]
     Wavelength(&'static str),

@@ -54,6 +54,7 @@ impl MeasuredMap {
             scale: Scale::Log,
             starts: Cow::Owned(starts),
             none: Some(0.0),
+            is_level: false,
         };
         let parameters = if with_cutoff { vec![SCALE, cutoff] } else { vec![SCALE] };
         Ok(Self { low_pass, edges, parameters })

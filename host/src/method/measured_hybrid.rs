@@ -1,6 +1,6 @@
 //! Method `measured-hybrid`: the measured map, its long waves traced, its short ones diffracting. Beyond the paper.
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::{Kind, Waves};
 use super::measured::{MeasuredMap, unusable};
 use super::{Body, BuildError, Method, Parameter};
 use crate::boundary::Boundary;
@@ -34,12 +34,9 @@ impl MeasuredHybridMethod {
 pub(super) const KIND: Kind = Kind {
     name: "measured-hybrid",
     summary: "the measured map, long waves of it traced, short ones diffracting",
-    origin: Origin::Beyond,
-    has_profile: false,
     needs_map: true,
     traced: true,
     waves: Waves::AveragedSpeckle,
-    takes_opaque: false,
     optional: &["cutoff_um"],
     make: |choice| {
         let (map, edges) = choice.need_map(&KIND)?;
@@ -48,6 +45,7 @@ pub(super) const KIND: Kind = Kind {
             .map_err(unusable)?;
         Ok(Box::new(made))
     },
+    ..Kind::CLOSED
 };
 
 impl Method for MeasuredHybridMethod {

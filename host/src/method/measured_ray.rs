@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::{Kind, Origin};
 use super::measured::{MeasuredMap, unusable};
 use super::{Body, BuildError, Method, Parameter};
 use crate::boundary::Boundary;
@@ -30,11 +30,8 @@ pub(super) const KIND: Kind = Kind {
     name: "measured-ray",
     summary: "the measured map, traced with all bounces",
     origin: Origin::Paper,
-    has_profile: false,
     needs_map: true,
     traced: true,
-    waves: Waves::None,
-    takes_opaque: false,
     optional: &["cutoff_um"],
     make: |choice| {
         let (map, edges) = choice.need_map(&KIND)?;
@@ -42,6 +39,7 @@ pub(super) const KIND: Kind = Kind {
         let made = MeasuredRayMethod::new(map, edges, with_cutoff).map_err(unusable)?;
         Ok(Box::new(made))
     },
+    ..Kind::CLOSED
 };
 
 impl Method for MeasuredRayMethod {

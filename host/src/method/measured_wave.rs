@@ -59,11 +59,8 @@ pub(super) const KIND: Kind = Kind {
     name: "measured-wave",
     summary: "the measured map, waves by Kirchhoff",
     origin: Origin::Paper,
-    has_profile: false,
     needs_map: true,
-    traced: false,
     waves: Waves::AnySpeckle,
-    takes_opaque: false,
     optional: &["cutoff_um"],
     make: |choice| {
         let (map, edges) = choice.need_map(&KIND)?;
@@ -72,6 +69,7 @@ pub(super) const KIND: Kind = Kind {
             .map_err(unusable)?;
         Ok(Box::new(made))
     },
+    ..Kind::CLOSED
 };
 
 impl Method for MeasuredWaveMethod {

@@ -7,6 +7,7 @@
 //! | `beckmann` | [`beckmann`] | microfacets of `asperity_core::bsdf`, Gaussian slopes |
 //! | `student` | [`student`] | the same, with a fitted tail |
 //! | `smith-normals` | [`smith_normals`] | the same, with the laws of `normals` |
+//! | `abg`, `harvey`, `k-correlation`, `super-gauss` | [`tail`] | scatter about the specular direction, `asperity_core::bsdf::tail` |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 //! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
@@ -19,6 +20,7 @@ pub mod normals;
 pub mod beckmann;
 pub mod student;
 pub mod smith_normals;
+pub mod tail;
 pub mod heights;
 mod measured;
 mod wave_job;
@@ -39,7 +41,9 @@ pub use parameter::{Parameter, Scale};
 pub use registry::{KINDS, in_words};
 pub use smith_normals::SmithNormalsMethod;
 pub use student::StudentMethod;
+pub use tail::TailMethod;
 
+use asperity_core::bsdf::Lobe;
 use asperity_core::ndf::law::Profile;
 use asperity_core::quantity::{Alpha, QuantityError, RelativeIor};
 
@@ -69,6 +73,12 @@ pub enum BuildError {
     /// The refractive index is outside its domain, or missing.
     #[error("{0}")]
     Ior(String),
+    /// More light would be scattered than there is.
+    #[error("the law scatters {scattered:.4} of the light along the normal, which is more than all; make its level lower")]
+    TooBright {
+        /// Total integrated scatter with the specular share.
+        scattered: f64,
+    },
     /// The heights cannot be traced.
     #[error("{0}")]
     Map(String),
@@ -84,6 +94,11 @@ pub enum Body {
     },
     /// An opaque body, seen in reflection only.
     Opaque,
+    /// A sheet as it is measured, air on both sides: no faces, no inside.
+    Sheet {
+        /// Index of its material, where it is known; the spectrum of roughness needs it in transmission.
+        ior: Option<f64>,
+    },
 }
 
 impl Body {
@@ -101,6 +116,8 @@ impl Body {
                 ))
             }),
             Self::Opaque => Err(BuildError::Ior("an opaque body has no refractive index".into())),
+            // air beyond it
+            Self::Sheet { .. } => RelativeIor::new(1.0).map_err(|e| BuildError::Ior(e.to_string())),
         }
     }
 }
@@ -128,6 +145,14 @@ pub trait Method: Send + Sync {
     }
     /// The options of its waves, for methods that use them; their forward model costs seconds.
     fn wave(&self) -> Option<&WaveOptions> {
+        None
+    }
+    /// The lobe it describes, for methods that describe one.
+    fn lobe(&self) -> Option<Lobe> {
+        None
+    }
+    /// The wavelength of its spectrum of roughness, nm.
+    fn wavelength_nm(&self) -> Option<f64> {
         None
     }
     /// Its name with what tells its variants apart: `normals (gauss)`.

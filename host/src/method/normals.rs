@@ -8,7 +8,7 @@ use asperity_core::bsdf::Normals;
 use asperity_core::ndf::law::{Law, LawError, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::{Kind, Origin};
 use super::{Body, BuildError, Method, Parameter, Scale};
 use crate::boundary::Boundary;
 
@@ -50,14 +50,11 @@ pub(super) const KIND: Kind = Kind {
     summary: "a fitted density of facet normals, one facet at each hit",
     origin: Origin::Paper,
     has_profile: true,
-    needs_map: false,
-    traced: false,
-    waves: Waves::None,
-    takes_opaque: false,
     optional: &["theta0"],
     make: |choice| {
         Ok(Box::new(NormalsMethod { profile: choice.profile()?, centre: (choice.asked)("theta0") }))
     },
+    ..Kind::CLOSED
 };
 
 impl Method for NormalsMethod {

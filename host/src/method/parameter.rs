@@ -24,9 +24,11 @@ pub struct Parameter {
     pub scale: Scale,
     /// Values to start a search from.
     pub starts: Cow<'static, [f64]>,
-    /// The value, below the others, that means nothing is there: no filter, no floor. A fit tries it and keeps it
+    /// The value that means nothing is there: no filter, no floor, no shoulder of its own. A fit tries it and keeps it
     /// unless the data contradict it; a fit that ends at the lower bound is not cut short.
     pub none: Option<f64>,
+    /// Whether the readings are proportional to it.
+    pub is_level: bool,
 }
 
 impl Parameter {
@@ -38,7 +40,19 @@ impl Parameter {
         scale: Scale,
         starts: &'static [f64],
     ) -> Self {
-        Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), none: None }
+        Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), none: None, is_level: false }
+    }
+
+    /// The same as a factor of the readings.
+    pub const fn level(mut self) -> Self {
+        self.is_level = true;
+        self
+    }
+
+    /// The same with a value at which it says nothing.
+    pub const fn or_none(mut self, value: f64) -> Self {
+        self.none = Some(value);
+        self
     }
 
     /// The same with zero as the value that means nothing is there.
@@ -110,6 +124,7 @@ mod tests {
                 scale,
                 starts: Cow::Borrowed(&[1.0]),
                 none: None,
+                is_level: false,
             };
             for value in [0.011, 0.1, 1.0, 4.9] {
                 assert!((p.to_bounded(p.to_free(value)) / value - 1.0).abs() < 1e-9);

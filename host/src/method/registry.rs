@@ -6,11 +6,11 @@
 use super::kind::{Choice, Kind, Lack, Origin};
 use super::{
     Body, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals,
-    smith_normals, student,
+    smith_normals, student, tail,
 };
 
 /// All methods, in the order of tables.
-pub const KINDS: [Kind; 9] = [
+pub const KINDS: [Kind; 13] = [
     ggx::KIND,
     normals::KIND,
     heights::KIND,
@@ -20,6 +20,10 @@ pub const KINDS: [Kind; 9] = [
     beckmann::KIND,
     student::KIND,
     smith_normals::KIND,
+    tail::ABG,
+    tail::HARVEY,
+    tail::K_CORRELATION,
+    tail::SUPER_GAUSS,
 ];
 
 impl Kind {
@@ -57,6 +61,10 @@ impl Choice<'_> {
             let others = in_words(&Kind::names(|kind| kind.takes_opaque));
             return Err(Lack::Index { method: kind.name, others });
         }
+        if matches!(self.body, Body::Sheet { .. }) && !kind.describes_sheet {
+            let others = in_words(&Kind::names(|kind| kind.describes_sheet));
+            return Err(Lack::Sheet { method: kind.name, others });
+        }
         (kind.make)(self)
     }
 }
@@ -72,6 +80,8 @@ pub fn in_words(names: &[&str]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use asperity_core::bsdf::Lobe;
+
     use super::{Body, Choice, KINDS, Kind, in_words};
 
     #[test]
@@ -79,7 +89,12 @@ mod tests {
         let clear = Body::Dielectric { ior: 1.49 };
         for kind in &KINDS {
             let asked = |name: &str| kind.optional.contains(&name);
-            let choice = Choice { asked: &asked, ..Choice::new(kind.name, clear) };
+            let choice = Choice {
+                asked: &asked,
+                lobe: Some(Lobe::Transmission),
+                wavelength_nm: Some(550.0),
+                ..Choice::new(kind.name, clear)
+            };
             match choice.method() {
                 Ok(method) => {
                     assert_eq!(method.name(), kind.name);

@@ -9,7 +9,7 @@ use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::law::Profile;
 use asperity_core::ndf::smith::SmithNormals;
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::Kind;
 use super::normals::{CENTRED, PLAIN, law};
 use super::{Body, BuildError, Method, Parameter};
 use crate::boundary::Boundary;
@@ -27,12 +27,7 @@ pub struct SmithNormalsMethod {
 pub(super) const KIND: Kind = Kind {
     name: "smith-normals",
     summary: "a fitted density of facet normals with masking and projected area",
-    origin: Origin::Beyond,
     has_profile: true,
-    needs_map: false,
-    traced: false,
-    waves: Waves::None,
-    takes_opaque: false,
     optional: &["theta0"],
     make: |choice| {
         Ok(Box::new(SmithNormalsMethod {
@@ -40,6 +35,7 @@ pub(super) const KIND: Kind = Kind {
             centre: (choice.asked)("theta0"),
         }))
     },
+    ..Kind::CLOSED
 };
 
 impl Method for SmithNormalsMethod {

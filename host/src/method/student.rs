@@ -7,7 +7,7 @@ use asperity_core::bsdf::Microfacet;
 use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::student::Student;
 
-use super::kind::{Kind, Origin, Waves};
+use super::kind::Kind;
 use super::{Body, BuildError, Method, Parameter, Scale, alpha};
 use crate::boundary::Boundary;
 
@@ -24,14 +24,8 @@ static PARAMETERS: [Parameter; 2] = [
 pub(super) const KIND: Kind = Kind {
     name: "student",
     summary: "microfacets with a fitted tail between and beyond GGX and Beckmann, closed form",
-    origin: Origin::Beyond,
-    has_profile: false,
-    needs_map: false,
-    traced: false,
-    waves: Waves::None,
-    takes_opaque: false,
-    optional: &[],
     make: |_| Ok(Box::new(StudentMethod)),
+    ..Kind::CLOSED
 };
 
 impl Method for StudentMethod {

@@ -18,6 +18,7 @@ impl Model {
             (BodyKind::Opaque, Some(_)) => {
                 Err(("ior".into(), "an opaque body has no `ior`; leave it out".into()))
             }
+            (BodyKind::Sheet, ior) => Ok(Body::Sheet { ior }),
             (BodyKind::Dielectric, Some(ior)) => Ok(Body::Dielectric { ior }),
             (BodyKind::Dielectric, None) => Err((
                 "body".into(),
@@ -73,6 +74,8 @@ impl Model {
             asked: &|name| self.parameters.contains_key(name),
             map: map.as_ref().map(|m| (&m.map, m.edges)),
             seed: self.surface_seed.unwrap_or(1),
+            lobe: self.lobe.map(Into::into),
+            wavelength_nm: self.wavelength_nm,
             ..Choice::new(&self.method, body)
         };
         let method = choice.method().map_err(in_method)?;
@@ -114,6 +117,7 @@ impl Model {
                 BuildError::OutOfDomain { name, .. } | BuildError::Missing(name) => name,
                 BuildError::Ior(_) => "ior",
                 BuildError::Map(_) => "map",
+                BuildError::TooBright { .. } => "parameters",
             };
             (key.to_owned(), e.to_string())
         })

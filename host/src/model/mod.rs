@@ -34,6 +34,7 @@ pub use self::record::MapRecord;
 
 use std::collections::BTreeMap;
 
+use asperity_core::bsdf::Lobe;
 use serde::{Deserialize, Serialize};
 
 use crate::kirchhoff::WaveOptions;
@@ -80,6 +81,36 @@ pub enum BodyKind {
     Dielectric,
     /// An opaque body; no `ior`.
     Opaque,
+    /// A sheet as measured; `ior` is its material's, where it is known.
+    Sheet,
+}
+
+/// The lobe of a law that describes one, in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LobeKind {
+    /// Light that stays on its side.
+    Reflection,
+    /// Light that goes through.
+    Transmission,
+}
+
+impl From<Lobe> for LobeKind {
+    fn from(lobe: Lobe) -> Self {
+        match lobe {
+            Lobe::Reflection => Self::Reflection,
+            Lobe::Transmission => Self::Transmission,
+        }
+    }
+}
+
+impl From<LobeKind> for Lobe {
+    fn from(kind: LobeKind) -> Self {
+        match kind {
+            LobeKind::Reflection => Self::Reflection,
+            LobeKind::Transmission => Self::Transmission,
+        }
+    }
 }
 
 /// The error of a fit at one incidence.
@@ -112,6 +143,12 @@ pub struct Model {
     /// Seed of the heights, for methods that draw them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface_seed: Option<u64>,
+    /// The lobe, for laws of one lobe.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lobe: Option<LobeKind>,
+    /// Wavelength of a spectrum of roughness, nm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wavelength_nm: Option<f64>,
     /// The body that has the surface.
     #[serde(default)]
     pub body: BodyKind,
@@ -183,6 +220,7 @@ impl Model {
         let (body, ior) = match body {
             Body::Dielectric { ior } => (BodyKind::Dielectric, Some(ior)),
             Body::Opaque => (BodyKind::Opaque, None),
+            Body::Sheet { ior } => (BodyKind::Sheet, ior),
         };
         Self {
             asperity: FORMAT,
@@ -191,6 +229,8 @@ impl Model {
             map: None,
             wave: method.wave().cloned(),
             surface_seed: method.seed(),
+            lobe: method.lobe().map(Into::into),
+            wavelength_nm: method.wavelength_nm(),
             body,
             ior,
             parameters: values.into_iter().collect(),

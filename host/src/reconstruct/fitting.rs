@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use asperity_core::bsdf::Lobe;
-use asperity_core::direction::Side;
+use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::direction::{Direction, Side};
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
@@ -12,7 +12,7 @@ use crate::fit::{Fit, FitError, cost_at, fit};
 use crate::forward::Sample;
 use crate::kirchhoff::warning_for_rays;
 use crate::measurement::exchanged::{self, Part};
-use crate::measurement::{ScanError, csv};
+use crate::measurement::{Quantity, ScanError, csv};
 use crate::method::{Kind, Method};
 use crate::provenance::InputFile;
 use crate::watch::Watch;
@@ -31,6 +31,15 @@ impl Task<'_> {
     /// # Errors
     /// [`FitError`] if not even one law gave a result.
     pub fn fit(&self, trials: &[Box<dyn Method>], watch: Watch<'_>) -> Result<Found, FitError> {
+        let method = trials.first().map_or("", |method| method.name());
+        self.of_body(method).fit_as_it_is(trials, watch)
+    }
+
+    fn fit_as_it_is(
+        &self,
+        trials: &[Box<dyn Method>],
+        watch: Watch<'_>,
+    ) -> Result<Found, FitError> {
         let mut found: Option<(usize, Entry)> = None;
         let (mut evaluations, mut seconds, mut failed) = (0, 0.0, Vec::new());
         for (k, method) in trials.iter().enumerate() {
@@ -142,6 +151,15 @@ impl Task<'_> {
                     said.ok().flatten()
                 });
                 missed.into_iter().collect()
+            }
+            Boundary::Tail(law) if self.setup.quantity == Quantity::Bsdf => {
+                let kept = law.coherent_flux(Direction::normal());
+                let kept = kept.reflected + kept.transmitted;
+                let said = format!(
+                    "{kept:.3} of the light along the normal is taken to stay specular, which values of a BSDF do not show; \
+                     fit readings of flux with --fit-specular to know it"
+                );
+                (kept > 0.02).then_some(said).into_iter().collect()
             }
             other => other.warnings(&angles),
         }

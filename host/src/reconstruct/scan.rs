@@ -1,5 +1,6 @@
 //! The virtual goniophotometer: a scan of a boundary.
 
+use asperity_core::bsdf::Lobe;
 use asperity_core::gonio::{AngleGrid, Geometry, gp200};
 use asperity_core::plate::{Outcome, RoughSide};
 use asperity_core::quantity::RelativeIor;
@@ -181,10 +182,16 @@ impl ScanRequest {
         let (sample, usual) = match boundary.eta() {
             Some(eta) => {
                 let eta = RelativeIor::new(eta).map_err(|e| NoScan::Index(e.to_string()))?;
-                check_plate(eta)?;
+                if !boundary.is_sheet() {
+                    check_plate(eta)?;
+                }
                 (Sample::Plate { eta, rough_side: self.rough_side }, Geometry::Transmission)
             }
             None => (Sample::Opaque, Geometry::Reflection),
+        };
+        let usual = match boundary {
+            Boundary::Tail(law) if law.lobe() == Lobe::Reflection => Geometry::Reflection,
+            _ => usual,
         };
         let geometry = self.geometry.unwrap_or(usual);
         if sample == Sample::Opaque && geometry == Geometry::Transmission {
@@ -201,6 +208,8 @@ impl ScanRequest {
         let is_coherent = match boundary {
             Boundary::Wave(_) => true,
             Boundary::Table(table) => table.is_coherent(),
+            // values of a BSDF leave it out, as instruments that give them do
+            Boundary::Tail(_) => quantity == Quantity::Flux,
             _ => false,
         };
         if is_coherent && aperture_deg <= 0.0 {

@@ -17,6 +17,8 @@ pub struct Said {
     pub ior: Option<f64>,
     /// The body is opaque.
     pub opaque: bool,
+    /// The law is that of the sheet as measured, which has no faces.
+    pub sheet: bool,
     /// Which way the rough face looked.
     pub rough_side: Option<RoughSide>,
     /// Full angle of the detector's cone, degrees.
@@ -80,7 +82,12 @@ impl Said {
         let of_opaque = self.opaque.then_some(Geometry::Reflection);
         let geometry = self.geometry.or(meta.geometry).or(of_opaque).ok_or(Unclear::Geometry)?;
         let may_be_opaque = geometry == Geometry::Reflection;
-        let (body, sample) = if self.opaque {
+        let (body, sample) = if self.sheet {
+            if self.opaque && geometry == Geometry::Transmission {
+                return Err(Unclear::OpaqueTransmits);
+            }
+            sheet(self.ior.or(meta.ior))?
+        } else if self.opaque {
             if geometry == Geometry::Transmission {
                 return Err(Unclear::OpaqueTransmits);
             }
@@ -102,6 +109,25 @@ impl Said {
         };
         check_aperture(aperture_deg, quantity)?;
         Ok(Situation { body, setup: Setup { sample, geometry, aperture_deg, quantity } })
+    }
+}
+
+/// A sheet of a material of that index, where it is known: air on both sides, as a plate with the index of air.
+fn sheet(ior: Option<f64>) -> Result<(Body, Sample), BuildError> {
+    let body = Body::Sheet { ior };
+    Ok((body, Sample::Plate { eta: body.eta()?, rough_side: RoughSide::Source }))
+}
+
+impl Situation {
+    /// The same of the sheet as it is measured.
+    pub(super) fn as_sheet(self) -> Result<Self, BuildError> {
+        let ior = match self.body {
+            Body::Dielectric { ior } => Some(ior),
+            Body::Sheet { ior } => ior,
+            Body::Opaque => None,
+        };
+        let (body, sample) = sheet(ior)?;
+        Ok(Self { body, setup: Setup { sample, ..self.setup } })
     }
 }
 

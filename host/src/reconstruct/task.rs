@@ -1,5 +1,8 @@
 //! One method on one sample: what is known of the sample, and which profiles and speckles are tried.
 
+use asperity_core::bsdf::Lobe;
+use asperity_core::gonio::Geometry;
+
 use crate::fit::{FitOptions, MISFIT_PERCENT};
 use crate::forward::Setup;
 use crate::kirchhoff::{WaveOptions, Wavelengths};
@@ -28,6 +31,8 @@ pub struct Task<'a> {
     pub light: Light,
     /// The file of the measurement.
     pub input: Option<&'a InputFile>,
+    /// Whether laws that describe a sheet are those of the face inside the plate instead.
+    pub in_plate: bool,
 }
 
 /// A method with each law and each way to treat speckle that is to be tried.
@@ -52,7 +57,7 @@ pub enum Unusable {
 
 /// The optional parameters that are fitted unless the user says otherwise.
 pub fn usually_asked(parameter: &str) -> bool {
-    parameter == "cutoff_um"
+    matches!(parameter, "cutoff_um" | "m")
 }
 
 impl<'a> Task<'a> {
@@ -67,6 +72,28 @@ impl<'a> Task<'a> {
             map: None,
             light: Light { wavelengths: of_header.and_then(Result::ok), ..Light::default() },
             input: None,
+            in_plate: false,
+        }
+    }
+
+    /// The same for a method: of the sheet, where it describes that.
+    pub(super) fn of_body(&self, method: &str) -> Self {
+        let describes_sheet = Kind::named(method).is_ok_and(|kind| kind.describes_sheet);
+        let here = Situation { body: self.options.body, setup: self.setup };
+        let mut same = self.clone();
+        if describes_sheet && !self.in_plate && let Ok(Situation { body, setup }) = here.as_sheet() {
+            same.setup = setup;
+            same.options.body = body;
+        }
+        same
+    }
+
+    /// The one wavelength of the light, nm.
+    fn wavelength_nm(&self) -> Option<f64> {
+        let mut all = self.light.wavelengths.as_ref()?.iter();
+        match (all.next(), all.next()) {
+            (Some((um, _)), None) => Some(1e3 * um),
+            _ => None,
         }
     }
 
@@ -82,6 +109,7 @@ impl<'a> Task<'a> {
         asked: &dyn Fn(&str) -> bool,
     ) -> Result<Trials, Unusable> {
         let kind = Kind::named(name)?;
+        let body = self.of_body(name).options.body;
         let profiles: &[Option<&str>] = match profile {
             None if kind.has_profile => &[Some("gauss"), Some("cauchy")],
             profile => &[profile],
@@ -94,7 +122,12 @@ impl<'a> Task<'a> {
         };
         let with = |(profile, wave): (Option<&str>, Option<&WaveOptions>)| {
             let seed = self.options.rays.seed;
-            let usual = Choice::new(name, self.options.body);
+            let lobe = Some(match self.setup.geometry {
+                Geometry::Reflection => Lobe::Reflection,
+                Geometry::Transmission => Lobe::Transmission,
+            });
+            let wavelength_nm = self.wavelength_nm();
+            let usual = Choice { lobe, wavelength_nm, ..Choice::new(name, body) };
             Choice { profile, asked, map, wave, seed, ..usual }.method()
         };
         let variants =

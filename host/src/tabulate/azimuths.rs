@@ -40,6 +40,7 @@ fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
         | Boundary::Microfacet(_)
         | Boundary::Normals(_)
         | Boundary::Opaque(_)
+        | Boundary::Tail(_)
         | Boundary::Table(_) => None,
     };
     found.filter(Anisotropy::is_directional)

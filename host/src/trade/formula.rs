@@ -1,6 +1,6 @@
 //! The laws in closed form, in any number type.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx};
+use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, ShiftInvariant};
 use asperity_core::math::Real;
 use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::law::Law;
@@ -49,6 +49,14 @@ impl Formula for OpaqueGgx<f64> {
     fn of<T: Real>(&self) -> Option<OpaqueGgx<T>> {
         let alpha = Alpha::new(number(self.alpha.get())).ok()?;
         OpaqueGgx::new(alpha, number(self.gain), number(self.lambert))
+    }
+}
+
+impl Formula for ShiftInvariant<f64> {
+    type In<T: Real> = ShiftInvariant<T>;
+
+    fn of<T: Real>(&self) -> Option<Self::In<T>> {
+        Some(self.cast())
     }
 }
 

@@ -75,6 +75,7 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
         Boundary::Microfacet(law) => bench.formula(&**law, None),
         Boundary::Normals(law) => bench.formula(&**law, Some(&Payload::normals(law))),
         Boundary::Opaque(law) => bench.formula(law, None),
+        Boundary::Tail(law) => bench.formula(law, None),
         Boundary::Wave(wave) => {
             let eval = eval_ns::<f64, _>(&**wave, &bench.pairs);
             bench.model(&**wave, Some(eval));

@@ -108,6 +108,22 @@ impl LightFlags {
         without_effect(&flags, why)
     }
 
+    /// Refuses what has no effect on a law that knows its wavelength only.
+    pub(in crate::cli) fn need_no_speckle(&self) -> Result<(), Failure> {
+        let flags =
+            [("--speckle", self.speckle.is_some()), ("--shadowing", self.shadowing.is_some())];
+        without_effect(&flags, "the method sends no waves")
+    }
+
+    /// The one wavelength, nm; `None` if there is none or are several.
+    pub(in crate::cli) fn single_nm(&self) -> Option<f64> {
+        let mut all = self.wavelength_nm.as_ref()?.iter();
+        match (all.next(), all.next()) {
+            (Some((um, _)), None) => Some(1e3 * um),
+            _ => None,
+        }
+    }
+
     /// The light of these flags; a scan's header may know the wavelength.
     pub(in crate::cli) fn light(&self, header: Option<&Metadata>) -> Result<Light, Failure> {
         let of_header = header.and_then(|meta| meta.wavelength_nm);

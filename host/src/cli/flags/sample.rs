@@ -39,6 +39,7 @@ pub(in crate::cli) struct Loaded {
     options: FitOptions,
     light: Light,
     max_misfit: f64,
+    in_plate: bool,
 }
 
 impl SampleFlags {
@@ -69,12 +70,13 @@ impl SampleFlags {
         map: Option<&PathBuf>,
     ) -> Result<Loaded, Failure> {
         let (measurement, input) = self.read.read(scan, self.setup.geometry)?;
-        let (body, setup) = self.setup.resolve(&measurement, scan)?;
+        let (body, setup) = self.setup.resolve(&measurement, scan, false)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
         let light = self.light.light(Some(&measurement.meta))?;
         let options = self.effort.options(body);
         let max_misfit = self.effort.max_misfit;
-        Ok(Loaded { measurement, input, setup, map, options, light, max_misfit })
+        let in_plate = self.setup.in_plate();
+        Ok(Loaded { measurement, input, setup, map, options, light, max_misfit, in_plate })
     }
 }
 
@@ -89,6 +91,7 @@ impl Loaded {
             map: self.map.as_ref(),
             light: self.light.clone(),
             input: Some(&self.input),
+            in_plate: self.in_plate,
         }
     }
 }

@@ -70,6 +70,15 @@ impl From<QuantityFlag> for Quantity {
     }
 }
 
+/// What a law of one lobe describes, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum BodyFlag {
+    /// The sheet as it is measured, air on both sides
+    Sheet,
+    /// The rough face inside the plate
+    Plate,
+}
+
 /// What is known about the sample and the instrument; a flag goes before the file's header.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Sample and instrument (a flag goes before the file's header)")]
@@ -80,6 +89,9 @@ pub(in crate::cli) struct SetupFlags {
     /// The body is opaque (a metal, a paint): one reflection, no inside
     #[arg(long)]
     pub(in crate::cli) opaque: bool,
+    /// What abg, harvey, k-correlation and super-gauss describe [default: sheet]
+    #[arg(long, value_enum)]
+    pub(in crate::cli) body: Option<BodyFlag>,
     /// Side of the detector
     #[arg(long, value_enum)]
     pub(in crate::cli) geometry: Option<GeometryFlag>,
@@ -207,8 +219,9 @@ impl ReadFlags {
 
 impl SetupFlags {
     /// The flags, each with whether it is given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 5] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 6] {
         [
+            ("--body", self.body.is_some()),
             ("--ior", self.ior.is_some()),
             ("--opaque", self.opaque),
             ("--geometry", self.geometry.is_some()),
@@ -223,16 +236,24 @@ impl SetupFlags {
         without_effect(&flag, "an opaque body is lit and seen from one side")
     }
 
-    /// The body and the instrument, from flags and header; what neither says is asked for.
+    /// Whether laws that describe a sheet are those of the face inside the plate instead.
+    pub(in crate::cli) fn in_plate(&self) -> bool {
+        self.body == Some(BodyFlag::Plate)
+    }
+
+    /// The body and the instrument, from flags and header; what neither says is asked for. Of a `sheet` neither index nor
+    /// rough side need be known.
     pub(in crate::cli) fn resolve(
         &self,
         scan: &Measurement,
         path: &Path,
+        sheet: bool,
     ) -> Result<(Body, Setup), Failure> {
         let said = Said {
             geometry: self.geometry.map(Geometry::from),
             ior: self.ior,
             opaque: self.opaque,
+            sheet,
             rough_side: self.rough_side.map(RoughSide::from),
             aperture_deg: self.aperture,
         };
