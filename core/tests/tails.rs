@@ -73,7 +73,10 @@ fn total_scatter_is_that_of_independent_quadrature() {
     ] {
         for (deg, wanted) in [0.0, 30.0, 60.0, 80.0].into_iter().zip(rows) {
             let got = sheet(shape, Lobe::Transmission).scattered(at(deg));
-            assert!((got - wanted).abs() < 2e-8 * wanted.max(0.02), "{shape:?} {deg}: {got} {wanted}");
+            assert!(
+                (got - wanted).abs() < 2e-8 * wanted.max(0.02),
+                "{shape:?} {deg}: {got} {wanted}"
+            );
         }
     }
     let got = sheet(mirror(), Lobe::Reflection).scattered(Direction::normal());
@@ -97,7 +100,8 @@ fn the_flux_over_the_sphere_is_the_total_scatter_also_between_two_media() {
                     let sin = f64::sqrt(1.0 - z * z);
                     for k in 0..n {
                         let phi = core::f64::consts::TAU * f64::from(k) / f64::from(n);
-                        sum += law.ars(wi, Direction::from_unit(sin * phi.cos(), sin * phi.sin(), z));
+                        sum +=
+                            law.ars(wi, Direction::from_unit(sin * phi.cos(), sin * phi.sin(), z));
                     }
                 }
                 let flux = sum * 4.0 * core::f64::consts::PI / f64::from(n * n);
@@ -200,8 +204,11 @@ fn draws_follow_the_density_and_the_rest_keeps_its_direction() {
             for k in 0..n {
                 let phi = core::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(n);
                 let sin = s2.sqrt();
-                let wo =
-                    Direction::from_unit(sin * phi.cos(), sin * phi.sin(), below * (1.0 - s2).sqrt());
+                let wo = Direction::from_unit(
+                    sin * phi.cos(),
+                    sin * phi.sin(),
+                    below * (1.0 - s2).sqrt(),
+                );
                 // f cos d omega = f d(s2) d(phi) / 2
                 expected[bin(wo)] += law.eval(wi, wo) * core::f64::consts::PI;
             }
@@ -257,7 +264,8 @@ fn edges<T: Real>(shape: Shape<f64>, lobe: Lobe, eta: f64) {
         })
         .chain([[f64::NAN, 0.0, 0.5], [0.0, 0.0, f64::NAN], [0.0, 0.0, -0.0]])
         .collect();
-    let to = |w: [f64; 3]| Direction::from_unit(T::from_f64(w[0]), T::from_f64(w[1]), T::from_f64(w[2]));
+    let to =
+        |w: [f64; 3]| Direction::from_unit(T::from_f64(w[0]), T::from_f64(w[1]), T::from_f64(w[2]));
     for &i in &directions {
         for &o in &directions {
             let [there, back] = [narrow.eval(to(i), to(o)), narrow.eval(to(o), to(i))];

@@ -1,6 +1,8 @@
 //! The rough boundary of a model, made by any method.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant};
+use asperity_core::bsdf::{
+    Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant,
+};
 use asperity_core::direction::Direction;
 use asperity_core::ndf::any::AnyDensity;
 

@@ -45,6 +45,17 @@ pub fn read(path: &Path) -> Result<(Boundary, Kind), LawError> {
     Ok((Boundary::Table(Box::new(table)), Kind::Table(Box::new(record))))
 }
 
+/// Whether bytes are those of a law: a table, or a model by its keys.
+pub(crate) fn is_law(path: &Path, bytes: &[u8]) -> bool {
+    if embedded::is_table(path, bytes) {
+        return true;
+    }
+    let start = &bytes[..bytes.len().min(4096)];
+    let text = String::from_utf8_lossy(start);
+    text.trim_start().starts_with('{')
+        && ["\"asperity\"", "\"method\""].iter().all(|key| text.contains(key))
+}
+
 impl Kind {
     /// Name of the method.
     pub fn method(&self) -> String {

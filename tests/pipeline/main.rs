@@ -25,5 +25,6 @@ mod forward;
 mod forward_inside;
 mod forward_limits;
 mod out_of_plane;
+mod tails;
 mod fit_robustness;
 mod optional_parameters;

@@ -11,7 +11,7 @@ use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
 use super::flags::scan::{ReadFlags, SetupFlags};
 use super::model::ProfileFlag;
-use super::{print, progress, say};
+use super::{print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
 use crate::method::{Body, Kind, Lack, in_words};
@@ -42,12 +42,14 @@ use crate::report::{self, FigureFiles, PolarFiles};
 ///   asperity fit scan.csv --method measured-ray --map map.x3p --fill harmonic -o fit.json
 ///   asperity fit scan.csv --method measured-wave --map map.x3p --wavelength-nm 550
 ///   asperity fit metal.csv --method ggx --opaque --objective relative
+///   asperity fit diffuser.csv --method super-gauss     (of the sheet as it is, for a design program)
+///   asperity fit fit.json --method abg                 (the same of a model, with the error of the conversion)
 ///   asperity fit foreign.csv --method ggx --opaque --quantity bsdf \
 ///       --columns sigma=theta_i,theta=theta_o,reading=brdf --where "surface=steel"
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// The measured scan
+    /// The measured scan; or a model, which is measured at the usual angles, to say its law by another
     scan: PathBuf,
     /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, abg, harvey, k-correlation or super-gauss
     #[arg(short, long, value_parser = MethodName)]
@@ -110,7 +112,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
-    let (measurement, input) = args.read.read(&args.scan, args.setup.geometry)?;
+    let (measurement, input) = readings::read(&args.scan, &args.read, &args.setup)?;
     let kind = Kind::named(&args.method)?;
     let of_sheet = kind.describes_sheet && !args.setup.in_plate();
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;

@@ -20,6 +20,7 @@ mod pairs;
 mod eval;
 mod fitted;
 mod model;
+mod readings;
 mod fit;
 mod comparing;
 mod compare;

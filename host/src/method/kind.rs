@@ -187,7 +187,9 @@ pub enum Lack {
     #[error("method {0} describes one lobe, reflection or transmission")]
     Lobe(&'static str),
     /// The body is a sheet.
-    #[error("method {method} describes a rough face, not a sheet; a sheet can be described with {others}")]
+    #[error(
+        "method {method} describes a rough face, not a sheet; a sheet can be described with {others}"
+    )]
     Sheet {
         /// The method.
         method: &'static str,

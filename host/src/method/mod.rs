@@ -74,7 +74,9 @@ pub enum BuildError {
     #[error("{0}")]
     Ior(String),
     /// More light would be scattered than there is.
-    #[error("the law scatters {scattered:.4} of the light along the normal, which is more than all; make its level lower")]
+    #[error(
+        "the law scatters {scattered:.4} of the light along the normal, which is more than all; make its level lower"
+    )]
     TooBright {
         /// Total integrated scatter with the specular share.
         scattered: f64,

@@ -40,7 +40,15 @@ impl Parameter {
         scale: Scale,
         starts: &'static [f64],
     ) -> Self {
-        Self { name, unit, bounds, scale, starts: Cow::Borrowed(starts), none: None, is_level: false }
+        Self {
+            name,
+            unit,
+            bounds,
+            scale,
+            starts: Cow::Borrowed(starts),
+            none: None,
+            is_level: false,
+        }
     }
 
     /// The same as a factor of the readings.

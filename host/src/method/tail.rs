@@ -85,15 +85,13 @@ impl Form {
     fn method(self, choice: &Choice<'_>) -> Result<Box<dyn Method>, Lack> {
         let lobe = choice.need_lobe(Kind::named(self.name())?)?;
         let wavelength_nm = match self {
-            Self::KCorrelation => {
-                Some(choice.wavelength_nm.ok_or(Lack::Wavelength(self.name()))?)
-            }
+            Self::KCorrelation => Some(choice.wavelength_nm.ok_or(Lack::Wavelength(self.name()))?),
             _ => None,
         };
         let specular = (choice.asked)(SPECULAR.name).then_some(SPECULAR);
-        let shoulder =
-            (self == Self::Harvey && (choice.asked)(SHOULDER.name)).then_some(SHOULDER);
-        let parameters = self.parameters().iter().cloned().chain(shoulder).chain(specular).collect();
+        let shoulder = (self == Self::Harvey && (choice.asked)(SHOULDER.name)).then_some(SHOULDER);
+        let parameters =
+            self.parameters().iter().cloned().chain(shoulder).chain(specular).collect();
         Ok(Box::new(TailMethod { form: self, lobe, wavelength_nm, parameters }))
     }
 }

@@ -81,7 +81,10 @@ impl<'a> Task<'a> {
         let describes_sheet = Kind::named(method).is_ok_and(|kind| kind.describes_sheet);
         let here = Situation { body: self.options.body, setup: self.setup };
         let mut same = self.clone();
-        if describes_sheet && !self.in_plate && let Ok(Situation { body, setup }) = here.as_sheet() {
+        if describes_sheet
+            && !self.in_plate
+            && let Ok(Situation { body, setup }) = here.as_sheet()
+        {
             same.setup = setup;
             same.options.body = body;
         }

@@ -75,7 +75,10 @@ impl Disc {
                 to = Real::min(to, kink);
             } else {
                 // the arc bends beyond the kink, the more the nearer
-                to = Real::min(to, Real::max(2.5 * from - 1.5 * kink, 1.2 * kink + 1e-3 * self.shape.width()));
+                to = Real::min(
+                    to,
+                    Real::max(2.5 * from - 1.5 * kink, 1.2 * kink + 1e-3 * self.shape.width()),
+                );
             }
             if to <= from || stop(Panel { from, to }) {
                 return;

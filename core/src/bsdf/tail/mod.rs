@@ -48,7 +48,8 @@ impl<T: Real> ShiftInvariant<T> {
         let law = Self { shape, lobe, eta, specular };
         let share = specular.map_or(0.0, Real::to_f64);
         if !(0.0..=1.0).contains(&share) {
-            let domain = ShapeError::OutOfDomain { name: "specular", value: share, least: 0.0, most: 1.0 };
+            let domain =
+                ShapeError::OutOfDomain { name: "specular", value: share, least: 0.0, most: 1.0 };
             return Err(domain);
         }
         let both = [Side::Air, Side::Dielectric].map(|side| law.most_scattered(side));

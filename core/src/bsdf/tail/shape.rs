@@ -87,7 +87,9 @@ impl<T: Real> Shape<T> {
         let height = |name, value| (name, value, 0.0, 1e15);
         let width = |name, value| (name, value, 1e-9, 1e6);
         match *self {
-            Self::Abg { a, b, g } => [height("A", a), ("B", b, 1e-30, 1e12), ("g", g, 0.0, 20.0), none],
+            Self::Abg { a, b, g } => {
+                [height("A", a), ("B", b, 1e-30, 1e12), ("g", g, 0.0, 20.0), none]
+            }
             Self::Harvey { b0, l, s, m } => {
                 [height("b0", b0), width("L", l), ("S", s, -50.0, 0.0), ("m", m, 0.2, 200.0)]
             }
