@@ -2,8 +2,8 @@
 
 use super::beckmann::Beckmann;
 use super::density::Density;
-use super::smith::SmithNormals;
 use super::slopes::Slopes;
+use super::smith::SmithNormals;
 use super::stretched::Stretched;
 use super::student::Student;
 use crate::math::Real;

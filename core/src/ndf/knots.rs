@@ -106,7 +106,10 @@ impl<const K: usize> Knots<f64, K> {
     /// The same in another precision, for slopes in units of their own instead of `width`.
     pub(super) fn cast<U: Real>(self, width: f64) -> Knots<U, K> {
         let there = self.shifted(-2.0 * Real::ln(width));
-        Knots { knots: there.knots.map(|knot| knot.map(U::from_f64)), power: U::from_f64(self.power) }
+        Knots {
+            knots: there.knots.map(|knot| knot.map(U::from_f64)),
+            power: U::from_f64(self.power),
+        }
     }
 
     /// The mass at eight points of a cell of the tables.
@@ -147,7 +150,12 @@ fn slope<const K: usize>(values: &[f64; K], k: usize, value: f64) -> f64 {
         (Some(next), None) => {
             ((2.0 * next + 3.0 * value - 6.0 * back + far_back) / 6.0, next - value)
         }
-        _ => (0.5 * (3.0 * value - 4.0 * back + far_back), left),
+        // at the end, where the tail begins, not flatter than half the way that led there
+        _ => {
+            let farthest = at(-3).unwrap_or(far_back);
+            let end = (11.0 * value - 18.0 * back + 9.0 * far_back - 2.0 * farthest) / 6.0;
+            (if left < 0.0 { Real::min(end, 0.5 * left) } else { end }, left)
+        }
     };
     if left * right > 0.0 {
         let sign = 1.0_f64.copysign(left);
