@@ -7,6 +7,7 @@
 //! | `beckmann` | [`beckmann`] | microfacets of `asperity_core::bsdf`, Gaussian slopes |
 //! | `student` | [`student`] | the same, with a fitted tail |
 //! | `smith-normals` | [`smith_normals`] | the same, with the laws of `normals` |
+//! | `slopes` | [`slopes`] | the same, with a density of slopes through knots |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 //! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
@@ -19,6 +20,7 @@ pub mod normals;
 pub mod beckmann;
 pub mod student;
 pub mod smith_normals;
+pub mod slopes;
 pub mod heights;
 mod measured;
 mod wave_job;
@@ -38,6 +40,7 @@ pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 pub use registry::{KINDS, in_words};
 pub use smith_normals::SmithNormalsMethod;
+pub use slopes::SlopesMethod;
 pub use student::StudentMethod;
 
 use asperity_core::ndf::law::Profile;
