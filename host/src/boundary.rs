@@ -1,5 +1,7 @@
 //! The rough boundary of a model, made by any method.
 
+use std::borrow::Cow;
+
 use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered};
 use asperity_core::direction::Direction;
 use asperity_core::ndf::any::AnyDensity;
@@ -84,6 +86,22 @@ impl Boundary {
     /// In a loop over many pairs match on the kind of boundary first: each call here looks for it.
     pub fn eval(&self, wi: Direction<f64>, wo: Direction<f64>) -> Option<f64> {
         with_boundary!(self, b => Some(b.eval(wi, wo)), traced _t => None)
+    }
+
+    /// Whether it is a law whose values depend on the azimuth of the light; maps, whose facets have any, are none.
+    pub fn is_anisotropic(&self) -> bool {
+        matches!(self, Self::Microfacet(b) if b.is_anisotropic())
+    }
+
+    /// The same turned about its normal by an angle in degrees, anticlockwise seen from the air, where it is a law.
+    pub fn turned(&self, by_deg: f64) -> Cow<'_, Self> {
+        match self {
+            Self::Microfacet(b) if b.is_anisotropic() => {
+                let density = b.density.turned(by_deg.to_radians());
+                Cow::Owned(Self::Microfacet(Box::new(Microfacet { density, ..**b })))
+            }
+            same => Cow::Borrowed(same),
+        }
     }
 
     /// Whether it can only be sampled: its readings are a Monte Carlo simulation.

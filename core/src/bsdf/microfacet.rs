@@ -151,4 +151,8 @@ impl<T: Real, D: Density<T>> Bsdf<T> for Microfacet<T, D> {
     fn slope(&self) -> T {
         self.density.slope()
     }
+
+    fn is_anisotropic(&self) -> bool {
+        self.density.is_anisotropic()
+    }
 }

@@ -40,12 +40,13 @@ macro_rules! each {
 }
 
 impl<T: Real> AnyDensity<T> {
-    /// Whether its facets have a direction of their own: widths that differ.
-    pub fn is_anisotropic(&self) -> bool {
+    /// The same facets turned about the mean normal by `by` radians, anticlockwise seen from +z.
+    #[must_use]
+    pub fn turned(self, by: T) -> Self {
         match self {
-            Self::Beckmann(_) | Self::Student(_) | Self::SmithNormals(_) | Self::Slopes(_) => false,
-            Self::StretchedBeckmann(density) => density.is_anisotropic(),
-            Self::StretchedStudent(density) => density.is_anisotropic(),
+            Self::StretchedBeckmann(density) => Self::StretchedBeckmann(density.turned(by)),
+            Self::StretchedStudent(density) => Self::StretchedStudent(density.turned(by)),
+            same => same,
         }
     }
 }
@@ -66,6 +67,10 @@ impl<T: Real> Density<T> for AnyDensity<T> {
         vector: impl FnOnce() -> [[T; 2]; 3],
     ) -> T {
         each!(self, density => density.d_of(squares, in_two, vector))
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        each!(self, density => Density::<T>::is_anisotropic(density))
     }
 
     fn unstretched(&self, w: [f64; 3]) -> [f64; 3] {

@@ -35,6 +35,11 @@ pub trait Density<T: Real>: Copy {
         self.d(xy2, z2, in_two)
     }
 
+    /// Whether it depends on the azimuth.
+    fn is_anisotropic(&self) -> bool {
+        false
+    }
+
     /// A direction as the slopes see it before they are stretched, of any length: `z` is kept, and `x` and `y` are stretched
     /// as the slopes are.
     #[inline(always)]

@@ -70,9 +70,11 @@ impl<T: Real, D: Density<T>> Stretched<T, D> {
         Ok(Self { density, stretch, axis: [sin, cos], share: share(stretch) })
     }
 
-    /// Whether it has a direction: widths that differ.
-    pub fn is_anisotropic(&self) -> bool {
-        self.stretch[0] != self.stretch[1]
+    /// The same facets turned about the mean normal by `by` radians, anticlockwise seen from +z.
+    #[must_use]
+    pub fn turned(self, by: T) -> Self {
+        let ([sin, cos], (s, c)) = (self.axis, by.sin_cos());
+        Self { axis: [sin * c + cos * s, cos * c - sin * s], ..self }
     }
 
     /// The two widths.
@@ -81,7 +83,7 @@ impl<T: Real, D: Density<T>> Stretched<T, D> {
     }
 
     /// `x` and `y` on the axes of the stretch, each from two parts.
-    fn turned(&self, [[x, x_low], [y, y_low]]: [[T; 2]; 2]) -> [T; 2] {
+    fn on_axes(&self, [[x, x_low], [y, y_low]]: [[T; 2]; 2]) -> [T; 2] {
         let [sin, cos] = self.axis;
         let sum = |c: T, s: T| {
             let (p, q) = (c * x, s * y);
@@ -117,12 +119,18 @@ impl<T: Real, D: Density<T>> Density<T> for Stretched<T, D> {
             return self.density.d(xy2, z2, in_two);
         }
         let [hx, hy, _] = vector();
-        let ([x, y], [kx, ky]) = (self.turned([hx, hy]), self.stretch);
+        let ([x, y], [kx, ky]) = (self.on_axes([hx, hy]), self.stretch);
         let (x, y) = (x / kx, y / ky);
         let before = x * x + y * y;
         let ratio = (xy2 + z2) / (before + z2);
         let d = self.density.d(before, z2, || [[before, T::ZERO], [z2, T::ZERO]]);
         d * (ratio * ratio) * self.share
+    }
+
+    /// Whether the widths differ.
+    #[inline]
+    fn is_anisotropic(&self) -> bool {
+        self.stretch[0] != self.stretch[1]
     }
 
     fn unstretched(&self, w: [f64; 3]) -> [f64; 3] {

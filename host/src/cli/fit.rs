@@ -49,7 +49,7 @@ use crate::report::{self, FigureFiles, PolarFiles};
 pub(super) struct Args {
     /// The measured scan
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student or smith-normals
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals or slopes
     #[arg(short, long, value_parser = MethodName)]
     method: String,
     /// Profile of `normals` and `heights`; both are tried without it
@@ -58,6 +58,9 @@ pub(super) struct Args {
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
+    /// Fit two widths and an orientation of `ggx`, `beckmann` or `student`; a scan at several rotations of the sample tells them
+    #[arg(long)]
+    anisotropic: bool,
     /// Fit the exponent n of the law of `heights` too (2 without it)
     #[arg(long)]
     fit_n: bool,
@@ -108,6 +111,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     args.effort.check()?;
     let (measurement, input) = args.read.read(&args.scan, args.setup.geometry)?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan)?;
+    if body == Body::Opaque && args.anisotropic {
+        return Err(Failure::bad("--anisotropic is for a plate; leave it out for an opaque body"));
+    }
     if body == Body::Opaque && (args.fit_ior || args.fit_gain) {
         return Err(Failure::bad(
             "--fit-ior and --fit-gain are for a plate; an opaque body has a gain anyway and no index",
@@ -180,6 +186,7 @@ impl Args {
     fn asks_for(&self, name: &str) -> bool {
         match name {
             "theta0" => self.fit_theta0,
+            "alpha_x" | "alpha_y" | "sigma_x" | "sigma_y" | "orientation" => self.anisotropic,
             "n" => self.fit_n,
             "h_max" => self.fit_h_max,
             "z0" => self.fit_z0,
@@ -203,6 +210,7 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
     };
     for (is_given, flag, parameter) in [
         (args.fit_theta0, "--fit-theta0", "theta0"),
+        (args.anisotropic, "--anisotropic", "orientation"),
         (args.fit_n, "--fit-n", "n"),
         (args.fit_h_max, "--fit-h-max", "h_max"),
         (args.fit_z0, "--fit-z0", "z0"),

@@ -139,10 +139,11 @@ impl Descent<'_, '_> {
         let fall: Vec<f64> = columns.iter().map(|column| -dot(column, &here.residuals)).collect();
         let values = self.problem.to_bounded(&here.free);
         let parameters = self.problem.parameters().iter().zip(values);
-        let moved = here.free.iter().zip(&inverse).zip(parameters).map(|((at, row), (p, value))| {
-            let most = LONGEST * p.step(value).abs();
-            at + dot(row, &fall).clamp(-most, most)
-        });
+        let moved =
+            here.free.iter().zip(&inverse).zip(parameters).map(|((at, row), (p, value))| {
+                let most = LONGEST * p.step(value).abs();
+                at + dot(row, &fall).clamp(-most, most)
+            });
         self.place(moved.collect())
     }
 }

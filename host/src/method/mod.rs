@@ -15,6 +15,7 @@
 
 mod parameter;
 mod kind;
+mod oriented;
 pub mod ggx;
 pub mod normals;
 pub mod beckmann;
@@ -39,8 +40,8 @@ pub use measured_wave::MeasuredWaveMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 pub use registry::{KINDS, in_words};
-pub use smith_normals::SmithNormalsMethod;
 pub use slopes::SlopesMethod;
+pub use smith_normals::SmithNormalsMethod;
 pub use student::StudentMethod;
 
 use asperity_core::ndf::law::Profile;
