@@ -27,3 +27,5 @@ mod forward_limits;
 mod out_of_plane;
 mod fit_robustness;
 mod optional_parameters;
+mod odd_lobes;
+mod anisotropy;

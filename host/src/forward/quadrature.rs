@@ -390,7 +390,8 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
         let narrow = self.scale <= self.setup.aperture_deg.to_radians();
         let count = if narrow && count > 64 { count / 4 } else { count };
         // of facets with a direction rays are all there is, however wide the lobe
-        let many = self.effort == Effort::Fine || self.boundary.is_anisotropic();
+        let wide = self.boundary.is_anisotropic() && self.setup.geometry == Geometry::Transmission;
+        let many = self.effort == Effort::Fine || wide;
         let count = if many { 8 * count } else { count };
         let found = passes(self.boundary, eta, &self.entry, &views, self.returns, count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
