@@ -21,7 +21,9 @@ use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::beckmann::Beckmann;
 use asperity_core::ndf::density::Density;
 use asperity_core::ndf::law::{Law, Profile};
+use asperity_core::ndf::slopes::Slopes;
 use asperity_core::ndf::smith::SmithNormals;
+use asperity_core::ndf::stretched::Stretched;
 use asperity_core::ndf::student::Student;
 use asperity_core::quantity::{Alpha, RelativeIor};
 
@@ -36,6 +38,20 @@ fn beckmann(alpha: f64) -> AnyDensity<f64> {
 fn smith(profile: Profile, delta_deg: f64, n: f64) -> AnyDensity<f64> {
     let law = Law::new(profile, delta_deg.to_radians(), n, 0.0).unwrap();
     AnyDensity::SmithNormals(SmithNormals::new(law))
+}
+
+fn stretched(sigma: [f64; 2], gamma: f64) -> AnyDensity<f64> {
+    let sigma = sigma.map(|s| Alpha::new(s).unwrap());
+    AnyDensity::StretchedStudent(Stretched::student(sigma, gamma, 0.6).unwrap())
+}
+
+fn gaussian(alpha: [f64; 2]) -> AnyDensity<f64> {
+    let alpha = alpha.map(|a| Alpha::new(a).unwrap());
+    AnyDensity::StretchedBeckmann(Stretched::beckmann(alpha, -2.0).unwrap())
+}
+
+fn slopes(width: f64, knots: [f64; 8]) -> AnyDensity<f64> {
+    AnyDensity::Slopes(Slopes::new(Alpha::new(width).unwrap(), knots).unwrap())
 }
 
 fn boundary(density: AnyDensity<f64>) -> Microfacet<f64, AnyDensity<f64>> {
@@ -168,6 +184,13 @@ fn values_are_finite_and_reciprocal_up_to_the_edges_in_both_precisions() {
         smith(Profile::Gauss, 0.1, 2.0),
         smith(Profile::Gauss, 30.0, 64.0),
         smith(Profile::Cauchy, 15.0, 0.5),
+        stretched([1e-3, 0.3], 1.7),
+        stretched([2.0, 0.05], 500.0),
+        gaussian([0.002, 0.004]),
+        gaussian([2.0, 0.1]),
+        slopes(2.0, [0.0, -1.0, -2.0, -3.0, -4.0, -5.0, -6.0, -7.0]),
+        slopes(0.01, [0.0, 5.0, -60.0, 0.0, 60.0, -60.0, 3.0, 4.0]),
+        slopes(100.0, [0.0, -8.0, -16.0, -24.0, -32.0, -40.0, -48.0, -60.0]),
     ] {
         for masking in [Masking::Separable, Masking::Correlated] {
             edges::<f64>(density, masking);
@@ -180,9 +203,13 @@ fn values_are_finite_and_reciprocal_up_to_the_edges_in_both_precisions() {
 fn visible_normals_follow_their_density() {
     // bins: 12 of the share of the area that is steeper, 8 of the azimuth from the direction, by symmetry half of it
     let (rings, parts, count) = (12_usize, 8_usize, 40_000_u32);
-    for density in
-        [student(0.3, 1.7), student(0.5, 4.0), beckmann(0.7), smith(Profile::Gauss, 20.0, 8.0)]
-    {
+    for density in [
+        student(0.3, 1.7),
+        student(0.5, 4.0),
+        beckmann(0.7),
+        smith(Profile::Gauss, 20.0, 8.0),
+        slopes(1.0, [0.0, 0.5, 1.0, 0.2, -2.0, -3.0, -6.0, -8.0]),
+    ] {
         for deg in [20.0, 60.0, 80.0, 88.0_f64] {
             let w = Direction::from_angles(deg.to_radians(), 0.0);
             let scale = density.g1(w) / w.z();

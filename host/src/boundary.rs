@@ -1,5 +1,7 @@
 //! The rough boundary of a model, made by any method.
 
+use std::borrow::Cow;
+
 use asperity_core::bsdf::{
     Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant,
 };
@@ -95,6 +97,22 @@ impl Boundary {
     /// Whether it is a sheet: air on both sides, no inside.
     pub fn is_sheet(&self) -> bool {
         matches!(self, Self::Tail(law) if law.eta().is_matched())
+    }
+
+    /// Whether it is a law whose values depend on the azimuth of the light; maps, whose facets have any, are none.
+    pub fn is_anisotropic(&self) -> bool {
+        matches!(self, Self::Microfacet(b) if b.is_anisotropic())
+    }
+
+    /// The same turned about its normal by an angle in degrees, anticlockwise seen from the air, where it is a law.
+    pub fn turned(&self, by_deg: f64) -> Cow<'_, Self> {
+        match self {
+            Self::Microfacet(b) if b.is_anisotropic() => {
+                let density = b.density.turned(by_deg.to_radians());
+                Cow::Owned(Self::Microfacet(Box::new(Microfacet { density, ..**b })))
+            }
+            same => Cow::Borrowed(same),
+        }
     }
 
     /// Whether it can only be sampled: its readings are a Monte Carlo simulation.

@@ -85,6 +85,7 @@ impl<'a> BoundaryLaw<'a> {
         };
         let symmetry = match self.table.as_ref().map(BinnedBsdf::azimuth) {
             Some(Azimuth::Fixed(_)) => Symmetry::None,
+            _ if self.boundary.is_anisotropic() => Symmetry::None,
             _ => Symmetry::Isotropic,
         };
         let closed = match self.boundary {

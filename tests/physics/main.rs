@@ -11,6 +11,7 @@ mod harness;
 mod golden;
 mod fresnel;
 mod ggx;
+mod microfacets;
 mod tiers;
 mod precision;
 mod heightfield;

@@ -28,3 +28,5 @@ mod out_of_plane;
 mod tails;
 mod fit_robustness;
 mod optional_parameters;
+mod odd_lobes;
+mod anisotropy;

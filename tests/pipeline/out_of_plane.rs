@@ -19,7 +19,7 @@ const SIDES: [(RoughSide, Geometry); 4] = [
 
 fn plane(sigma_deg: f64, phi_deg: f64, step: i32) -> Incidence {
     let theta_deg = (-88..=88).step_by(step as usize).map(f64::from).collect();
-    Incidence { sigma_deg, phi_deg, theta_deg }
+    Incidence { phi_deg, ..Incidence::in_plane(sigma_deg, theta_deg) }
 }
 
 fn readings(sample: &Virtual, planes: Vec<Incidence>) -> Vec<f64> {

@@ -81,7 +81,7 @@ fn a_free_tail_describes_rough_samples_to_their_own_asymmetry() {
     for (file, most_percent) in [("samples/scan5.csv", 0.92), ("samples/scan8.csv", 2.9)] {
         let Some(path) = data::find(file) else { return };
         let scan = csv::read(&path).unwrap();
-        let best = error_of(&scan, &gauss).min(error_of(&scan, &StudentMethod));
+        let best = error_of(&scan, &gauss).min(error_of(&scan, &StudentMethod::default()));
         assert!(best <= most_percent, "{file}: {best} %");
     }
 }

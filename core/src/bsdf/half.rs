@@ -142,6 +142,21 @@ impl<T: Real> HalfVector<T> {
         squares([swap(ix, ox), swap(iy, oy), swap(iz, oz)], eta.get(), mirrored)
     }
 
+    /// `h` itself, each component with what its rounding took, for facets with a direction of their own.
+    #[cfg(feature = "microfacet")]
+    #[inline(never)]
+    pub(crate) fn vector_in_two(
+        eta: RelativeIor<T>,
+        wi: Direction<T>,
+        wo: Direction<T>,
+    ) -> [[T; 2]; 3] {
+        let ([ix, iy, iz], [ox, oy, oz]) = (wi.xyz(), wo.xyz());
+        let swap = |i: T, o: T| if iz < T::ZERO { [o, i] } else { [i, o] };
+        let mirrored = T::ONE.copysign(iz) * oz > T::ZERO;
+        let pairs = [swap(ix, ox), swap(iy, oy), swap(iz, oz)];
+        pairs.map(|pair| component_in_two(pair, eta.get(), mirrored))
+    }
+
     /// The facet without the difference in two parts, and whether all its bits are those of [`Self::between`]: not
     /// where that difference is needed, nor where a direction is not `ordinary`. For loops over many pairs.
     ///
@@ -299,15 +314,22 @@ fn component<T: Real>([a, b]: [T; 2], n: T, mirrored: bool, lost: impl Fn(T, T, 
     choose!(mirrored, a + b, sum_of_product(a, n, b, lost).0)
 }
 
-/// The square of `a + b`, or of `a + n b`, and what its roundings took.
-#[cfg_attr(target_arch = "arm", inline(never))]
-#[cfg_attr(not(target_arch = "arm"), inline(always))]
-fn square<T: Real>([a, b]: [T; 2], n: T, mirrored: bool) -> [T; 2] {
+/// The same and what its rounding took.
+#[inline(always)]
+fn component_in_two<T: Real>([a, b]: [T; 2], n: T, mirrored: bool) -> [T; 2] {
     let (value, rest) = choose!(
         mirrored,
         (a + b, a.sum_error(b, a + b)),
         sum_of_product(a, n, b, T::product_error)
     );
+    [value, rest]
+}
+
+/// The square of `a + b`, or of `a + n b`, and what its roundings took.
+#[cfg_attr(target_arch = "arm", inline(never))]
+#[cfg_attr(not(target_arch = "arm"), inline(always))]
+fn square<T: Real>(pair: [T; 2], n: T, mirrored: bool) -> [T; 2] {
+    let [value, rest] = component_in_two(pair, n, mirrored);
     let square = value * value;
     [square, value.product_error(value, square) + value * (rest + rest)]
 }

@@ -1,4 +1,4 @@
-//! Rough dielectric of any isotropic density of facets, reflection and transmission from both sides.
+//! Rough dielectric of any density of facets, reflection and transmission from both sides.
 
 use super::facet::{facet_ray, lit, straight};
 use super::half::HalfVector;
@@ -70,7 +70,8 @@ impl<T: Real, D: Density<T>> Microfacet<T, D> {
             return T::ZERO;
         }
         let in_two = || HalfVector::squares_in_two(self.eta, wi, wo);
-        let d = self.density.d(h.xy2, h.z2, in_two);
+        let vector = || HalfVector::vector_in_two(self.eta, wi, wo);
+        let d = self.density.d_of([h.xy2, h.z2], in_two, vector);
         // a density without a bound at 90 degrees is larger than any number there
         (d * h.share).min(T::MAX)
     }
@@ -149,5 +150,9 @@ impl<T: Real, D: Density<T>> Bsdf<T> for Microfacet<T, D> {
 
     fn slope(&self) -> T {
         self.density.slope()
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.density.is_anisotropic()
     }
 }

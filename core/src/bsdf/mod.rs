@@ -106,6 +106,11 @@ pub trait Bsdf<T: Real>: Scatter<T> {
     /// Typical slope of the facets: a length scale for quadrature, not a physical quantity.
     fn slope(&self) -> T;
 
+    /// Whether values depend on the azimuth of the light, not only on its difference from that of `wo`.
+    fn is_anisotropic(&self) -> bool {
+        false
+    }
+
     /// The light from `wi` that keeps its direction: samples include it, values and densities do not.
     fn coherent_flux(&self, _wi: Direction<T>) -> CoherentFlux<T> {
         CoherentFlux { reflected: T::ZERO, transmitted: T::ZERO }

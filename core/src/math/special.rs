@@ -50,6 +50,11 @@ pub(crate) fn beta(p: f64, q: f64) -> f64 {
     Real::exp(ln)
 }
 
+/// The beta function of a number above 0 and 3/2.
+pub(crate) fn beta_three_halves(p: f64) -> f64 {
+    Real::exp(ln_gamma(p) + ln_gamma(1.5) - ln_gamma(p + 1.5))
+}
+
 /// The regularised incomplete beta function `I_x(a, 1/2)` for `a` above 0, from `x` and `y = 1 - x`, neither
 /// negative, and `1 / B(a, 1/2)`.
 ///

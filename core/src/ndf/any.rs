@@ -2,7 +2,9 @@
 
 use super::beckmann::Beckmann;
 use super::density::Density;
+use super::slopes::Slopes;
 use super::smith::SmithNormals;
+use super::stretched::Stretched;
 use super::student::Student;
 use crate::math::Real;
 
@@ -16,6 +18,12 @@ pub enum AnyDensity<T> {
     Student(Student<T>),
     /// An angular law with masking.
     SmithNormals(SmithNormals<T>),
+    /// Slopes through knots.
+    Slopes(Slopes<T>),
+    /// Gaussian slopes with two widths.
+    StretchedBeckmann(Stretched<T, Beckmann<T>>),
+    /// Student-t slopes with two widths.
+    StretchedStudent(Stretched<T, Student<T>>),
 }
 
 macro_rules! each {
@@ -24,8 +32,23 @@ macro_rules! each {
             AnyDensity::Beckmann($density) => $body,
             AnyDensity::Student($density) => $body,
             AnyDensity::SmithNormals($density) => $body,
+            AnyDensity::Slopes($density) => $body,
+            AnyDensity::StretchedBeckmann($density) => $body,
+            AnyDensity::StretchedStudent($density) => $body,
         }
     };
+}
+
+impl<T: Real> AnyDensity<T> {
+    /// The same facets turned about the mean normal by `by` radians, anticlockwise seen from +z.
+    #[must_use]
+    pub fn turned(self, by: T) -> Self {
+        match self {
+            Self::StretchedBeckmann(density) => Self::StretchedBeckmann(density.turned(by)),
+            Self::StretchedStudent(density) => Self::StretchedStudent(density.turned(by)),
+            same => same,
+        }
+    }
 }
 
 impl<T: Real> Density<T> for AnyDensity<T> {
@@ -34,6 +57,28 @@ impl<T: Real> Density<T> for AnyDensity<T> {
     #[inline]
     fn d(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T {
         each!(self, density => density.d(xy2, z2, in_two))
+    }
+
+    #[inline]
+    fn d_of(
+        &self,
+        squares: [T; 2],
+        in_two: impl FnOnce() -> [[T; 2]; 2],
+        vector: impl FnOnce() -> [[T; 2]; 3],
+    ) -> T {
+        each!(self, density => density.d_of(squares, in_two, vector))
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        each!(self, density => Density::<T>::is_anisotropic(density))
+    }
+
+    fn unstretched(&self, w: [f64; 3]) -> [f64; 3] {
+        each!(self, density => Density::<T>::unstretched(density, w))
+    }
+
+    fn stretched(&self, m: [f64; 3]) -> [f64; 3] {
+        each!(self, density => Density::<T>::stretched(density, m))
     }
 
     fn excess(&self, mu: f64) -> f64 {
@@ -61,6 +106,9 @@ impl<T: Real> Density<T> for AnyDensity<T> {
             Self::Beckmann(density) => AnyDensity::Beckmann(density.cast()),
             Self::Student(density) => AnyDensity::Student(density.cast()),
             Self::SmithNormals(density) => AnyDensity::SmithNormals(density.cast()),
+            Self::Slopes(density) => AnyDensity::Slopes(density.cast()),
+            Self::StretchedBeckmann(density) => AnyDensity::StretchedBeckmann(density.cast()),
+            Self::StretchedStudent(density) => AnyDensity::StretchedStudent(density.cast()),
         }
     }
 }

@@ -1,9 +1,12 @@
-//! What a microfacet law has to know of a density of normals without a direction of its own, and its visible normals.
+//! What a microfacet law has to know of a density of normals, and its visible normals.
 //!
 //! `D(m)` is the area of facets per mean area and solid angle, 1/sr, with `integral of D (m.n) = 1`. Everything about
 //! masking follows from one function of the cotangent `mu` of the polar angle of a direction: the mean excess
 //! `L(mu) = E[(p - mu)+]` of the slope `p` along the direction. `Lambda = L / mu`, `G1 = 1 / (1 + Lambda)`, and the
 //! projected area of the facets that face the direction is `|cos| + sin L` \[Smith 1967; Heitz 2014\].
+//!
+//! A density is the same for all azimuths, or it is one whose slopes are stretched (`super::stretched`): `excess`, `steeper`,
+//! `slope_above` and `tail` are then of the slopes before, and [`Density::unstretched`] says how these see a direction.
 
 use core::f64::consts::{FRAC_1_PI, PI};
 use core::marker::PhantomData;
@@ -12,13 +15,43 @@ use crate::direction::Direction;
 use crate::math::Real;
 use crate::quadrature::EIGHT_POINTS;
 
-/// A density of microfacet normals, the same for all azimuths.
+/// A density of microfacet normals, the same for all azimuths but for a stretch of its slopes.
 pub trait Density<T: Real>: Copy {
     /// The same density in another precision.
     type In<U: Real>: Density<U>;
 
     /// `D` in 1/sr of a vector of any length, from `x^2 + y^2` and `z^2`; `in_two` gives both with their rounding errors.
     fn d(&self, xy2: T, z2: T, in_two: impl FnOnce() -> [[T; 2]; 2]) -> T;
+
+    /// `D` of a vector where a density with a direction of its own has to know it: from the squares of [`Self::d`], or from the
+    /// vector, each component with its rounding error.
+    #[inline(always)]
+    fn d_of(
+        &self,
+        [xy2, z2]: [T; 2],
+        in_two: impl FnOnce() -> [[T; 2]; 2],
+        _vector: impl FnOnce() -> [[T; 2]; 3],
+    ) -> T {
+        self.d(xy2, z2, in_two)
+    }
+
+    /// Whether it depends on the azimuth.
+    fn is_anisotropic(&self) -> bool {
+        false
+    }
+
+    /// A direction as the slopes see it before they are stretched, of any length: `z` is kept, and `x` and `y` are stretched
+    /// as the slopes are.
+    #[inline(always)]
+    fn unstretched(&self, w: [f64; 3]) -> [f64; 3] {
+        w
+    }
+
+    /// The unit normal of a facet that has this one before its slopes are stretched.
+    #[inline(always)]
+    fn stretched(&self, m: [f64; 3]) -> [f64; 3] {
+        m
+    }
 
     /// `E[(p - mu)+]`, the mean excess of the slope along a direction over its cotangent `mu`, from 0 to infinity.
     fn excess(&self, mu: f64) -> f64;
@@ -43,14 +76,14 @@ pub trait Density<T: Real>: Copy {
     /// Projected area of the facets that face a direction, over the mean area: `|cos| / G1`, at least `|cos|`.
     #[inline]
     fn visible_area(&self, w: Direction<T>) -> T {
-        let [x, y, z] = w.xyz().map(Real::to_f64);
+        let [x, y, z] = self.unstretched(w.xyz().map(Real::to_f64));
         let (sin, cos) = (Real::sqrt(x * x + y * y), Real::abs(z));
         if sin > 0.0 { T::from_f64(cos + sin * self.excess(cos / sin)) } else { w.z().abs() }
     }
 
     /// Smith's `Lambda` of a direction on either side; infinite in the surface.
     fn lambda(&self, w: Direction<T>) -> T {
-        let [x, y, z] = w.xyz().map(Real::to_f64);
+        let [x, y, z] = self.unstretched(w.xyz().map(Real::to_f64));
         let (sin, cos) = (Real::sqrt(x * x + y * y), Real::abs(z));
         if sin > 0.0 { T::from_f64(self.excess(cos / sin) * (sin / cos)) } else { T::ZERO }
     }
@@ -64,7 +97,8 @@ pub trait Density<T: Real>: Copy {
     /// Draws a facet normal visible from `w`, on the air side, from two uniforms in [0, 1); density
     /// `G1 |w.m| D / |cos|`. Continuous in both; the normal has z > 0.
     fn sample_visible(&self, w: Direction<T>, u: [T; 2]) -> Direction<T> {
-        let ([x, y, z], [u0, u1]) = (w.xyz().map(Real::to_f64), u.map(Real::to_f64));
+        let [x, y, z] = self.unstretched(w.xyz().map(Real::to_f64));
+        let [u0, u1] = u.map(Real::to_f64);
         let across = Real::sqrt(x * x + y * y);
         let (s, c, slope);
         if across > 0.0 {
@@ -79,8 +113,8 @@ pub trait Density<T: Real>: Copy {
         let slope = Real::min(slope, STEEPEST);
         let cos = 1.0 / Real::sqrt(1.0 + slope * slope);
         let sin = slope * cos;
-        let height = T::from_f64(cos).max(T::MIN_POSITIVE);
-        Direction::from_unit(T::from_f64(c * sin), T::from_f64(s * sin), height)
+        let [x, y, z] = self.stretched([c * sin, s * sin, cos]).map(T::from_f64);
+        Direction::from_unit(x, y, z.max(T::MIN_POSITIVE))
     }
 }
 

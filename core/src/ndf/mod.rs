@@ -23,4 +23,10 @@ pub mod student;
 #[cfg(feature = "microfacet")]
 pub mod smith;
 #[cfg(feature = "microfacet")]
+mod knots;
+#[cfg(feature = "microfacet")]
+pub mod slopes;
+#[cfg(feature = "microfacet")]
+pub mod stretched;
+#[cfg(feature = "microfacet")]
 pub mod any;

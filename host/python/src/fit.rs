@@ -22,7 +22,7 @@ use crate::work::interruptible;
 /// scan : Scan
 ///     The readings.
 /// method : {"ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid", "beckmann", "student",
-///     "smith-normals"}
+///     "smith-normals", "slopes"}
 ///     The method; the measured ones need `map`.
 /// ior : float, optional
 ///     Index of the plate over that of the air.
@@ -31,7 +31,8 @@ use crate::work::interruptible;
 /// profile : {"gauss", "cauchy"}, optional
 ///     Profile of the density; without it both are tried and the better one is kept.
 /// free : sequence of str, optional
-///     Optional parameters to fit too: ior, gain, theta0 (normals), n, h_max, z0 (heights).
+///     Optional parameters to fit too: ior, gain, theta0 (normals), n, h_max, z0 (heights), orientation (ggx, beckmann, student: two
+///     widths with it).
 /// cutoff : bool, default True
 ///     Whether the filter of a map (`cutoff_um`) is fitted too.
 /// geometry : {"transmission", "reflection"}, optional

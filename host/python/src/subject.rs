@@ -162,6 +162,7 @@ pub(crate) fn scan(
     let usual = ScanRequest::default();
     let request = ScanRequest {
         sigma_deg,
+        rotation_deg: usual.rotation_deg.clone(),
         theta: AngleRange::new(theta_deg.0, theta_deg.1).map_err(bad)?,
         step_deg,
         aperture_deg,

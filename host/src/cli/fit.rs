@@ -51,7 +51,7 @@ use crate::report::{self, FigureFiles, PolarFiles};
 pub(super) struct Args {
     /// The measured scan; or a model, which is measured at the usual angles, to say its law by another
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, abg, harvey, k-correlation or super-gauss
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, slopes, abg, harvey, k-correlation or super-gauss
     #[arg(short, long, value_parser = MethodName)]
     method: String,
     /// Profile of `normals` and `heights`; both are tried without it
@@ -60,6 +60,9 @@ pub(super) struct Args {
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
+    /// Fit two widths and an orientation of `ggx`, `beckmann` or `student`; a scan at several rotations of the sample tells them
+    #[arg(long)]
+    anisotropic: bool,
     /// Fit the exponent n of the law of `heights` too (2 without it)
     #[arg(long)]
     fit_n: bool,
@@ -116,6 +119,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let kind = Kind::named(&args.method)?;
     let of_sheet = kind.describes_sheet && !args.setup.in_plate();
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;
+    if !matches!(body, Body::Dielectric { .. }) && args.anisotropic {
+        return Err(Failure::bad("--anisotropic is for a plate; leave it out for other bodies"));
+    }
     if !matches!(body, Body::Dielectric { .. }) && (args.fit_ior || args.fit_gain) {
         return Err(Failure::bad(
             "--fit-ior and --fit-gain are for a plate; laws of an opaque body or a sheet have a level anyway and no index",
@@ -189,6 +195,7 @@ impl Args {
     fn asks_for(&self, name: &str) -> bool {
         match name {
             "theta0" => self.fit_theta0,
+            "alpha_x" | "alpha_y" | "sigma_x" | "sigma_y" | "orientation" => self.anisotropic,
             "n" => self.fit_n,
             "h_max" => self.fit_h_max,
             "z0" => self.fit_z0,
@@ -213,6 +220,7 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
     };
     for (is_given, flag, parameter) in [
         (args.fit_theta0, "--fit-theta0", "theta0"),
+        (args.anisotropic, "--anisotropic", "orientation"),
         (args.fit_n, "--fit-n", "n"),
         (args.fit_h_max, "--fit-h-max", "h_max"),
         (args.fit_z0, "--fit-z0", "z0"),

@@ -39,13 +39,16 @@ impl ProfileFlag {
 /// Make a model from parameters, without a fit
 ///
 /// Methods and their parameters:
-///   ggx      alpha (width, 1e-6 to 100); with --opaque also gain and lambert (1/sr)
+///   ggx      alpha (width, 1e-6 to 100); with --opaque also gain and lambert (1/sr);
+///            or alpha_x, alpha_y and orientation (deg, of the axis of alpha_x from x to y)
 ///   normals  delta (deg), n (exponent, 0.1 to 100), theta0 (deg, optional); --profile gauss or cauchy
 ///   heights  delta (steps of the grid), optional n, h_max, z0 (steps); --profile gauss or cauchy, --seed
 ///   measured-ray   scale, cutoff_um (optional); --map FILE
 ///   measured-wave  the same, and --wavelength-nm NM
 ///   measured-hybrid  the same as measured-wave
-///   beckmann  alpha; student  sigma, gamma (tail, 1.51 to 500); smith-normals  as normals
+///   beckmann  as ggx; smith-normals  as normals
+///   student  sigma, gamma (tail, 1.51 to 500); or sigma_x, sigma_y, orientation and gamma
+///   slopes   width (slope at the last knot), knot1 to knot7 (ln of the density there over that at 0)
 ///   abg  A (1/sr), B, g; harvey  b0 (1/sr), L, S; super-gauss  A (1/sr), w, p; k-correlation  A (um^4), B (um), C with
 ///        --wavelength-nm and in transmission --ior; all with --lobe, and an optional specular (share; the rest without it)
 ///
@@ -55,7 +58,7 @@ impl ProfileFlag {
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, abg, harvey, k-correlation or super-gauss
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, slopes, abg, harvey, k-correlation or super-gauss
     #[arg(value_parser = MethodName)]
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad

@@ -27,6 +27,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "DEG,...", value_delimiter = ',',
           default_values_t = gp200::SIGMAS_DEG)]
     sigma: Vec<f64>,
+    /// Rotations of the sample about its normal in degrees, for laws with a direction
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', default_values_t = [0.0])]
+    rotation: Vec<f64>,
     /// Angles of observation, FROM:TO in degrees
     #[arg(long, value_name = "FROM:TO", default_value = "-90:90", allow_hyphen_values = true)]
     theta_range: String,
@@ -98,6 +101,7 @@ impl Args {
         let theta = self.theta_range.parse();
         Ok(ScanRequest {
             sigma_deg: self.sigma.clone(),
+            rotation_deg: self.rotation.clone(),
             theta: theta.map_err(|e| Failure::bad(format!("--theta-range: {e}")))?,
             step_deg: self.step,
             aperture_deg: self.aperture,
@@ -121,6 +125,11 @@ impl From<NoScan> for Failure {
             NoScan::IncidenceTwice(bad) => {
                 Self::Bad(format!("--sigma {bad} is given twice; leave one out"))
             }
+            NoScan::Rotation(bad) => {
+                Self::Bad(format!("--rotation {bad} is not usable; give 0 to below 360 degrees"))
+            }
+            NoScan::Rotations => Self::bad("--rotation: give every rotation once"),
+            NoScan::MapIsNotTurned => Self::Bad(format!("{e}; leave --rotation out")),
             NoScan::Outside(_) => Self::Bad(format!("--theta-range {e}")),
             NoScan::Step { step_deg, from_deg, to_deg } => Self::Bad(format!(
                 "--step {step_deg} over {from_deg} to {to_deg} degrees is not usable; give a positive step of at most a \

@@ -39,6 +39,7 @@
 mod objective;
 mod problem;
 mod simplex;
+mod descent;
 mod uncertainty;
 mod profile;
 mod simplest;

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use argmin::core::{CostFunction, Error, Executor, State, TerminationReason, TerminationStatus};
 use argmin::solver::neldermead::NelderMead;
 
+use super::descent;
 use super::problem::Problem;
 use crate::forward::Effort;
 use crate::watch::Watch;
@@ -55,6 +56,20 @@ impl<'a> Search<'a> {
         self.watch.done(done as usize, 0);
     }
 
+    /// Keeps values that are better than all before.
+    pub(super) fn note(&self, cost: f64, values: &[f64]) {
+        if let Ok(mut best) = self.best.lock()
+            && best.as_ref().is_none_or(|(least, _)| cost < *least)
+        {
+            *best = Some((cost, values.to_vec()));
+        }
+    }
+
+    /// Whether the evaluations ran out.
+    pub(super) fn is_spent(&self) -> bool {
+        self.evaluations() >= self.budget
+    }
+
     pub(super) fn interrupted(&self) -> bool {
         self.watch.is_stopped()
     }
@@ -102,6 +117,9 @@ impl<'a> Search<'a> {
     ) -> Result<End, Stopped> {
         self.begin();
         let parameters = problem.parameters();
+        if parameters.len() >= descent::MANY && !problem.is_traced() {
+            return descent::minimise(self, problem, start, effort, tolerance);
+        }
         let first = problem.to_free(start);
         let mut simplex = vec![first.clone()];
         for (k, p) in parameters.iter().enumerate() {
@@ -128,7 +146,7 @@ impl<'a> Search<'a> {
         if self.interrupted() {
             return Err(Stopped);
         }
-        if self.evaluations() >= self.budget {
+        if self.is_spent() {
             // The evaluations ran out: the best of them is the answer.
             let best = self.best.lock().ok().and_then(|best| best.clone());
             return Ok(best.map_or_else(spent, |(cost, values)| End {
@@ -164,7 +182,7 @@ impl CostFunction for Target<'_, '_> {
 
     fn cost(&self, free: &Vec<f64>) -> Result<f64, Error> {
         // Never an error: argmin unwraps the costs of a shrinking simplex.
-        if self.search.interrupted() || self.search.evaluations() >= self.search.budget {
+        if self.search.interrupted() || self.search.is_spent() {
             return Ok(IMPOSSIBLE);
         }
         self.search.count();
@@ -172,11 +190,7 @@ impl CostFunction for Target<'_, '_> {
         let cost = self.problem.cost(&values, self.effort).ok().flatten().unwrap_or(IMPOSSIBLE);
         // NaN compares false: it becomes impossible too.
         let cost = if cost < IMPOSSIBLE { cost } else { IMPOSSIBLE };
-        if let Ok(mut best) = self.search.best.lock()
-            && best.as_ref().is_none_or(|(least, _)| cost < *least)
-        {
-            *best = Some((cost, values));
-        }
+        self.search.note(cost, &values);
         Ok(cost)
     }
 }

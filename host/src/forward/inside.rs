@@ -28,10 +28,11 @@ pub(super) struct Shared<'a, B> {
 }
 
 impl<'a, B: Bsdf<f64> + Sync> Shared<'a, B> {
-    /// `None` where lobes are too narrow, and for what has no inside.
+    /// `None` where lobes are too narrow, and for what has no inside, or a direction.
     pub(super) fn new(boundary: &'a B, setup: &Setup) -> Option<Self> {
         let Sample::Plate { eta, rough_side } = setup.sample else { return None };
-        if eta.get() < DENSE || boundary.slope() < RESOLVED {
+        // nor where there are no azimuthal modes
+        if eta.get() < DENSE || boundary.slope() < RESOLVED || boundary.is_anisotropic() {
             return None;
         }
         let inside = Inside::new(boundary, eta.get());

@@ -67,6 +67,14 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// By how much the frame of the rough face is turned where the sample is: a face that looks away turns the other way.
+    pub(crate) fn turn_deg(&self, rotation_deg: f64) -> f64 {
+        match self.sample {
+            Sample::Plate { rough_side: RoughSide::Detector, .. } => -rotation_deg,
+            _ => rotation_deg,
+        }
+    }
+
     /// Whether the detector looks at the rough face itself, not through a smooth one.
     pub(crate) fn sees_rough_face(&self) -> bool {
         match self.sample {
@@ -83,6 +91,8 @@ impl Setup {
 pub struct Incidence {
     /// Angle of incidence.
     pub sigma_deg: f64,
+    /// Rotation of the sample about its normal, anticlockwise seen from the source.
+    pub rotation_deg: f64,
     /// Azimuth of the plane of observation from the plane of incidence; 0 in that plane.
     pub phi_deg: f64,
     /// Angles of observation in that plane, ascending.
@@ -92,7 +102,7 @@ pub struct Incidence {
 impl Incidence {
     /// Observed in the plane of incidence.
     pub fn in_plane(sigma_deg: f64, theta_deg: Vec<f64>) -> Self {
-        Self { sigma_deg, phi_deg: 0.0, theta_deg }
+        Self { sigma_deg, rotation_deg: 0.0, phi_deg: 0.0, theta_deg }
     }
 
     /// Whether the plane of observation is another than that of incidence.
@@ -146,6 +156,7 @@ impl Angles {
     pub fn of(measurement: &Measurement) -> Self {
         let plane = |plane: Plane<'_>| Incidence {
             sigma_deg: plane.sigma_deg,
+            rotation_deg: plane.rotation_deg,
             phi_deg: plane.phi_deg,
             theta_deg: plane.readings.iter().map(|r| r.theta_deg).collect(),
         };

@@ -62,7 +62,7 @@ pub struct Neglected {
 }
 
 impl Neglected {
-    fn or_more(self, other: Self) -> Self {
+    pub(super) fn or_more(self, other: Self) -> Self {
         Self { flux: self.flux.max(other.flux), reading: self.reading.max(other.reading) }
     }
 }
@@ -291,15 +291,20 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
         Integral::new(&self.warp, &density)
     }
 
-    /// What lies on the lines at `psi` and `-psi` together, half of each: in the plane of incidence they are alike.
+    /// Whether the lines at `psi` and `-psi` differ: out of the plane of incidence, and for facets with a direction.
+    fn has_sides(&self) -> bool {
+        self.incidence.is_turned() || self.boundary.is_anisotropic()
+    }
+
+    /// What lies on the lines at `psi` and `-psi` together, half of each.
     fn on_line(&self, psi: f64, at: impl Fn(f64) -> f64) -> f64 {
-        if self.incidence.is_turned() && psi > 0.0 { 0.5 * (at(psi) + at(-psi)) } else { at(psi) }
+        if self.has_sides() && psi > 0.0 { 0.5 * (at(psi) + at(-psi)) } else { at(psi) }
     }
 
     /// [`Self::internal_density`] of both lines.
     fn internal_on_line(&self, nodes: &[Node], psi: f64) -> (Vec<f64>, Neglected) {
         let (mut density, mut neglected) = self.internal_density(nodes, psi);
-        if self.incidence.is_turned() && psi > 0.0 {
+        if self.has_sides() && psi > 0.0 {
             let (other, missing) = self.internal_density(nodes, -psi);
             density.iter_mut().zip(other).for_each(|(a, b)| *a = 0.5 * (*a + b));
             neglected = neglected.or_more(missing);
@@ -384,7 +389,10 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
         // A cone wider than the lobe averages over it.
         let narrow = self.scale <= self.setup.aperture_deg.to_radians();
         let count = if narrow && count > 64 { count / 4 } else { count };
-        let count = if self.effort == Effort::Fine { 8 * count } else { count };
+        // of facets with a direction rays are all there is, however wide the lobe
+        let wide = self.boundary.is_anisotropic() && self.setup.geometry == Geometry::Transmission;
+        let many = self.effort == Effort::Fine || wide;
+        let count = if many { 8 * count } else { count };
         let found = passes(self.boundary, eta, &self.entry, &views, self.returns, count);
         // What the way out through the smooth face takes falls steeply to the horizon, where there is no
         // view: it is left out of the cubic, which goes on there as it was.

@@ -2,7 +2,9 @@
 //! tables; else Monte Carlo.
 
 use super::quadrature::Neglected;
-use super::{Angles, Effort, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave};
+use super::{
+    Angles, Effort, Incidence, Rays, Readings, Setup, coherent, monte_carlo, quadrature, wave,
+};
 use crate::boundary::{Boundary, with_boundary};
 use crate::watch::Watch;
 
@@ -18,6 +20,9 @@ pub fn simulate(
     rays: Rays,
     watch: Watch<'_>,
 ) -> Option<Readings> {
+    if boundary.is_anisotropic() {
+        return turned(boundary, setup, plan, effort, watch);
+    }
     if let Boundary::Wave(b) = boundary {
         return wave(b, setup, plan, effort, watch.quiet());
     }
@@ -44,4 +49,29 @@ pub fn simulate(
         coherent::add_all(setup, plan, &mut readings.values, |wi| boundary.coherent(wi));
     }
     Some(readings)
+}
+
+/// The same of a law with a direction, rotation by rotation of the sample.
+fn turned(
+    boundary: &Boundary,
+    setup: &Setup,
+    plan: &Angles,
+    effort: Effort,
+    watch: Watch<'_>,
+) -> Option<Readings> {
+    let same = |a: &Incidence, b: &Incidence| a.rotation_deg.total_cmp(&b.rotation_deg).is_eq();
+    let mut all =
+        Readings { values: Vec::new(), neglected: Neglected::default(), std_errors: None };
+    for planes in plan.incidences.chunk_by(same) {
+        if watch.is_stopped() {
+            return None;
+        }
+        let there = boundary.turned(setup.turn_deg(planes[0].rotation_deg));
+        let Boundary::Microfacet(law) = &*there else { return None };
+        let part = Angles { incidences: planes.to_vec() };
+        let found = quadrature(&**law, setup, &part, effort);
+        all.values.extend(found.values);
+        all.neglected = all.neglected.or_more(found.neglected);
+    }
+    Some(all)
 }

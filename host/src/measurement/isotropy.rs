@@ -19,7 +19,25 @@ pub struct Isotropy {
     pub worst_percent: f64,
 }
 
+/// Floor, %, from which on it tells of the surface and not of the instrument, and over the noise.
+const SURFACE_PERCENT: f64 = 1.0;
+const OVER_NOISE: f64 = 2.0;
+
 impl Isotropy {
+    /// What to say of a law without a direction on this scan, whose noise is known or not: that the surface has one. `None` where the
+    /// readings are in one plane of a sample that was not turned, for there a shift of the angles looks the same.
+    pub fn warning(scan: &Measurement, noise_percent: Option<f64>) -> Option<String> {
+        let Self { floor_percent: floor, worst_percent: worst, .. } =
+            Self::of(scan).filter(|_| !scan.is_in_plane())?;
+        let least = SURFACE_PERCENT.max(OVER_NOISE * noise_percent.unwrap_or(0.0));
+        (floor > least).then(|| {
+            format!(
+                "readings that an isotropic surface makes equal differ, by {floor:.2} % rms of the largest reading and {worst:.1} % at most: the \
+                 surface has a direction, and this law has none; ggx, beckmann and student may have two widths and an orientation"
+            )
+        })
+    }
+
     /// Of a scan; `None` if no two readings can be compared.
     pub fn of(scan: &Measurement) -> Option<Self> {
         let readings = scan.readings();
@@ -72,6 +90,24 @@ mod tests {
         assert_eq!(found.compared, 2);
         assert!((found.floor_percent - 10.0 * 0.5_f64.sqrt()).abs() < 1e-12, "{found:?}");
         assert!((found.worst_percent - 10.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_turned_sample_that_reads_otherwise_has_a_direction() {
+        let at =
+            |rotation_deg, value| Reading { rotation_deg, ..Reading::in_plane(30.0, 10.0, value) };
+        let scan = |other| {
+            let readings = vec![at(0.0, 10.0), at(90.0, other)];
+            Measurement::new(Metadata::default(), readings).unwrap()
+        };
+        assert_eq!(Isotropy::warning(&scan(9.9), None), None);
+        let said = Isotropy::warning(&scan(8.0), Some(3.0)).unwrap();
+        assert!(said.contains("by 10.00 % rms"), "{said}");
+        assert_eq!(Isotropy::warning(&scan(8.0), Some(6.0)), None);
+        // one plane: the zero of the angles may be off
+        let tilted = vec![Reading::in_plane(0.0, 5.0, 10.0), Reading::in_plane(0.0, -5.0, 5.0)];
+        let tilted = Measurement::new(Metadata::default(), tilted).unwrap();
+        assert_eq!(Isotropy::warning(&tilted, None), None);
     }
 
     #[test]

@@ -2,11 +2,15 @@
 //!
 //! One parameter, the width `alpha`, closed form throughout: the fastest method. It neglects light that
 //! meets more than one facet, and knows one shape of lobe only. On an opaque body the facets get a
-//! constant reflectance `gain` and a Lambert floor `lambert`, both fitted.
+//! constant reflectance `gain` and a Lambert floor `lambert`, both fitted. A brushed or ground face of a plate may have two widths instead, `alpha_x` and
+//! `alpha_y`, along axes turned by `orientation`; the law is then that of `student` with a `gamma` of 2.
 
-use asperity_core::bsdf::{Ggx, OpaqueGgx};
+use asperity_core::bsdf::{Ggx, Microfacet, OpaqueGgx};
+use asperity_core::ndf::any::AnyDensity;
+use asperity_core::ndf::stretched::Stretched;
 
 use super::kind::{Kind, Origin};
+use super::oriented::{ALPHAS, OF_ALPHA, Oriented, is_asked};
 use super::{Body, BuildError, Method, Parameter, Scale, alpha};
 use crate::boundary::Boundary;
 
@@ -14,12 +18,19 @@ use crate::boundary::Boundary;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GgxMethod {
     opaque: bool,
+    oriented: bool,
 }
 
 impl GgxMethod {
     /// For a body.
     pub fn new(body: Body) -> Self {
-        Self { opaque: body == Body::Opaque }
+        Self { opaque: body == Body::Opaque, oriented: false }
+    }
+
+    /// The same with two widths and an orientation, on a clear body.
+    #[must_use]
+    pub fn oriented(self) -> Self {
+        Self { oriented: !self.opaque, ..self }
     }
 }
 
@@ -38,7 +49,12 @@ pub(super) const KIND: Kind = Kind {
     summary: "Walter's microfacets with the GGX law, closed form",
     origin: Origin::Paper,
     takes_opaque: true,
-    make: |choice| Ok(Box::new(GgxMethod::new(choice.body))),
+    optional: OF_ALPHA,
+    make: |choice| {
+        let plain = GgxMethod::new(choice.body);
+        let asked = is_asked(OF_ALPHA, choice.asked);
+        Ok(Box::new(if asked { plain.oriented() } else { plain }))
+    },
     ..Kind::CLOSED
 };
 
@@ -52,10 +68,21 @@ impl Method for GgxMethod {
     }
 
     fn parameters(&self) -> &[Parameter] {
-        if self.opaque { &OPAQUE } else { &CLEAR }
+        match self {
+            Self { opaque: true, .. } => &OPAQUE,
+            Self { oriented: true, .. } => &ALPHAS,
+            _ => &CLEAR,
+        }
     }
 
     fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
+        if self.oriented {
+            let Oriented { widths, psi } = Oriented::of(&ALPHAS, values)?;
+            let facets = Stretched::student(widths, 2.0, psi);
+            let facets = facets.map_err(|_| BuildError::Missing("orientation"))?;
+            let density = AnyDensity::StretchedStudent(facets);
+            return Ok(Boundary::Microfacet(Box::new(Microfacet::new(density, body.eta()?))));
+        }
         let mut values = values.iter().copied();
         let mut next = |name| values.next().ok_or(BuildError::Missing(name));
         let width = alpha("alpha", next("alpha")?)?;

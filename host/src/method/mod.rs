@@ -7,6 +7,7 @@
 //! | `beckmann` | [`beckmann`] | microfacets of `asperity_core::bsdf`, Gaussian slopes |
 //! | `student` | [`student`] | the same, with a fitted tail |
 //! | `smith-normals` | [`smith_normals`] | the same, with the laws of `normals` |
+//! | `slopes` | [`slopes`] | the same, with a density of slopes through knots |
 //! | `abg`, `harvey`, `k-correlation`, `super-gauss` | [`tail`] | scatter about the specular direction, `asperity_core::bsdf::tail` |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
@@ -15,11 +16,13 @@
 
 mod parameter;
 mod kind;
+mod oriented;
 pub mod ggx;
 pub mod normals;
 pub mod beckmann;
 pub mod student;
 pub mod smith_normals;
+pub mod slopes;
 pub mod tail;
 pub mod heights;
 mod measured;
@@ -39,6 +42,7 @@ pub use measured_wave::MeasuredWaveMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 pub use registry::{KINDS, in_words};
+pub use slopes::SlopesMethod;
 pub use smith_normals::SmithNormalsMethod;
 pub use student::StudentMethod;
 pub use tail::TailMethod;

@@ -6,11 +6,11 @@
 use super::kind::{Choice, Kind, Lack, Origin};
 use super::{
     Body, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals,
-    smith_normals, student, tail,
+    slopes, smith_normals, student, tail,
 };
 
 /// All methods, in the order of tables.
-pub const KINDS: [Kind; 13] = [
+pub const KINDS: [Kind; 14] = [
     ggx::KIND,
     normals::KIND,
     heights::KIND,
@@ -20,6 +20,7 @@ pub const KINDS: [Kind; 13] = [
     beckmann::KIND,
     student::KIND,
     smith_normals::KIND,
+    slopes::KIND,
     tail::ABG,
     tail::HARVEY,
     tail::K_CORRELATION,

@@ -12,7 +12,7 @@ use crate::fit::{Fit, FitError, cost_at, fit};
 use crate::forward::Sample;
 use crate::kirchhoff::warning_for_rays;
 use crate::measurement::exchanged::{self, Part};
-use crate::measurement::{Quantity, ScanError, csv};
+use crate::measurement::{Isotropy, Quantity, ScanError, csv};
 use crate::method::{Kind, Method};
 use crate::provenance::InputFile;
 use crate::watch::Watch;
@@ -66,7 +66,10 @@ impl Task<'_> {
             let better = found.as_ref().is_none_or(|(_, b)| done.objective.1 < b.fit.objective.1);
             if better {
                 let refusal = done.refusal(self.max_misfit);
-                let warnings = self.warnings(&**method, &done);
+                let mut warnings = self.warnings(&**method, &done);
+                if !done.boundary.is_anisotropic() {
+                    warnings.extend(Isotropy::warning(self.measurement, done.noise_floor_percent));
+                }
                 found = Some((k, Entry { label, fit: done, refusal, warnings }));
             }
         }

@@ -26,6 +26,8 @@ const TRACED_RAYS: u64 = 15_000_000;
 pub struct ScanRequest {
     /// Angles of incidence, 0 to below 90 degrees.
     pub sigma_deg: Vec<f64>,
+    /// Rotations of the sample about its normal, 0 to below 360 degrees; a map is scanned as it lies.
+    pub rotation_deg: Vec<f64>,
     /// Angles of observation.
     pub theta: AngleRange,
     /// Step of the angle of observation, degrees.
@@ -48,6 +50,7 @@ impl Default for ScanRequest {
     fn default() -> Self {
         Self {
             sigma_deg: gp200::SIGMAS_DEG.to_vec(),
+            rotation_deg: vec![0.0],
             theta: AngleRange::ALL,
             step_deg: gp200::STEP_DEG,
             aperture_deg: gp200::APERTURE_DEG,
@@ -82,6 +85,15 @@ pub enum NoScan {
     /// The same incidence twice.
     #[error("the incidence of {0} degrees is given twice; leave one out")]
     IncidenceTwice(f64),
+    /// A rotation outside 0 to below 360 degrees.
+    #[error("a rotation of {0} degrees is not usable; give 0 to below 360 degrees")]
+    Rotation(f64),
+    /// The same rotation twice, or none.
+    #[error("give every rotation of the sample once, and one at least")]
+    Rotations,
+    /// A map is not turned.
+    #[error("a map is scanned as it lies, and light comes from x; only laws are rotated")]
+    MapIsNotTurned,
     /// Angles of observation that no instrument has.
     #[error("{0} is outside -90:90; give degrees from the plate normal")]
     Outside(AngleRange),
@@ -174,8 +186,31 @@ impl ScanRequest {
         if let Some(k) = (1..sigma.len()).find(is_repeated) {
             return Err(NoScan::IncidenceTwice(sigma[k]));
         }
+        self.check_rotations(boundary)?;
         let count = self.rays.or(boundary.is_traced().then_some(TRACED_RAYS));
         Ok(Checked { setup, grid, rays: count.map(|count| Rays { count, seed: self.seed }) })
+    }
+
+    fn check_rotations(&self, boundary: &Boundary) -> Result<(), NoScan> {
+        let all = &self.rotation_deg;
+        if let Some(bad) = all.iter().find(|r| !(0.0..360.0).contains(*r)) {
+            return Err(NoScan::Rotation(*bad));
+        }
+        let is_repeated = |k: usize| all[..k].iter().any(|r| r.total_cmp(&all[k]).is_eq());
+        if all.is_empty() || (1..all.len()).any(is_repeated) {
+            return Err(NoScan::Rotations);
+        }
+        let is_map = boundary.is_traced() || matches!(boundary, Boundary::Wave(_));
+        if is_map && all.iter().any(|r| *r > 0.0) {
+            return Err(NoScan::MapIsNotTurned);
+        }
+        Ok(())
+    }
+
+    /// Incidences and rotations in the order of the readings.
+    fn beams(&self) -> Vec<(f64, f64)> {
+        let of = |&sigma| self.rotation_deg.iter().map(move |&rotation| (sigma, rotation));
+        self.sigma_deg.iter().flat_map(of).collect()
     }
 
     fn setup(&self, boundary: &Boundary) -> Result<Setup, NoScan> {
@@ -253,9 +288,12 @@ impl ScanRequest {
             header::light(light, &mut meta)?;
         }
         self.say(boundary, setup, &raw, &mut meta);
-        let at = self.sigma_deg.iter().flat_map(|&s| angles.iter().map(move |&t| (s, t)));
-        let reading =
-            |((sigma_deg, theta_deg), value)| Reading::in_plane(sigma_deg, theta_deg, value);
+        let beams = self.beams();
+        let at = beams.iter().flat_map(|&(s, r)| angles.iter().map(move |&t| (s, r, t)));
+        let reading = |((sigma_deg, rotation_deg, theta_deg), value)| Reading {
+            rotation_deg,
+            ..Reading::in_plane(sigma_deg, theta_deg, value)
+        };
         let readings = at.zip(raw.values.iter().copied()).map(reading).collect();
         Ok(VirtualScan {
             measurement: Measurement::new(meta, readings)?,
@@ -273,7 +311,11 @@ impl ScanRequest {
         angles: &[f64],
         watch: Watch<'_>,
     ) -> Result<Raw, NoScan> {
-        let plan = Angles::product(&self.sigma_deg, angles);
+        let one = |(sigma_deg, rotation_deg)| Incidence {
+            rotation_deg,
+            ..Incidence::in_plane(sigma_deg, angles.to_vec())
+        };
+        let plan = Angles { incidences: self.beams().into_iter().map(one).collect() };
         let done = if let Boundary::Wave(waves) = boundary {
             wave(waves, setup, &plan, Effort::Full, watch)
         } else {
@@ -294,11 +336,13 @@ impl ScanRequest {
         watch: Watch<'_>,
     ) -> Raw {
         let mut raw = Raw::default();
-        let all = rays.count.saturating_mul(self.sigma_deg.len() as u64);
+        let beams = self.beams();
+        let all = rays.count.saturating_mul(beams.len() as u64);
         watch.done(0, usize::try_from(all).unwrap_or(usize::MAX));
-        for &sigma_deg in &self.sigma_deg {
+        for (sigma_deg, rotation_deg) in beams {
             let incidence = Incidence::in_plane(sigma_deg, angles.to_vec());
-            let Some(done) = monte_carlo(boundary, setup, &incidence, rays, watch) else {
+            let there = boundary.turned(setup.turn_deg(rotation_deg));
+            let Some(done) = monte_carlo(&*there, setup, &incidence, rays, watch) else {
                 raw.interrupted = true;
                 break;
             };

@@ -119,6 +119,12 @@ pub enum NoTable {
         /// As above.
         lay_deg: f64,
     },
+    /// The law has two widths.
+    #[error(
+        "the law has a direction, and its lobes depend on the azimuth of the light, of which a table holds none; give `eval`, `check` \
+         and `scan` the model itself"
+    )]
+    Anisotropic,
     /// The media are alike: there is no boundary.
     #[error("the media are alike; there is nothing to tabulate")]
     Matched,
@@ -159,6 +165,9 @@ pub fn tabulate(
     let least = 1400 * count * if kept == Kept::U8 { 1 } else { 2 };
     if plan.bytes < least {
         return Err(NoTable::Small(plan.bytes, least));
+    }
+    if boundary.is_anisotropic() {
+        return Err(NoTable::Anisotropic);
     }
     let directional = azimuths::directional(boundary, wanted, plan.rays, watch);
     if watch.is_stopped() {
