@@ -3,20 +3,20 @@
 use std::fmt::Display;
 use std::path::PathBuf;
 
-use super::error::{Failure, all};
+use super::error::{Failure, all, without_effect};
 use super::fitted::{human, trials, warn_of_failed};
 use super::flags::effort::EffortFlags;
 use super::flags::light::LightFlags;
 use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
-use super::flags::scan::{ReadFlags, SetupFlags};
+use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::model::ProfileFlag;
-use super::{print, progress, readings, say};
+use super::{auto, print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
 use crate::method::{Body, Kind, Lack, in_words};
 use crate::output::AtomicFile;
-use crate::reconstruct::{Entry, Found, Task, usually_asked};
+use crate::reconstruct::{Entry, Found, Task, Trials, usually_asked};
 use crate::report::{self, FigureFiles, PolarFiles};
 
 /// Fit a model to a measured scan
@@ -34,6 +34,10 @@ use crate::report::{self, FigureFiles, PolarFiles};
 /// described significantly better with it. Standard errors are checked by moving each value by two
 /// of them; where the error of the fit rises less than they say they are enlarged, and it is said.
 ///
+/// With --method auto every law in closed form is fitted (of the rough face; with --body sheet, of the sheet as measured), and
+/// has to predict incidences that it was not fitted to. A table gives the errors in and out of sample, in the tails, and
+/// what the data do not determine. Of the laws that predict as well as the best, the one with the fewest parameters is kept.
+///
 /// Exit 1 if the fit did not converge or the model does not describe the surface; what was found is
 /// written all the same.
 ///
@@ -43,6 +47,7 @@ use crate::report::{self, FigureFiles, PolarFiles};
 ///   asperity fit scan.csv --method measured-wave --map map.x3p --wavelength-nm 550
 ///   asperity fit metal.csv --method ggx --opaque --objective relative
 ///   asperity fit diffuser.csv --method super-gauss     (of the sheet as it is, for a design program)
+///   asperity fit scan.csv --method auto -o fit.json
 ///   asperity fit fit.json --method abg                 (the same of a model, with the error of the conversion)
 ///   asperity fit foreign.csv --method ggx --opaque --quantity bsdf \
 ///       --columns sigma=theta_i,theta=theta_o,reading=brdf --where "surface=steel"
@@ -51,7 +56,7 @@ use crate::report::{self, FigureFiles, PolarFiles};
 pub(super) struct Args {
     /// The measured scan; or a model, which is measured at the usual angles, to say its law by another
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, slopes, abg, harvey, k-correlation or super-gauss
+    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, slopes, abg, harvey, k-correlation or super-gauss; auto: the law in closed form that the data support
     #[arg(short, long, value_parser = MethodName)]
     method: String,
     /// Profile of `normals` and `heights`; both are tried without it
@@ -116,8 +121,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
     let (measurement, input) = readings::read(&args.scan, &args.read, &args.setup)?;
-    let kind = Kind::named(&args.method)?;
-    let of_sheet = kind.describes_sheet && !args.setup.in_plate();
+    let of_sheet = args.describes_sheet()?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;
     if !matches!(body, Body::Dielectric { .. }) && args.anisotropic {
         return Err(Failure::bad("--anisotropic is for a plate; leave it out for other bodies"));
@@ -146,13 +150,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         input: Some(&input),
         in_plate: args.setup.in_plate(),
     };
-    let profile = args.profile.map(ProfileFlag::word);
-    let trials = trials(&task, &args.method, profile, &|name| args.asks_for(name))
-        .map_err(|what| Failure::Bad(of_scan(&what)))?;
+    let trials = args.trials(&task).map_err(|what| Failure::Bad(of_scan(&what)))?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(|stem| Plots::open(stem, &measurement)).transpose()?;
-    let found = progress::counter("").watch(|watch| task.fit(&trials, watch));
-    let Found { entry, mut model, failed } = found.map_err(|e| match e {
+    let found = if args.is_auto() {
+        auto::choose(&task, &trials)
+    } else {
+        let found = progress::counter("").watch(|watch| task.fit(&trials, watch));
+        found.map(|found| (String::new(), found))
+    };
+    let (table, Found { entry, mut model, failed }) = found.map_err(|e| match e {
         FitError::Interrupted => Failure::No(format!("{e}; no fit was written")),
         e => Failure::Bad(of_scan(&e)),
     })?;
@@ -166,7 +173,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&match (is_stdout, args.json) {
             (true, _) => String::new(),
             (_, true) => text,
-            _ => human(&entry, &task, !args.no_timing),
+            _ => table + &human(&entry, &task, !args.no_timing),
         }),
         plots.map_or(Ok(()), |files| args.draw(files, &measurement, &entry)),
         entry.refusal.clone().map_or(Ok(()), |why| Err(Failure::No(why))),
@@ -191,6 +198,28 @@ impl Args {
         Ok(())
     }
 
+    /// Whether the data are to choose the law.
+    fn is_auto(&self) -> bool {
+        self.method == auto::AUTO
+    }
+
+    /// Whether the law is that of the sheet as it is measured.
+    fn describes_sheet(&self) -> Result<bool, Failure> {
+        if self.is_auto() {
+            return Ok(self.setup.body == Some(BodyFlag::Sheet));
+        }
+        Ok(Kind::named(&self.method)?.describes_sheet && !self.setup.in_plate())
+    }
+
+    /// The laws that are to be tried.
+    fn trials(&self, task: &Task<'_>) -> Result<Trials, String> {
+        if self.is_auto() {
+            return auto::laws(task, self.setup.body == Some(BodyFlag::Sheet));
+        }
+        let profile = self.profile.map(ProfileFlag::word);
+        trials(task, &self.method, profile, &|name| self.asks_for(name))
+    }
+
     /// Whether an optional parameter of the method is to be fitted.
     fn asks_for(&self, name: &str) -> bool {
         match name {
@@ -206,8 +235,35 @@ impl Args {
     }
 }
 
+/// Refuses flags that belong to single methods.
+fn check_auto(args: &Args) -> Result<(), Failure> {
+    let flags = [
+        ("--profile", args.profile.is_some()),
+        ("--fit-theta0", args.fit_theta0),
+        ("--anisotropic", args.anisotropic),
+        ("--fit-n", args.fit_n),
+        ("--fit-h-max", args.fit_h_max),
+        ("--fit-z0", args.fit_z0),
+        ("--fit-specular", args.fit_specular),
+        ("--map", args.map.is_some()),
+    ];
+    without_effect(&flags, "the data choose among all laws in closed form")?;
+    if args.setup.in_plate() {
+        return Err(Failure::bad(
+            "--method auto ranks laws of the rough face, with --body sheet those of a sheet; leave --body plate out",
+        ));
+    }
+    args.light.need_no_speckle()?;
+    args.map_flags.need_map(false)?;
+    args.effort.need_rays(false)?;
+    args.setup.check()
+}
+
 /// Refuses flags that belong to another method.
 fn check_flags(args: &Args) -> Result<(), Failure> {
+    if args.is_auto() {
+        return check_auto(args);
+    }
     let kind = Kind::named(&args.method)?;
     let belongs = |flags: &str, names: Vec<&str>| {
         let those = if names.len() == 1 { "method" } else { "methods" };

@@ -21,6 +21,7 @@ mod eval;
 mod fitted;
 mod model;
 mod readings;
+mod auto;
 mod fit;
 mod comparing;
 mod compare;

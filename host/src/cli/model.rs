@@ -99,31 +99,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let kind = Kind::named(&args.method)?;
-    if args.body.is_some() && !kind.describes_sheet {
-        return Err(Failure::bad(format!(
-            "method {} describes a rough face; leave --body out",
-            args.method
-        )));
-    }
-    let of_sheet = kind.describes_sheet && args.body != Some(BodyFlag::Plate);
-    let body = match (args.opaque, args.ior) {
-        _ if of_sheet => Body::Sheet { ior: args.ior },
-        (true, _) => Body::Opaque,
-        (false, Some(ior)) => Body::Dielectric { ior },
-        (false, None) => {
-            return Err(Failure::bad("the refractive index is missing; give --ior N, or --opaque"));
-        }
-    };
-    let lobe = args.lobe.map(Geometry::from).map(|geometry| match geometry {
-        Geometry::Reflection => Lobe::Reflection,
-        Geometry::Transmission => Lobe::Transmission,
-    });
-    if lobe.is_some() && !kind.describes_sheet {
-        return Err(Failure::bad(format!(
-            "method {} describes both lobes; leave --lobe out",
-            args.method
-        )));
-    }
+    let (body, lobe) = args.body_and_lobe(kind)?;
     if args.profile.is_some() && !kind.has_profile {
         return Err(Failure::bad(format!(
             "method {} has no profile; leave --profile out",
@@ -201,6 +177,40 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             if twice { print(&text) } else { Ok(()) }
         }
         None => print(&text),
+    }
+}
+
+impl Args {
+    /// The body, and the lobe of a law that describes one.
+    fn body_and_lobe(&self, kind: &Kind) -> Result<(Body, Option<Lobe>), Failure> {
+        if self.body.is_some() && !kind.describes_sheet {
+            return Err(Failure::bad(format!(
+                "method {} describes a rough face; leave --body out",
+                self.method
+            )));
+        }
+        let of_sheet = kind.describes_sheet && self.body != Some(BodyFlag::Plate);
+        let body = match (self.opaque, self.ior) {
+            _ if of_sheet => Body::Sheet { ior: self.ior },
+            (true, _) => Body::Opaque,
+            (false, Some(ior)) => Body::Dielectric { ior },
+            (false, None) => {
+                return Err(Failure::bad(
+                    "the refractive index is missing; give --ior N, or --opaque",
+                ));
+            }
+        };
+        let lobe = self.lobe.map(Geometry::from).map(|geometry| match geometry {
+            Geometry::Reflection => Lobe::Reflection,
+            Geometry::Transmission => Lobe::Transmission,
+        });
+        if lobe.is_some() && !kind.describes_sheet {
+            return Err(Failure::bad(format!(
+                "method {} describes both lobes; leave --lobe out",
+                self.method
+            )));
+        }
+        Ok((body, lobe))
     }
 }
 

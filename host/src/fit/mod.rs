@@ -46,10 +46,12 @@ mod simplest;
 mod fitted;
 mod later;
 mod verdict;
+mod tail;
 
 pub use fitted::Fitted;
 pub use objective::Objective;
 pub use profile::{Profile, Side};
+pub use tail::tail_score;
 pub use verdict::{IncidenceError, MISFIT_PERCENT};
 
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -21,13 +21,16 @@
 //! | module | concept |
 //! |---|---|
 //! | `record` | the measured map that a model was made with |
+//! | `rank` | a law among those that were tried |
 //! | `read` | from a file to a model, with the line of what is wrong |
 //! | `build` | from a model to its boundary |
 
 mod record;
+mod rank;
 mod read;
 mod build;
 
+pub use self::rank::Rank;
 pub use self::read::ModelError;
 pub(crate) use self::read::read_bytes;
 pub use self::record::MapRecord;
@@ -188,6 +191,9 @@ pub struct Model {
     /// Estimate of what that adds to a reading at most, in % of the largest reading.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub neglected_percent: Option<f64>,
+    /// The laws that were tried beside this one, in the order of what the data support.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ranking: Vec<Rank>,
     /// Warnings about the model's validity, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub validity: Vec<String>,
@@ -244,6 +250,7 @@ impl Model {
             termination: None,
             neglected_flux: None,
             neglected_percent: None,
+            ranking: Vec::new(),
             validity: Vec::new(),
             provenance: None,
             timing: None,

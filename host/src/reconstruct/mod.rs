@@ -7,6 +7,7 @@
 //! | fit a scan that says all of itself | [`fit_scan`] |
 //! | body and instrument of a scan | [`Said::about`] |
 //! | one method on one sample: the laws and speckles tried, the one kept | [`Task::trials`], [`Task::fit`] |
+//! | the law that the data support | [`Task::rank`] |
 //! | every method on every sample | [`Comparison`], filled by [`Task::attempt`] |
 //! | a model, a table, or a map as a boundary | [`Subject`] |
 //! | a scan or a balance of one | [`ScanRequest::run`], [`CheckRequest::run`] |
@@ -23,6 +24,7 @@ mod comparison;
 mod task;
 mod record;
 mod fitting;
+mod ranking;
 
 pub use check::{Check, CheckRequest, NoBalance, validity_json};
 pub use comparison::{Attempt, Comparison, SampleResult};
@@ -30,6 +32,7 @@ pub use fitting::{FitScanError, fit_scan};
 pub use found::{Entry, Found};
 pub use light::{Light, Unlit};
 pub use needed::Lacking;
+pub use ranking::{Ranked, Ranking};
 pub use scan::{NoScan, ScanRequest, VirtualScan};
 pub use situation::{Said, Situation, Unclear, check_aperture, check_plate};
 pub use subject::{Engine, NoSubject, Subject};

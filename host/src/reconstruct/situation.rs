@@ -165,6 +165,7 @@ mod tests {
             geometry: Some(Geometry::Transmission),
             ior: Some(1.49),
             opaque: false,
+            sheet: false,
             rough_side: Some(RoughSide::Source),
             aperture_deg: Some(0.6),
         }

@@ -1,0 +1,98 @@
+//! `fit --method auto`: the law that the data support.
+
+use super::fitted::trials;
+use super::progress;
+use crate::fit::FitError;
+use crate::method::{Body, KINDS, Kind, Waves};
+use crate::model::Rank;
+use crate::reconstruct::{Found, Ranking, Task, Trials, usually_asked};
+
+/// The name that stands for all laws in closed form.
+pub(super) const AUTO: &str = "auto";
+
+/// The closed forms that describe a body: laws of the rough face, or of a sheet.
+fn candidates(body: Body, of_sheet: bool) -> Vec<&'static str> {
+    let fits = |kind: &&Kind| {
+        let is_closed = !kind.traced && !kind.needs_map && kind.waves == Waves::None;
+        is_closed && kind.describes_sheet == of_sheet && (body != Body::Opaque || kind.takes_opaque)
+    };
+    KINDS.iter().filter(fits).map(|kind| kind.name).collect()
+}
+
+/// The laws to be tried; those that lack something, such as a wavelength, are left out.
+///
+/// # Errors
+/// If none can be used, why the last one cannot.
+pub(super) fn laws(task: &Task<'_>, of_sheet: bool) -> Result<Trials, String> {
+    let mut all = Trials::new();
+    let mut why = String::new();
+    for name in candidates(task.options.body, of_sheet) {
+        match trials(task, name, None, &usually_asked) {
+            Ok(laws) => all.extend(laws),
+            Err(what) => why = what,
+        }
+    }
+    if all.is_empty() { Err(why) } else { Ok(all) }
+}
+
+/// Ranks the laws; the table, and the fit of the chosen one with the ranking in its model.
+///
+/// # Errors
+/// If not even one law gave a fit.
+pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), FitError> {
+    let ranking = progress::counter("").watch(|watch| task.rank(laws, watch))?;
+    let text = table(&ranking);
+    let ranks: Vec<Rank> = ranking.laws.iter().map(|law| law.rank.clone()).collect();
+    let chosen = ranking.laws.into_iter().next().ok_or(FitError::NoStart)?;
+    let mut found = chosen.found;
+    found.model.ranking = ranks;
+    if ranking.interrupted {
+        let why = "interrupted; not every law was tried, the best so far is given";
+        found.entry.refusal.get_or_insert_with(|| why.into());
+    }
+    Ok((text, found))
+}
+
+/// The ranking as a table, the chosen law first.
+pub(super) fn table(ranking: &Ranking) -> String {
+    use std::fmt::Write;
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(
+        text,
+        "law                     parameters   RMSD %   unseen %   tail log10   criterion   not determined"
+    );
+    let number = |x: Option<f64>, digits: usize| {
+        x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"))
+    };
+    for ranked in &ranking.laws {
+        let rank = &ranked.rank;
+        let Rank { law, parameters, rmsd_percent, undetermined, refused, .. } = rank;
+        let weak = if undetermined.is_empty() { "-".to_owned() } else { undetermined.join(", ") };
+        let refused = if *refused { "   refused" } else { "" };
+        let _ = writeln!(
+            text,
+            "{law:24}{parameters:>10}{rmsd_percent:>9.3}{:>11}{:>13}{:>12.1}   {weak}{refused}",
+            number(rank.out_of_sample_percent, 3),
+            number(rank.tail_log10, 3),
+            rank.criterion,
+        );
+    }
+    let _ = match ranking.folds {
+        0 => writeln!(
+            text,
+            "chosen by the criterion of Schwarz with {:.0} independent readings: there are not two incidences to predict one from the other",
+            ranking.effective
+        ),
+        folds => writeln!(
+            text,
+            "chosen: of the laws that predict incidences they were not fitted to ({folds} groups left out in turn) as well as the best \
+             within one standard error, the one with the fewest parameters"
+        ),
+    };
+    for (label, why) in &ranking.failed {
+        let _ = writeln!(text, "{label}: {why}");
+    }
+    text.push('\n');
+    text
+}

@@ -1,0 +1,91 @@
+//! The error in the tails of a lobe, to which eq. (18) is blind.
+
+use crate::measurement::Measurement;
+
+/// A reading counts if it is above so many times the noise of the dimmest.
+const ABOVE_NOISE: f64 = 3.0;
+/// The share of the readings that are the dimmest.
+const DIMMEST: f64 = 0.25;
+/// What a simulation of no light counts as, of the reading.
+const NOTHING: f64 = 1e-6;
+
+/// Root mean square of `log10(simulated / measured)` over the readings above the noise of the dimmest: 0.3 is a factor of 2.
+/// `None` if none are.
+///
+/// `simulated` is in the order of the scan's readings. The noise is the median second difference of neighbours among the
+/// dimmest quarter, which a smooth tail has little of.
+pub fn tail_score(scan: &Measurement, simulated: &[f64]) -> Option<f64> {
+    let floor = ABOVE_NOISE * dim_noise(scan);
+    let mut squares = 0.0;
+    let mut count = 0_usize;
+    for (reading, &s) in scan.readings().iter().zip(simulated) {
+        let m = reading.value;
+        if m > floor && m > 0.0 && s.is_finite() {
+            squares += (s / m).max(NOTHING).log10().powi(2);
+            count += 1;
+        }
+    }
+    (count > 0).then(|| (squares / count as f64).sqrt())
+}
+
+/// The noise of the dimmest readings: of normal noise, from the median of absolute second differences.
+fn dim_noise(scan: &Measurement) -> f64 {
+    let mut sorted: Vec<f64> = scan.readings().iter().map(|r| r.value).collect();
+    sorted.sort_by(f64::total_cmp);
+    let place = (DIMMEST * sorted.len() as f64) as usize;
+    let Some(&most) = sorted.get(place) else { return 0.0 };
+    let mut bends: Vec<f64> = scan
+        .by_plane()
+        .flat_map(|plane| plane.readings.windows(3))
+        .filter(|three| three.iter().all(|r| r.value <= most))
+        .map(|three| (three[0].value - 2.0 * three[1].value + three[2].value).abs())
+        .collect();
+    bends.sort_by(f64::total_cmp);
+    // the median of |x| is 0.6745 sigma, and a second difference has six times the variance
+    bends.get(bends.len() / 2).map_or(0.0, |median| median / (0.674_49 * 6.0_f64.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::tail_score;
+    use crate::measurement::{Measurement, Metadata, Reading};
+
+    fn scan(value: impl Fn(f64) -> f64) -> Measurement {
+        let at = |k: i32| {
+            let theta = f64::from(k);
+            Reading::in_plane(0.0, theta, value(theta))
+        };
+        Measurement::new(Metadata::default(), (-80..=80).map(at).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_tail_that_is_off_by_a_factor_of_ten_is_seen() {
+        let lobe = |theta: f64| (-0.5 * (theta / 4.0).powi(2)).exp();
+        let measured = scan(|t| lobe(t) + 1e-4 / (1.0 + t.abs()));
+        let values = |floor: f64| -> Vec<f64> {
+            measured
+                .readings()
+                .iter()
+                .map(|r| lobe(r.theta_deg) + floor / (1.0 + r.theta_deg.abs()))
+                .collect()
+        };
+        assert!(tail_score(&measured, &values(1e-4)).unwrap() < 1e-12);
+        let off = tail_score(&measured, &values(1e-5)).unwrap();
+        assert!((0.85..1.0).contains(&off), "{off}");
+        // no light at all does not make it infinite
+        assert!(tail_score(&measured, &vec![0.0; 161]).unwrap() < 6.1);
+    }
+
+    #[test]
+    fn noise_is_no_tail() {
+        // a lobe in noise of alternate sign, 1e-3 of its peak
+        let noise = |t: f64| 1e-3 * (1.0 + (0.7 * t * t).sin());
+        let measured = scan(|t| (-0.5 * (t / 6.0).powi(2)).exp() + noise(t));
+        let clean: Vec<f64> = measured
+            .readings()
+            .iter()
+            .map(|r| (-0.5 * (r.theta_deg / 6.0).powi(2)).exp())
+            .collect();
+        assert!(tail_score(&measured, &clean).unwrap() < 0.3);
+    }
+}

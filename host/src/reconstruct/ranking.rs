@@ -1,0 +1,231 @@
+//! Which law the data support: errors in sample and out of it, and an information criterion.
+//!
+//! A law with more parameters always describes the scan it was fitted to better. So each law is fitted again without some of the
+//! incidences and has to predict those. Of the laws that predict as well as the best within one standard error, the one
+//! with the fewest parameters is chosen. Where there is one incidence alone, or a law traces rays, the criterion of
+//! Schwarz decides: `n ln(mean square) + k ln n`, with `n` the number of readings that are worth independent ones.
+
+use crate::fit::{Fit, FitError, FitOptions, Objective, cost_at, tail_score};
+use crate::measurement::{Measurement, Reading};
+use crate::method::Method;
+use crate::model::Rank;
+use crate::watch::Watch;
+
+use super::found::Found;
+use super::task::{Task, Trials};
+
+/// Most groups of incidences that are left out in turn.
+const MOST_FOLDS: usize = 5;
+
+/// A law in a ranking, with its fit.
+#[derive(Debug)]
+pub struct Ranked {
+    /// Its figures.
+    pub rank: Rank,
+    /// Its fit.
+    pub found: Found,
+    /// Mean squares of what it predicted, by group of incidences, over the square of the largest reading.
+    folds: Vec<f64>,
+}
+
+/// The laws in the order of what the data support.
+#[derive(Debug)]
+pub struct Ranking {
+    /// The chosen one first, then by the error out of sample or the criterion.
+    pub laws: Vec<Ranked>,
+    /// Laws that gave no fit: label and reason.
+    pub failed: Vec<(String, String)>,
+    /// Groups of incidences that were left out in turn; 0: the criterion decided.
+    pub folds: usize,
+    /// Number of readings that are worth independent ones.
+    pub effective: f64,
+    /// Whether it was stopped before all laws were tried.
+    pub interrupted: bool,
+}
+
+impl Task<'_> {
+    /// Fits each law and ranks them. `watch` is told the fits, each as a step.
+    ///
+    /// # Errors
+    /// [`FitError`] if not even one law gave a result.
+    pub fn rank(&self, laws: &Trials, watch: Watch<'_>) -> Result<Ranking, FitError> {
+        let folds = self.folds();
+        let mut ranked: Vec<Ranked> = Vec::new();
+        let mut failed = Vec::new();
+        let mut first_error = None;
+        let mut interrupted = false;
+        for law in laws {
+            let label = law.label();
+            let alone = std::slice::from_ref(law);
+            watch.now(&format!("fitting {label}"));
+            match self.fit(alone, watch) {
+                Ok(found) => {
+                    let predicts = !law.is_traced() && law.wave().is_none();
+                    let errors = if predicts { self.predict(alone, &folds, watch) } else { None };
+                    ranked.push(Ranked::new(found, errors.unwrap_or_default(), self));
+                }
+                Err(FitError::Interrupted) => interrupted = true,
+                Err(e) => {
+                    failed.push((label, e.to_string()));
+                    first_error.get_or_insert(e);
+                }
+            }
+            if watch.is_stopped() {
+                interrupted = true;
+                break;
+            }
+        }
+        if ranked.is_empty() {
+            return Err(first_error.unwrap_or(FitError::Interrupted));
+        }
+        let effective = self.criteria(&mut ranked);
+        let by_prediction = ranked.iter().all(|law| law.rank.out_of_sample_percent.is_some());
+        order(&mut ranked, by_prediction);
+        let folds = if by_prediction { folds.len() } else { 0 };
+        Ok(Ranking { laws: ranked, failed, folds, effective, interrupted })
+    }
+
+    /// The scan in two parts, of what is seen and of what is to be predicted, for each group of incidences.
+    fn folds(&self) -> Vec<[Measurement; 2]> {
+        let incidences = self.measurement.incidences();
+        let count = incidences.len().min(MOST_FOLDS);
+        if count < 2 {
+            return Vec::new();
+        }
+        let group = |reading: &Reading| {
+            let place = incidences.iter().position(|s| s.total_cmp(&reading.sigma_deg).is_eq());
+            place.unwrap_or(0) % count
+        };
+        let part = |keep: &dyn Fn(usize) -> bool| {
+            let of = self.measurement.readings().iter().filter(|r| keep(group(r)));
+            Measurement::new(self.measurement.meta.clone(), of.copied().collect()).ok()
+        };
+        let fold = |k| Some([part(&|g| g != k)?, part(&|g| g == k)?]);
+        (0..count).filter_map(fold).collect()
+    }
+
+    /// Mean squares of what a law predicts for the incidences that it did not see, over the square of the largest reading.
+    fn predict(
+        &self,
+        law: &[Box<dyn Method>],
+        folds: &[[Measurement; 2]],
+        watch: Watch<'_>,
+    ) -> Option<Vec<f64>> {
+        let method = law.first()?;
+        let largest = self.measurement.largest_reading();
+        let mut errors = Vec::new();
+        for [seen, hidden] in folds {
+            let task = Task { measurement: seen, ..self.clone() };
+            let found = task.fit(law, watch.quiet()).ok()?;
+            let values: Vec<f64> = found.entry.fit.parameters.iter().map(|p| p.value).collect();
+            let here = task.of_body(method.name());
+            let options = FitOptions { objective: Objective::Rmsd, ..here.options };
+            let percent =
+                cost_at(&**method, hidden, &here.setup, &options, &values, watch.quiet())?;
+            errors.push((0.01 * percent * hidden.largest_reading() / largest).powi(2));
+        }
+        (!errors.is_empty()).then_some(errors)
+    }
+
+    /// The criterion of every law; the effective number of readings is that of the law with the least error, whose residuals
+    /// have the least of what a law misses.
+    fn criteria(&self, laws: &mut [Ranked]) -> f64 {
+        let by_error =
+            |a: &&Ranked, b: &&Ranked| a.rank.rmsd_percent.total_cmp(&b.rank.rmsd_percent);
+        let Some(best) = laws.iter().min_by(by_error) else { return 0.0 };
+        let most = laws.iter().map(|law| law.rank.parameters).max().unwrap_or(0);
+        let n = effective_number(self.measurement, &best.found.entry.fit).max(most as f64 + 2.0);
+        for law in &mut *laws {
+            let mean_square = law.found.entry.fit.objective.1.max(1e-12).powi(2);
+            law.rank.criterion = n * mean_square.ln() + law.rank.parameters as f64 * n.ln();
+        }
+        let least = laws.iter().map(|law| law.rank.criterion).fold(f64::INFINITY, f64::min);
+        for law in laws {
+            law.rank.criterion -= least;
+        }
+        n
+    }
+}
+
+impl Ranked {
+    fn new(found: Found, folds: Vec<f64>, task: &Task<'_>) -> Self {
+        let fit = &found.entry.fit;
+        let mean = folds.iter().sum::<f64>() / folds.len().max(1) as f64;
+        let weak = |p: &&crate::fit::Fitted| {
+            let large = p.std_error.is_none_or(|e| e >= p.value.abs());
+            !p.is_none && (p.at_bound || large || p.is_unreliable())
+        };
+        let rank = Rank {
+            law: found.entry.label.clone(),
+            parameters: fit.parameters.iter().filter(|p| !p.is_none).count(),
+            rmsd_percent: fit.rmsd_percent,
+            out_of_sample_percent: (!folds.is_empty()).then(|| 100.0 * mean.sqrt()),
+            tail_log10: tail_score(task.measurement, &fit.readings),
+            criterion: 0.0,
+            undetermined: fit.parameters.iter().filter(weak).map(|p| p.name.to_owned()).collect(),
+            refused: found.entry.refusal.is_some(),
+        };
+        Self { rank, found, folds }
+    }
+}
+
+/// Readings worth independent ones: neighbours whose residuals go together count as one.
+fn effective_number(scan: &Measurement, fit: &Fit) -> f64 {
+    let (mut squares, mut products) = (0.0, 0.0);
+    let mut from = 0;
+    for plane in scan.by_plane() {
+        let readings = plane.readings.len();
+        let pairs = plane.readings.iter().zip(&fit.readings[from..from + readings]);
+        let residuals: Vec<f64> = pairs.map(|(r, s)| r.value - s).collect();
+        squares += residuals.iter().map(|r| r * r).sum::<f64>();
+        products += residuals.windows(2).map(|two| two[0] * two[1]).sum::<f64>();
+        from += readings;
+    }
+    let together = if squares > 0.0 { (products / squares).clamp(0.0, 0.999) } else { 0.0 };
+    fit.readings.len() as f64 * (1.0 - together) / (1.0 + together)
+}
+
+/// Puts the chosen law first, the others by what decides; refused ones behind.
+fn order(laws: &mut [Ranked], by_prediction: bool) {
+    let key = |law: &Ranked| match law.rank.out_of_sample_percent {
+        Some(error) if by_prediction => error,
+        _ => law.rank.criterion,
+    };
+    laws.sort_by(|a, b| a.rank.refused.cmp(&b.rank.refused).then(key(a).total_cmp(&key(b))));
+    let Some(best) = laws.first() else { return };
+    let as_good = |law: &Ranked| {
+        if law.rank.refused != best.rank.refused {
+            false
+        } else if by_prediction {
+            is_within_one_error(&law.folds, &best.folds)
+        } else {
+            law.rank.criterion <= best.rank.criterion
+        }
+    };
+    let simpler = |(k, law): &(usize, &Ranked)| (law.rank.parameters, *k);
+    let chosen = laws.iter().enumerate().filter(|(_, law)| as_good(law)).min_by_key(simpler);
+    let place = chosen.map_or(0, |(k, _)| k);
+    laws[..=place].rotate_right(1);
+}
+
+/// Whether squares exceed those of the best by no more than the standard error of their difference.
+fn is_within_one_error(squares: &[f64], best: &[f64]) -> bool {
+    let more: Vec<f64> = squares.iter().zip(best).map(|(a, b)| a - b).collect();
+    let n = more.len() as f64;
+    let mean = more.iter().sum::<f64>() / n;
+    let variance = more.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n * (n - 1.0)).max(1.0);
+    mean <= variance.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_within_one_error;
+
+    #[test]
+    fn what_predicts_as_well_within_the_scatter_is_as_good() {
+        let best = [1.0, 2.0, 1.5, 1.2, 0.8];
+        assert!(is_within_one_error(&best, &best));
+        assert!(is_within_one_error(&[1.4, 1.9, 1.3, 1.5, 0.7], &best));
+        assert!(!is_within_one_error(&[1.5, 2.5, 2.0, 1.7, 1.3], &best));
+    }
+}
