@@ -180,6 +180,68 @@ def normals(program):
     lobes(program, "normals", "three densities of normals", [one("gauss", 2), one("gauss", 4), one("cauchy", 3)])
 
 
+def beckmann(program):
+    widths = [(f"alpha {a}", ("beckmann", "--set", f"alpha={a}", *PLATE)) for a in (0.1, 0.2, 0.4)]
+    lobes(program, "beckmann", "Beckmann of three widths", widths)
+
+
+def student(program):
+    tails = [(f"gamma {g}", ("student", "--set", "sigma=0.2", f"gamma={g}", *PLATE)) for g in (1.6, 2, 4, 50)]
+    lobes(program, "student", "Student-t of four tails", tails)
+
+
+def smith_normals(program):
+    def one(profile, n):
+        return f"{profile}, n = {n}", ("smith-normals", "--profile", profile, "--set", "delta=8", f"n={n}", *PLATE)
+
+    lobes(program, "smith-normals", "three densities with masking", [one("gauss", 2), one("gauss", 4), one("cauchy", 3)])
+
+
+def slopes(program):
+    def one(label, *logs):
+        knots = [f"knot{k + 1}={log}" for k, log in enumerate(logs)]
+        return label, ("slopes", "--set", "width=0.6", *knots, *PLATE)
+
+    shapes = [
+        one("a bell", -0.2, -0.8, -1.8, -3.2, -5, -7.2, -9.8),
+        one("a flat top", 0, 0, -0.2, -3, -6, -8, -10),
+        one("a ring", 0.5, 1, 0.6, -1.5, -4, -6, -8),
+    ]
+    lobes(program, "slopes", "three densities of slopes through knots", shapes)
+
+
+def about_specular(program, name, title, models):
+    """Scatter of sheets, at two incidences."""
+    files = [(program.model(f"{k}.json", name, "--lobe", "transmission", *made), label) for k, (label, made) in enumerate(models)]
+    panels = []
+    for deg in (0, 40):
+        panel = Panel(f"incidence {deg}°", "angle from the normal, °", "f |cos θ|, 1/sr", (-90, 90), (-4, 2))
+        for (file, label), colour in zip(files, COLOURS):
+            panel.add(program.lobes(file, "air", deg)[1], colour, label)
+        panels.append(panel)
+    write(name, title, panels, program.commands)
+
+
+def abg(program):
+    models = [(f"g = {g}", ("--set", f"A={a}", f"B={b}", f"g={g}")) for a, b, g in ((0.02, 0.01, 2), (0.003, 1e-3, 3), (2e-5, 1e-5, 6))]
+    about_specular(program, "abg", "ABg of three tails", models)
+
+
+def harvey(program):
+    models = [(f"S = {s}, m = {m}", ("--set", "b0=3", "L=0.12", f"S={s}", f"m={m}")) for s, m in ((-2.2, 2), (-4, 2), (-4, 12))]
+    about_specular(program, "harvey", "Harvey's law: two tails, and a sharper shoulder", models)
+
+
+def k_correlation(program):
+    models = [(f"C = {c}", ("--set", "A=0.01", "B=6", f"C={c}", "--wavelength-nm", "550", *PLATE)) for c in (2, 3, 5)]
+    about_specular(program, "k-correlation", "three spectra of roughness", models)
+
+
+def super_gauss(program):
+    models = [(f"p = {p}", ("--set", "A=4", "w=0.2", f"p={p}")) for p in (1, 2, 8)]
+    about_specular(program, "super-gauss", "super-Gaussians of three edges", models)
+
+
 def heights(program):
     widths = [(f"delta {d}", ("heights", "--set", f"delta={d}", *PLATE)) for d in (0.1, 0.2, 0.3)]
     scans(program, "heights", "random heights of three widths", widths, (-5, -1), *RAYS)
@@ -212,6 +274,14 @@ def measured_hybrid(program):
 METHODS = {
     "ggx": ggx,
     "normals": normals,
+    "beckmann": beckmann,
+    "student": student,
+    "smith-normals": smith_normals,
+    "slopes": slopes,
+    "abg": abg,
+    "harvey": harvey,
+    "k-correlation": k_correlation,
+    "super-gauss": super_gauss,
     "heights": heights,
     "measured-ray": measured_ray,
     "measured-wave": measured_wave,
