@@ -5,7 +5,7 @@
 //! parameters stay near their start.
 
 use super::problem::Problem;
-use super::simplex::{End, IMPOSSIBLE, Search, Stopped};
+use super::search::{End, IMPOSSIBLE, Search, Stopped};
 use crate::forward::Effort;
 use crate::linear::inverse;
 

@@ -6,7 +6,7 @@
 //! is the minimum.
 
 use super::problem::{Later, Problem};
-use super::simplex::{End, Search, Stopped};
+use super::search::{End, Search, Stopped};
 use crate::forward::{Effort, Readings};
 use crate::method::BuildError;
 

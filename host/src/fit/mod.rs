@@ -38,8 +38,9 @@
 
 mod objective;
 mod problem;
-mod simplex;
+mod search;
 mod descent;
+mod simplex;
 mod uncertainty;
 mod profile;
 mod simplest;
@@ -67,8 +68,8 @@ use crate::method::{Body, BuildError, Method, Parameter};
 use crate::watch::Watch;
 
 use problem::Problem;
+use search::{Search, Stopped};
 use simplest::Found;
-use simplex::{Search, Stopped};
 
 /// The options of a fit.
 #[derive(Clone, Copy, Debug)]
@@ -264,7 +265,7 @@ pub fn fit(
             Err(Stopped) => break,
         }
     }
-    found.retain(|(cost, _)| *cost < simplex::IMPOSSIBLE);
+    found.retain(|(cost, _)| *cost < search::IMPOSSIBLE);
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, mut start)) = found.into_iter().next() else {
         return Err(if search.interrupted() { FitError::Interrupted } else { FitError::NoStart });

@@ -8,7 +8,7 @@
 use super::Termination;
 use super::later;
 use super::problem::Problem;
-use super::simplex::{Search, Stopped};
+use super::search::{Search, Stopped};
 use super::uncertainty::correlated_sum;
 use crate::forward::{Effort, Rays};
 use crate::method::BuildError;
