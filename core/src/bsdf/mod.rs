@@ -38,7 +38,7 @@ pub use normals::Normals;
 pub use opaque::OpaqueGgx;
 pub use smooth::Smooth;
 #[cfg(feature = "microfacet")]
-pub use walk::Walk;
+pub use walk::{Walk, Walked};
 
 #[cfg(feature = "table")]
 pub(crate) use half::HalfVector;

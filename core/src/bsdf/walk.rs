@@ -61,6 +61,43 @@ impl<T: Real, D: Density<T>> Walk<T, D> {
         let reached = lower * Real::pow(left, -1.0 / lambda);
         if reached < 1.0 { Flight::Meets(reached) } else { Flight::Escapes }
     }
+
+    /// One path of light from `wi`, of media that are not matched; `None` after [`Self::MOST_EVENTS`] facets, or in
+    /// the surface.
+    pub fn walk(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Walked<T>> {
+        // In the frame whose z points into the medium of the ray, against its way.
+        let mut below = wi.side()? == Side::Dielectric;
+        let mut w = over(wi, below);
+        let mut lower = 1.0;
+        for facets in 0..Self::MOST_EVENTS {
+            lower = match self.fly(w, lower, uniform()) {
+                Flight::Escapes => return Some(Walked { wo: over(w.opposite(), below), facets }),
+                Flight::Meets(height) => Real::max(height, f64::MIN_POSITIVE),
+            };
+            let m = self.density.sample_facing(w, [uniform(), uniform()]);
+            let eta = if below { self.eta.inverse() } else { self.eta.get() };
+            let (reflected, through) = fresnel::facet(w, m, eta);
+            let choice = uniform();
+            w = match through.filter(|_| choice >= reflected) {
+                Some(through) => {
+                    below = !below;
+                    lower = 1.0 - lower;
+                    over(through, true).opposite()
+                }
+                None => w.reflect(m).opposite(),
+            };
+        }
+        None
+    }
+}
+
+/// Where a path ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walked<T: Real> {
+    /// Direction of the ray that leaves, away from the surface.
+    pub wo: Direction<T>,
+    /// Facets it has met.
+    pub facets: usize,
 }
 
 impl<T: Real, D: Density<T>> Scatter<T> for Walk<T, D> {
@@ -70,36 +107,9 @@ impl<T: Real, D: Density<T>> Scatter<T> for Walk<T, D> {
         if self.eta.is_matched() {
             return straight(wi);
         }
-        // In the frame whose z points into the medium of the ray, against its way.
-        let mut below = side == Side::Dielectric;
-        let mut w = over(wi, below);
-        let mut lower = 1.0;
-        for _ in 0..Self::MOST_EVENTS {
-            lower = match self.fly(w, lower, uniform()) {
-                Flight::Escapes => {
-                    let mirrored = below == (side == Side::Dielectric);
-                    let wo = over(w.opposite(), below);
-                    return scope::lobe(mirrored).then_some(Scattered { wo, weight: T::ONE });
-                }
-                Flight::Meets(height) => Real::max(height, f64::MIN_POSITIVE),
-            };
-            let m = self.density.sample_facing(w, [uniform(), uniform()]);
-            let eta = if below { self.eta.inverse() } else { self.eta.get() };
-            let (reflected, through) = fresnel::facet(w, m, eta);
-            match through {
-                Some(through) if uniform() >= reflected => {
-                    below = !below;
-                    lower = 1.0 - lower;
-                    w = over(through, true).opposite();
-                }
-                Some(_) => w = w.reflect(m).opposite(),
-                None => {
-                    uniform();
-                    w = w.reflect(m).opposite();
-                }
-            }
-        }
-        None
+        let wo = self.walk(wi, uniform)?.wo;
+        let mirrored = (wo.z() < T::ZERO) == (side == Side::Dielectric);
+        scope::lobe(mirrored).then_some(Scattered { wo, weight: T::ONE })
     }
 }
 

@@ -17,10 +17,11 @@ const LARGE: f64 = 1e4;
 pub(crate) fn near<T: Real>(sum: T, product: T) -> Option<T> {
     let c = T::from_f64;
     let first = c(0.6431705405100075)
-        + sum * (c(-0.1910570203865984)
-            + sum * (c(0.057309057318308536) + sum * c(-0.009467721885211649)));
-    let second = c(0.16154636409638107)
-        + sum * (c(-0.07051594549255046) + sum * c(0.01411818658216579));
+        + sum
+            * (c(-0.1910570203865984)
+                + sum * (c(0.057309057318308536) + sum * c(-0.009467721885211649)));
+    let second =
+        c(0.16154636409638107) + sum * (c(-0.07051594549255046) + sum * c(0.01411818658216579));
     let third = c(0.018001064753742878) + sum * c(-0.004939828126874787);
     let value = T::ONE + product * (first + product * (second + product * third));
     (sum < c(SMALL)).then_some(value)
@@ -34,9 +35,7 @@ pub(crate) fn far<T: Real>(a: T, b: T) -> T {
     let (p, q) = (held(a), held(b));
     let s = p + q - T::TWO;
     // what Stirling's series leaves, as a continued fraction
-    let rest = |x: T| {
-        c(1.0 / 12.0) / (x + c(1.0 / 30.0) / (x + c(53.0 / 210.0) / x))
-    };
+    let rest = |x: T| c(1.0 / 12.0) / (x + c(1.0 / 30.0) / (x + c(53.0 / 210.0) / x));
     // (ln 2 pi) / 2 - 2
     let constant = c(-1.081_061_466_795_327_3);
     let half = T::HALF;

@@ -70,21 +70,21 @@ impl<T: Real> Compensation<T> {
             let [reflected, transmitted] = values;
             [reflected, transmitted].map(|v| Shares::through(balance.warp, &v))
         };
-        Self::of(balance.warp, balance.sides.map(of))
+        Self::of(balance.warp, &balance.sides.map(of))
     }
 
     /// Nothing that comes later.
     fn none() -> Self {
-        Self::of(1.0, [[Shares::NONE; 2]; 2])
+        Self::of(1.0, &[[Shares::NONE; 2]; 2])
     }
 
-    fn of(warp: f64, sides: [[Shares<f64>; 2]; 2]) -> Self {
+    fn of(warp: f64, sides: &[[Shares<f64>; 2]; 2]) -> Self {
         let spacing = Spacing::new(warp);
         let inverse = |shares: &Shares<f64>| {
             let mean = shares.mean(&spacing);
             T::from_f64(if mean > 1e-30 { FRAC_1_PI / mean } else { 0.0 })
         };
-        let [air, dielectric] = &sides;
+        let [air, dielectric] = sides;
         let later = |[reflected, transmitted]: &[Shares<f64>; 2], other: &[Shares<f64>; 2]| Later {
             reflected: reflected.cast(),
             transmitted: transmitted.cast(),
@@ -145,15 +145,15 @@ impl<T: Real> Compensation<T> {
         let [ki, ko] = [self.spacing.piece(mi), self.spacing.piece(mo)];
         let [air, dielectric] = &self.sides;
         let (near, far) = if iz > T::ZERO { (air, dielectric) } else { (dielectric, air) };
-        let value = if (iz > T::ZERO) == (oz > T::ZERO) {
+        let mirrored = (iz > T::ZERO) == (oz > T::ZERO);
+        let value = if mirrored {
             near.back * near.reflected.value(ki, mi) * near.reflected.value(ko, mo)
         } else {
             near.through * near.transmitted.value(ki, mi) * far.transmitted.value(ko, mo)
         };
-        let mirrored = (iz > T::ZERO) == (oz > T::ZERO);
         let answered = scope::lobe(mirrored) & scope::side(iz < T::ZERO);
         // not in the surface, nor for a NaN
-        if answered & (mi * mo > T::ZERO) { value } else { T::ZERO }
+        if answered && mi * mo > T::ZERO { value } else { T::ZERO }
     }
 
     /// The fluxes of the lobe.

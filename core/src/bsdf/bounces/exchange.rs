@@ -38,6 +38,7 @@ pub(super) struct Exchange {
     steps: [[[f64; 3]; HEIGHTS]; WAYS],
 }
 
+#[allow(clippy::large_stack_arrays, reason = "some 100 kB, on a computer")]
 impl Exchange {
     pub(super) fn new<D: Density<f64>>(
         density: &D,
@@ -59,7 +60,8 @@ impl Exchange {
                     let Some(sent) = facet.send(z, eta) else { continue };
                     // both sides see the same
                     *seen += 0.5 * sent.area;
-                    let rows = (exchange.reflected.get_mut(side), exchange.transmitted.get_mut(side));
+                    let rows =
+                        (exchange.reflected.get_mut(side), exchange.transmitted.get_mut(side));
                     let (Some(back), Some(through)) = rows else { continue };
                     let (Some(back), Some(through)) = (back.get_mut(way), through.get_mut(way))
                     else {
@@ -98,7 +100,10 @@ impl Exchange {
         for _ in 0..MOST_PASSES {
             let before = tops(&field);
             self.pass(&mut field, [1.0, 0.0], false);
-            let change = tops(&field).iter().flatten().zip(before.iter().flatten())
+            let change = tops(&field)
+                .iter()
+                .flatten()
+                .zip(before.iter().flatten())
                 .fold(0.0, |most, (a, b): (&f64, &f64)| Real::max(most, (a - b).abs()));
             if change < 1e-5 {
                 break;

@@ -112,10 +112,9 @@ impl Excess {
         };
         let s = position - k as f64;
         // Catmull and Rom
-        let cubic = a
-            + 0.5
-                * s
-                * (b - p + s * (2.0 * p - 5.0 * a + 4.0 * b - n + s * (3.0 * (a - b) + n - p)));
+        let cubic = a + 0.5
+            * s
+            * (b - p + s * (2.0 * p - 5.0 * a + 4.0 * b - n + s * (3.0 * (a - b) + n - p)));
         Real::max(cubic, 0.0) / mu
     }
 }

@@ -108,13 +108,12 @@ impl<T: Real> Masked<T> {
         let both = T::HALF / (ci * co);
         let (sum, product) = ((li * co + lo * ci) * both, T::HALF * li * lo * both);
         let separate = (ri + ci) * (ro + co);
-        match joint::near(sum, product) {
-            Some(inverse) => T::from_f64(4.0) / (separate * inverse),
-            None => {
-                let [i, o] = [li / (ci + ci), lo / (co + co)];
-                T::from_f64(4.0) * joint::far(i, o) / separate
-            }
+        let four = T::from_f64(4.0);
+        if let Some(inverse) = joint::near(sum, product) {
+            return four / (separate * inverse);
         }
+        let [i, o] = [li / (ci + ci), lo / (co + co)];
+        four * joint::far(i, o) / separate
     }
 }
 
