@@ -43,6 +43,11 @@ impl<T: Real, D: Density<T>> Walk<T, D> {
         Self { density, eta }
     }
 
+    /// The index of the dielectric over that of the air.
+    pub fn eta(&self) -> RelativeIor<T> {
+        self.eta
+    }
+
     /// The same boundary in another precision, each parameter rounded once.
     pub fn cast<U: Real>(&self) -> Walk<U, D::In<U>> {
         Walk { density: self.density.cast(), eta: self.eta.cast() }

@@ -11,7 +11,7 @@ use super::flags::method::MethodName;
 use super::flags::scan::number;
 use super::print;
 use crate::kirchhoff::Speckle;
-use crate::method::{Body, Choice, Kind};
+use crate::method::{Body, Bounces, Choice, Kind};
 use crate::model::{MapRecord, Model, Value};
 use crate::output::AtomicFile;
 use crate::provenance::Provenance;
@@ -34,6 +34,27 @@ impl ProfileFlag {
     }
 }
 
+/// How many facets light may meet, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum BouncesFlag {
+    /// One; light that meets another is lost
+    One,
+    /// All, in closed form
+    All,
+    /// All, by a random walk: the reference, which can only be sampled
+    Walk,
+}
+
+impl BouncesFlag {
+    pub(super) fn bounces(self) -> Bounces {
+        match self {
+            Self::One => Bounces::One,
+            Self::All => Bounces::All,
+            Self::Walk => Bounces::Walk,
+        }
+    }
+}
+
 /// Make a model from parameters, without a fit
 ///
 /// Methods and their parameters:
@@ -44,6 +65,7 @@ impl ProfileFlag {
 ///   measured-wave  the same, and --wavelength-nm NM
 ///   measured-hybrid  the same as measured-wave
 ///   beckmann  alpha; student  sigma, gamma (tail, 1.51 to 500); smith-normals  as normals
+///   ggx-ms    ggx with --bounces all
 ///
 /// Example: asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
 #[derive(Debug, clap::Args)]
@@ -64,6 +86,10 @@ pub(super) struct Args {
     /// Profile of the density of `normals` and `heights`
     #[arg(long, value_enum, alias = "law")]
     profile: Option<ProfileFlag>,
+    /// Facets that light may meet, for ggx, beckmann, student and smith-normals: one (the rest of the
+    /// light is lost), all, or all by a random walk [default: one]
+    #[arg(long, value_enum)]
+    bounces: Option<BouncesFlag>,
     /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -121,6 +147,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let choice = Choice {
         wave: wave.as_ref(),
         profile: args.profile.map(ProfileFlag::word),
+        bounces: args.bounces.map(|flag| flag.bounces().word()),
         asked: &|wanted| pairs.iter().any(|(name, _)| name == wanted),
         map: map.as_ref().map(|m| (&m.map, m.edges)),
         seed: args.seed.unwrap_or(1),

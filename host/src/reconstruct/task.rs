@@ -4,7 +4,7 @@ use crate::fit::{FitOptions, MISFIT_PERCENT};
 use crate::forward::Setup;
 use crate::kirchhoff::{WaveOptions, Wavelengths};
 use crate::measurement::Measurement;
-use crate::method::{Choice, Kind, Lack, Method};
+use crate::method::{Body, Bounces, Choice, Kind, Lack, Method};
 use crate::provenance::InputFile;
 use crate::surface::Prepared;
 
@@ -26,6 +26,8 @@ pub struct Task<'a> {
     pub map: Option<&'a Prepared>,
     /// The light, for methods that send waves.
     pub light: Light,
+    /// How many facets light may meet, where the method and the body let it meet several.
+    pub bounces: Option<Bounces>,
     /// The file of the measurement.
     pub input: Option<&'a InputFile>,
 }
@@ -66,6 +68,7 @@ impl<'a> Task<'a> {
             max_misfit: MISFIT_PERCENT,
             map: None,
             light: Light { wavelengths: of_header.and_then(Result::ok), ..Light::default() },
+            bounces: None,
             input: None,
         }
     }
@@ -92,10 +95,13 @@ impl<'a> Task<'a> {
         } else {
             vec![None]
         };
+        let has_bounces = kind.has_bounces() && self.options.body != Body::Opaque;
+        let bounces = self.bounces.filter(|_| has_bounces);
+        let bounces = bounces.map(Bounces::word);
         let with = |(profile, wave): (Option<&str>, Option<&WaveOptions>)| {
             let seed = self.options.rays.seed;
             let usual = Choice::new(name, self.options.body);
-            Choice { profile, asked, map, wave, seed, ..usual }.method()
+            Choice { profile, bounces, asked, map, wave, seed, ..usual }.method()
         };
         let variants =
             profiles.iter().flat_map(|profile| waves.iter().map(|w| (*profile, w.as_ref())));
