@@ -91,7 +91,8 @@ impl Method for Bouncing {
                 Ok(Boundary::Walk(Box::new(Walk::new(law.density, law.eta))))
             }
             _ => Err(BuildError::Ior(
-                "light of several bounces needs facets on a clear dielectric; leave `bounces` out".into(),
+                "light of several bounces needs facets on a clear dielectric; leave `bounces` out"
+                    .into(),
             )),
         }
     }

@@ -6,8 +6,8 @@
 use super::bounces::{Bouncing, GGX_MS};
 use super::kind::{Choice, Kind, Lack, Origin};
 use super::{
-    Body, Bounces, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals,
-    smith_normals, student,
+    Body, Bounces, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave,
+    normals, smith_normals, student,
 };
 
 /// All methods, in the order of tables.
