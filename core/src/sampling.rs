@@ -11,6 +11,14 @@ pub fn cosine_hemisphere<T: Real>(u: [T; 2]) -> Direction<T> {
     Direction::from_unit(r * c, r * s, z)
 }
 
+/// The direction of height `z` at the azimuth `u` of a turn.
+#[cfg(feature = "microfacet")]
+pub(crate) fn around<T: Real>(z: T, u: T) -> Direction<T> {
+    let (s, c) = (T::TWO * T::PI * u).sin_cos();
+    let r = ((T::ONE - z) * (T::ONE + z)).sqrt_positive();
+    Direction::from_unit(r * c, r * s, z)
+}
+
 /// The smoothstep `3 x^2 - 2 x^3` solved for `x` in [0, 1], for `u` in [0, 1].
 ///
 /// A table of quantiles at these `x`, evenly spaced, is dense at both ends of a distribution.

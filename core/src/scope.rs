@@ -10,7 +10,7 @@
 //! | `reflection`, `transmission` | that lobe is empty |
 //! | `ggx` | no [`bsdf::Ggx`](crate::bsdf), no `OpaqueGgx` |
 //! | `normals` (needs `f64`) | no `bsdf::Normals`, no `ndf::law` and `ndf::normals`, no `quadrature` |
-//! | `microfacet` (needs `normals`) | no `bsdf::Microfacet`, no densities of `ndf` for it |
+//! | `microfacet` (needs `normals`) | no `bsdf::Microfacet`, no densities of `ndf` for it, no `bsdf::Walk`; `bsdf::AllBounces` needs `ggx` too |
 //! | `tails` (needs `f64`) | no `bsdf::ShiftInvariant` |
 //! | `table` (needs `f32`) | no `table` |
 //! | `checksum` (needs `table`) | no checksum of a table |

@@ -11,7 +11,7 @@
     allow(dead_code, unused_imports, reason = "a build without laws")
 )]
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::{Bsdf, Lobe, Scatter};
 use asperity_core::direction::Direction;
 use asperity_core::quantity::RelativeIor;
 
@@ -54,7 +54,7 @@ fn ask(law: &impl Bsdf<f32>, opaque: bool) {
 }
 
 /// Rays go where this build sends them, and nowhere else.
-fn draw(law: &impl Bsdf<f32>, wi: Direction<f32>, below: bool, opaque: bool) {
+fn draw(law: &impl Scatter<f32>, wi: Direction<f32>, below: bool, opaque: bool) {
     let mut word = 1_u32;
     let mut uniform = || {
         word = word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -89,6 +89,22 @@ fn ggx_answers_what_it_is_built_for() {
         none.sample_lobe(wi, Lobe::Transmission, [0.5; 2]).is_some(),
         answered(false, false)
     );
+}
+
+#[cfg(all(feature = "ggx", feature = "microfacet"))]
+#[test]
+fn all_bounces_answer_what_they_are_built_for() {
+    use asperity_core::bsdf::{AllBounces, Ggx, Walk};
+    use asperity_core::ndf::ggx_facets::GgxFacets;
+    use asperity_core::quantity::Alpha;
+
+    let alpha = Alpha::new(0.3).unwrap();
+    ask(&AllBounces::new(Ggx::new(alpha, eta())), false);
+    let walk = Walk::new(GgxFacets::new(alpha), eta());
+    for below in [false, true] {
+        let z = if below { -1.0 } else { 1.0 };
+        draw(&walk, Direction::new(-0.3, 0.0, z).unwrap(), below, false);
+    }
 }
 
 #[cfg(feature = "normals")]

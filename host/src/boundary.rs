@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use asperity_core::bsdf::{
-    Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant,
+    AllBounces, Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant, Walk,
 };
 use asperity_core::direction::Direction;
 use asperity_core::ndf::any::AnyDensity;
@@ -20,6 +20,12 @@ pub enum Boundary {
     Ggx(Ggx<f64>),
     /// Facets of another density, with masking, on a dielectric; boxed, for its tables are large.
     Microfacet(Box<Microfacet<f64, AnyDensity<f64>>>),
+    /// GGX facets on a dielectric, with all bounces of light; boxed, for its tables are large.
+    AllGgx(Box<AllBounces<f64, Ggx<f64>>>),
+    /// Facets of another density with all bounces of light.
+    AllMicrofacet(Box<AllBounces<f64, Microfacet<f64, AnyDensity<f64>>>>),
+    /// Facets of any density with all bounces of light, by a random walk; it can be sampled, not evaluated.
+    Walk(Box<Walk<f64, AnyDensity<f64>>>),
     /// A fitted density of facet normals on a dielectric; boxed, for its tables are large.
     Normals(Box<Normals<f64>>),
     /// GGX facets and a Lambert floor on an opaque body.
@@ -50,6 +56,18 @@ macro_rules! with_boundary {
                 let $name = &**boxed;
                 $body
             }
+            $crate::boundary::Boundary::AllGgx(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
+            $crate::boundary::Boundary::AllMicrofacet(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
+            $crate::boundary::Boundary::Walk(boxed) => {
+                let $traced = &**boxed;
+                $other
+            }
             $crate::boundary::Boundary::Opaque($name) => $body,
             $crate::boundary::Boundary::Tail($name) => $body,
             $crate::boundary::Boundary::Wave(boxed) => {
@@ -78,6 +96,9 @@ impl Boundary {
             Self::Microfacet(b) => Some(b.eta.get()),
             Self::Normals(b) => Some(b.eta.get()),
             Self::Tail(b) => Some(b.eta().get()),
+            Self::AllGgx(b) => Some(b.single.eta.get()),
+            Self::AllMicrofacet(b) => Some(b.single.eta.get()),
+            Self::Walk(b) => Some(b.eta.get()),
             Self::Traced(t) => Some(t.eta.get()),
             Self::Wave(w) => Some(w.eta().get()),
             Self::Hybrid(h) => Some(h.eta().get()),
@@ -117,7 +138,7 @@ impl Boundary {
 
     /// Whether it can only be sampled: its readings are a Monte Carlo simulation.
     pub fn is_traced(&self) -> bool {
-        matches!(self, Self::Traced(_) | Self::Hybrid(_))
+        matches!(self, Self::Traced(_) | Self::Hybrid(_) | Self::Walk(_))
     }
 
     /// The wavelengths, for boundaries that have them.

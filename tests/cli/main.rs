@@ -43,6 +43,7 @@ mod help;
 mod effect;
 mod snapshots;
 mod book;
+mod bounces;
 mod happy;
 mod maps;
 mod instruments;

@@ -5,10 +5,11 @@ use asperity_tests::code;
 
 use crate::emulator::{self, Firmware};
 /// Most instructions of a call: law, tier, what (see `firmware-sim/src/bin/counts.rs`).
-const MOST: [(&str, usize); 12] = [
+const MOST: [(&str, usize); 13] = [
     // directions made of ready components; a C compiler makes 161 of the same formula
     ("ggx fast ars+unit", 161),
     ("ggx fast sample", 400),
+    ("ggx-ms fast ars+unit", 250),
     ("normals fast ars", 200),
     ("normals fast sample", 400),
     ("table-u8 fast ars", 250),

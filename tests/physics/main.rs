@@ -18,6 +18,7 @@ mod heightfield;
 mod kirchhoff;
 mod normals;
 mod energy;
+mod bounces;
 mod reciprocity;
 mod sampling;
 mod extremes;

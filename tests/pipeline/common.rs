@@ -76,12 +76,14 @@ impl Virtual {
         match &self.boundary {
             Boundary::Ggx(b) => b.slope(),
             Boundary::Microfacet(b) => b.slope(),
+            Boundary::AllGgx(b) => b.slope(),
+            Boundary::AllMicrofacet(b) => b.slope(),
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
             Boundary::Tail(b) => b.slope(),
             Boundary::Wave(b) => b.slope(),
             Boundary::Table(b) => b.slope(),
-            Boundary::Traced(_) | Boundary::Hybrid(_) => {
+            Boundary::Traced(_) | Boundary::Hybrid(_) | Boundary::Walk(_) => {
                 panic!("a traced boundary has no closed form")
             }
         }

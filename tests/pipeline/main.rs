@@ -11,6 +11,7 @@
 )]
 
 mod common;
+mod bounces;
 mod student;
 mod real_scans;
 mod traced_samples;

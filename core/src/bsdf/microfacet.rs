@@ -54,7 +54,7 @@ impl<T: Real, D: Density<T>> Microfacet<T, D> {
 
     /// A facet normal visible from `wi`, and the index of the far medium over that of `wi`'s.
     #[inline]
-    fn facet(&self, wi: Direction<T>, u: [T; 2]) -> Option<(Direction<T>, T)> {
+    pub(super) fn facet(&self, wi: Direction<T>, u: [T; 2]) -> Option<(Direction<T>, T)> {
         let (front, eta) = match lit(wi)? {
             Side::Air => (wi, self.eta.get()),
             Side::Dielectric => (wi.opposite(), self.eta.inverse()),
@@ -93,7 +93,7 @@ impl<T: Real, D: Density<T>> Microfacet<T, D> {
     }
 
     /// Masking of a ray on its way out, if its facet is visible from `wi`: `G / G1(i)`, at most 1.
-    fn way_out(&self, wi: Direction<T>, wo: Direction<T>) -> T {
+    pub(super) fn way_out(&self, wi: Direction<T>, wo: Direction<T>) -> T {
         if self.masking == Masking::Separable {
             return self.density.g1(wo);
         }

@@ -4,6 +4,8 @@
 //! Flux transport: no `eta^2` of radiance, so the integral of [`Bsdf::ars`] over all `wo` is the
 //! scattered fraction of the flux, at most 1; reciprocity reads `f(i,o) / n_o^2 = f(o,i) / n_i^2`.
 
+#[cfg(all(feature = "ggx", feature = "microfacet"))]
+mod bounces;
 mod lobe_set;
 #[cfg(any(feature = "ggx", feature = "normals", feature = "tails"))]
 mod facet;
@@ -20,9 +22,13 @@ mod opaque;
 mod smooth;
 #[cfg(feature = "tails")]
 pub mod tail;
+#[cfg(feature = "microfacet")]
+mod walk;
 #[cfg(all(test, feature = "ggx", feature = "normals", feature = "fast"))]
 mod tests_cast;
 
+#[cfg(all(feature = "ggx", feature = "microfacet"))]
+pub use bounces::{AllBounces, COMPENSATION_NUMBERS, Compensation, FirstBounce, LaterFlux};
 #[cfg(feature = "ggx")]
 pub use ggx::Ggx;
 pub use lobe_set::LobeSet;
@@ -35,6 +41,8 @@ pub use opaque::OpaqueGgx;
 pub use smooth::Smooth;
 #[cfg(feature = "tails")]
 pub use tail::ShiftInvariant;
+#[cfg(feature = "microfacet")]
+pub use walk::{Walk, Walked};
 
 #[cfg(feature = "table")]
 pub(crate) use half::HalfVector;

@@ -2,16 +2,20 @@
 
 use super::beckmann::Beckmann;
 use super::density::Density;
+use super::ggx_facets::GgxFacets;
 use super::slopes::Slopes;
 use super::smith::SmithNormals;
 use super::stretched::Stretched;
 use super::student::Student;
+use crate::direction::Direction;
 use crate::math::Real;
 
 /// One of the densities of this crate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "there is no allocation to box it; who has one may")]
 pub enum AnyDensity<T> {
+    /// GGX.
+    Ggx(GgxFacets<T>),
     /// Gaussian slopes.
     Beckmann(Beckmann<T>),
     /// Student-t slopes.
@@ -29,6 +33,7 @@ pub enum AnyDensity<T> {
 macro_rules! each {
     ($any:expr, $density:ident => $body:expr) => {
         match $any {
+            AnyDensity::Ggx($density) => $body,
             AnyDensity::Beckmann($density) => $body,
             AnyDensity::Student($density) => $body,
             AnyDensity::SmithNormals($density) => $body,
@@ -101,8 +106,13 @@ impl<T: Real> Density<T> for AnyDensity<T> {
         each!(self, density => Density::<T>::tail(density))
     }
 
+    fn sample_facing(&self, w: Direction<T>, u: [T; 2]) -> Direction<T> {
+        each!(self, density => density.sample_facing(w, u))
+    }
+
     fn cast<U: Real>(&self) -> AnyDensity<U> {
         match self {
+            Self::Ggx(density) => AnyDensity::Ggx(density.cast()),
             Self::Beckmann(density) => AnyDensity::Beckmann(density.cast()),
             Self::Student(density) => AnyDensity::Student(density.cast()),
             Self::SmithNormals(density) => AnyDensity::SmithNormals(density.cast()),

@@ -116,6 +116,31 @@ pub trait Density<T: Real>: Copy {
         let [x, y, z] = self.stretched([c * sin, s * sin, cos]).map(T::from_f64);
         Direction::from_unit(x, y, z.max(T::MIN_POSITIVE))
     }
+
+    /// The same from either side: a `w` with z < 0 looks up at the facets that are steeper than it.
+    ///
+    /// Their projected area is `sin L`, `|cos|` less than that from the opposite direction.
+    fn sample_facing(&self, w: Direction<T>, u: [T; 2]) -> Direction<T> {
+        if w.z() < T::ZERO { facing_from_below(self, w, u) } else { self.sample_visible(w, u) }
+    }
+}
+
+/// A facet normal that faces a direction with z < 0.
+fn facing_from_below<T: Real, D: Density<T>>(
+    density: &D,
+    w: Direction<T>,
+    u: [T; 2],
+) -> Direction<T> {
+    let ([x, y, z], [u0, u1]) = (w.xyz().map(Real::to_f64), u.map(Real::to_f64));
+    let across = Real::max(Real::sqrt(x * x + y * y), f64::MIN_POSITIVE);
+    let mu = z / across;
+    let slope = Real::min(steep_slope(density, mu, density.steeper(-mu), 1.0 - u1), STEEPEST);
+    let (s, c) = Real::sin_cos(visible_azimuth(slope, mu, u0));
+    let cos = 1.0 / Real::sqrt(1.0 + slope * slope);
+    let sin = slope * cos / across;
+    let height = T::from_f64(cos).max(T::MIN_POSITIVE);
+    let [along, left] = [x * c - y * s, y * c + x * s].map(|v| T::from_f64(v * sin));
+    Direction::from_unit(along, left, height)
 }
 
 /// A slope beyond which facets are upright.
@@ -136,6 +161,12 @@ fn visible_slope<T: Real, D: Density<T>>(density: &D, mu: f64, v: f64) -> f64 {
     if share >= steeper || steeper <= 0.0 {
         return density.slope_above(Real::min(Real::max(share, 0.0), 1.0));
     }
+    steep_slope(density, mu, steeper, wanted / (excess + mu * steeper))
+}
+
+/// The polar tangent, at least `|mu|`, of a visible facet from the share `v` of the visible area of such facets that is
+/// steeper. `steeper` is their share of the mean area; `mu` is negative from below.
+fn steep_slope<T: Real, D: Density<T>>(density: &D, mu: f64, steeper: f64, v: f64) -> f64 {
     let steep = Steep {
         density,
         mu,
@@ -149,7 +180,7 @@ fn visible_slope<T: Real, D: Density<T>>(density: &D, mu: f64, v: f64) -> f64 {
         *sum = steep.integral([p, p + 1].map(|k| k as f64 / PANELS as f64));
         total += *sum;
     }
-    let mut left = wanted / (excess + mu * steeper) * total;
+    let mut left = v * total;
     let mut panel = 0.0;
     for sum in sums.iter().take(PANELS - 1) {
         if left < *sum {
@@ -177,7 +208,7 @@ fn visible_slope<T: Real, D: Density<T>>(density: &D, mu: f64, v: f64) -> f64 {
     steep.facet(x)[0]
 }
 
-/// The facets steeper than a direction of cotangent `mu`, along `x` from the steepest at 0 to those just as steep at 1.
+/// The facets steeper than a direction of cotangent `mu`, negative from below, along `x` from the steepest at 0 to those just as steep at 1.
 struct Steep<'a, T, D> {
     density: &'a D,
     mu: f64,
@@ -192,7 +223,7 @@ impl<T: Real, D: Density<T>> Steep<'_, T, D> {
     fn facet(&self, x: f64) -> [f64; 2] {
         let y = self.start * x * x * (3.0 - 2.0 * x);
         let share = Real::pow(y, self.power);
-        let slope = Real::min(Real::max(self.density.slope_above(share), self.mu), STEEPEST);
+        let slope = Real::min(Real::max(self.density.slope_above(share), self.mu.abs()), STEEPEST);
         let per = if y > 0.0 { self.power * share / y } else { 0.0 };
         [slope, per * self.start * 6.0 * x * (1.0 - x)]
     }
@@ -201,7 +232,8 @@ impl<T: Real, D: Density<T>> Steep<'_, T, D> {
     fn density(&self, x: f64) -> f64 {
         let [s, per] = self.facet(x);
         let root = Real::sqrt((s - self.mu) * (s + self.mu));
-        per * FRAC_1_PI * (self.mu * last_azimuth(s, self.mu) + root)
+        let area = self.mu * last_azimuth(s, self.mu) + root;
+        per * FRAC_1_PI * if self.mu < 0.0 { Real::max(area, 0.0) } else { area }
     }
 
     fn integral(&self, [a, b]: [f64; 2]) -> f64 {
@@ -212,14 +244,20 @@ impl<T: Real, D: Density<T>> Steep<'_, T, D> {
 
 /// The largest azimuth at which a facet of polar tangent `slope` faces a direction of cotangent `mu`.
 fn last_azimuth(slope: f64, mu: f64) -> f64 {
-    if slope > mu { PI - Real::acos(mu / slope) } else { PI }
+    if slope > mu.abs() {
+        PI - Real::acos(mu / slope)
+    } else if mu >= 0.0 {
+        PI
+    } else {
+        0.0
+    }
 }
 
 /// The azimuth of a visible facet from that of the direction, with density `(mu + slope cos)+`: Kepler's equation, whose
 /// left side is concave, so that Newton's steps from below stay below.
 fn visible_azimuth(slope: f64, mu: f64, u: f64) -> f64 {
     let slope = Real::min(slope, STEEPEST);
-    let (b, a) = (mu / (mu + slope), slope / (mu + slope));
+    let (b, a) = (mu / (mu.abs() + slope), slope / (mu.abs() + slope));
     let end = last_azimuth(slope, mu);
     let side = 2.0 * u - 1.0;
     let area = |phi: f64| b * phi + a * Real::sin_cos(phi).0;

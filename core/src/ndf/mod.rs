@@ -1,6 +1,6 @@
 //! Distributions of microfacet normals.
 
-#[cfg(any(feature = "ggx", feature = "table"))]
+#[cfg(any(feature = "ggx", feature = "table", feature = "microfacet"))]
 pub mod ggx;
 #[cfg(feature = "normals")]
 pub mod law;
@@ -16,6 +16,8 @@ mod visible;
 pub mod normals;
 #[cfg(feature = "microfacet")]
 pub mod density;
+#[cfg(feature = "microfacet")]
+pub mod ggx_facets;
 #[cfg(feature = "microfacet")]
 pub mod beckmann;
 #[cfg(feature = "microfacet")]

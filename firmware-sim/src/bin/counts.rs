@@ -12,7 +12,7 @@ mod ticks;
 mod device {
     use core::hint::black_box;
 
-    use asperity_core::bsdf::{Bsdf, Ggx, Normals};
+    use asperity_core::bsdf::{AllBounces, Bsdf, COMPENSATION_NUMBERS, Compensation, Ggx, Normals};
     use asperity_core::direction::Direction;
     use asperity_core::math::{Fast, Real};
     use asperity_core::ndf::law::{Law, Profile};
@@ -99,6 +99,8 @@ mod device {
         let normals: Normals<T, 64> = Normals::new(NormalDensity::new(profile), eta);
         law(tier, "ggx", &ggx, raw);
         law(tier, "normals", &normals, raw);
+        let later = Compensation::from_numbers(&[T::of(0.1); COMPENSATION_NUMBERS])?;
+        law(tier, "ggx-ms", &AllBounces { single: ggx, later }, raw);
         Some(())
     }
 

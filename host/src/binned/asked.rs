@@ -39,9 +39,12 @@ impl Asked {
         let table = match boundary {
             Boundary::Traced(t) => traced(t, (t.eta(), t.anisotropy()), wi, rays, watch)?,
             Boundary::Hybrid(h) => traced(&**h, (h.eta(), h.anisotropy()), wi, rays, watch)?,
+            Boundary::Walk(w) => traced(&**w, (w.eta, None), wi, rays, watch)?,
             Boundary::Wave(wave) => of_waves(wave, wi, rays, watch)?,
             Boundary::Ggx(_)
             | Boundary::Microfacet(_)
+            | Boundary::AllGgx(_)
+            | Boundary::AllMicrofacet(_)
             | Boundary::Normals(_)
             | Boundary::Opaque(_)
             | Boundary::Tail(_)

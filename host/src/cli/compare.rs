@@ -6,8 +6,9 @@ use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::flags::method::MethodName;
 use super::flags::sample::{Loaded, SampleFlags, methods};
+use super::model::BouncesFlag;
 use super::print;
-use crate::reconstruct::usually_asked;
+use crate::reconstruct::{Task, usually_asked};
 use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side
@@ -38,6 +39,10 @@ pub(super) struct Args {
     /// Methods to try; the five of the paper without it
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = MethodName)]
     methods: Vec<String>,
+    /// Facets that light may meet, in the methods ggx, beckmann, student and smith-normals: one, all,
+    /// or all by a random walk [default: one]; the method ggx-ms is ggx with all
+    #[arg(long, value_enum)]
+    bounces: Option<BouncesFlag>,
     /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -53,7 +58,8 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let methods = methods(&args.methods)?;
-    args.sample.check(&methods, !args.maps.is_empty())?;
+    let walks = args.bounces == Some(BouncesFlag::Walk);
+    args.sample.check(&methods, !args.maps.is_empty(), walks)?;
     if !args.maps.is_empty() && args.maps.len() != args.scans.len() {
         return Err(Failure::bad(format!(
             "scans: {}, height maps: {}; give one --map a scan in the same order, or none",
@@ -72,7 +78,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             }
             None => name.clone(),
         };
-        samples.push(Sample::new(name.clone(), title, one.task(), &methods, &usually_asked)?);
+        let bounces = args.bounces.map(BouncesFlag::bounces);
+        let task = Task { bounces, ..one.task() };
+        samples.push(Sample::new(name.clone(), title, task, &methods, &usually_asked)?);
     }
     let work = Work {
         title: "Comparison of the methods".into(),

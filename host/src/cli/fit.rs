@@ -10,7 +10,7 @@ use super::flags::light::LightFlags;
 use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
-use super::model::ProfileFlag;
+use super::model::{BouncesFlag, ProfileFlag};
 use super::{auto, print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
@@ -62,6 +62,10 @@ pub(super) struct Args {
     /// Profile of `normals` and `heights`; both are tried without it
     #[arg(long, value_enum, alias = "law")]
     profile: Option<ProfileFlag>,
+    /// Facets that light may meet, for ggx, beckmann, student and smith-normals: one (the rest of the
+    /// light is lost), all, or all by a random walk [default: one]; ggx-ms is ggx with all
+    #[arg(long, value_enum)]
+    bounces: Option<BouncesFlag>,
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
@@ -147,6 +151,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         max_misfit: args.effort.max_misfit,
         map: map.as_ref(),
         light: args.light.light(Some(&measurement.meta))?,
+        bounces: args.bounces.map(BouncesFlag::bounces),
         input: Some(&input),
         in_plate: args.setup.in_plate(),
     };
@@ -298,8 +303,12 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
         belongs("--body", Kind::names(|kind| kind.describes_sheet))?;
     }
     args.map_flags.need_map(args.map.is_some() && kind.needs_map)?;
-    args.effort.need_rays(kind.traced)?;
+    let walks = args.bounces == Some(BouncesFlag::Walk);
+    args.effort.need_rays(kind.traced || (walks && kind.has_bounces()))?;
     args.setup.check()?;
+    if args.bounces.is_some_and(|b| b != BouncesFlag::One) && !kind.has_bounces() {
+        return belongs("--bounces", Kind::names(Kind::has_bounces));
+    }
     if args.profile.is_some() && !kind.has_profile {
         belongs("--profile", Kind::names(|kind| kind.has_profile))
     } else if args.map.is_some() && !kind.needs_map {

@@ -13,7 +13,7 @@ use super::flags::method::MethodName;
 use super::flags::scan::{BodyFlag, GeometryFlag, number};
 use super::print;
 use crate::kirchhoff::Speckle;
-use crate::method::{Body, Choice, Kind};
+use crate::method::{Body, Bounces, Choice, Kind};
 use crate::model::{MapRecord, Model, Value};
 use crate::output::AtomicFile;
 use crate::provenance::Provenance;
@@ -36,6 +36,27 @@ impl ProfileFlag {
     }
 }
 
+/// How many facets light may meet, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum BouncesFlag {
+    /// One; light that meets another is lost
+    One,
+    /// All, in closed form
+    All,
+    /// All, by a random walk: the reference, which can only be sampled
+    Walk,
+}
+
+impl BouncesFlag {
+    pub(super) fn bounces(self) -> Bounces {
+        match self {
+            Self::One => Bounces::One,
+            Self::All => Bounces::All,
+            Self::Walk => Bounces::Walk,
+        }
+    }
+}
+
 /// Make a model from parameters, without a fit
 ///
 /// Methods and their parameters:
@@ -51,6 +72,7 @@ impl ProfileFlag {
 ///   slopes   width (slope at the last knot), knot1 to knot7 (ln of the density there over that at 0)
 ///   abg  A (1/sr), B, g; harvey  b0 (1/sr), L, S; super-gauss  A (1/sr), w, p; k-correlation  A (um^4), B (um), C with
 ///        --wavelength-nm and in transmission --ior; all with --lobe, and an optional specular (share; the rest without it)
+///   ggx-ms    ggx with --bounces all
 ///
 /// Examples:
 ///   asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
@@ -79,6 +101,10 @@ pub(super) struct Args {
     /// Profile of the density of `normals` and `heights`
     #[arg(long, value_enum, alias = "law")]
     profile: Option<ProfileFlag>,
+    /// Facets that light may meet, for ggx, beckmann, student and smith-normals: one (the rest of the
+    /// light is lost), all, or all by a random walk [default: one]
+    #[arg(long, value_enum)]
+    bounces: Option<BouncesFlag>,
     /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -135,6 +161,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let choice = Choice {
         wave: wave.as_ref(),
         profile: args.profile.map(ProfileFlag::word),
+        bounces: args.bounces.map(|flag| flag.bounces().word()),
         asked: &|wanted| pairs.iter().any(|(name, _)| name == wanted),
         map: map.as_ref().map(|m| (&m.map, m.edges)),
         seed: args.seed.unwrap_or(1),

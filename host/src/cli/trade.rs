@@ -93,7 +93,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let names = methods(&args.methods)?;
     let models = args.files.iter().filter(|path| is_model(path)).count();
     let input = if models == 0 && args.files.len() == 1 {
-        args.sample.check(&names, args.map.is_some())?;
+        args.sample.check(&names, args.map.is_some(), false)?;
         Input::Scan(Box::new(args.sample.load(&args.files[0], args.map.as_ref())?))
     } else {
         if models < args.files.len() {

@@ -5,7 +5,8 @@ use std::fmt;
 use asperity_core::bsdf::Lobe;
 use asperity_core::ndf::law::Profile;
 
-use super::{Body, BuildError, Method};
+use super::bounces::GGX_MS;
+use super::{Body, Bounces, BuildError, Method};
 use crate::kirchhoff::WaveOptions;
 use crate::message::excerpt;
 use crate::surface::{Edges, HeightMap};
@@ -93,6 +94,8 @@ pub struct Choice<'a> {
     pub name: &'a str,
     /// Shape of the law, for methods that have one; gauss if not said.
     pub profile: Option<&'a str>,
+    /// How many facets light may meet, for methods of microfacets: one, all or walk; one if not said.
+    pub bounces: Option<&'a str>,
     /// The body.
     pub body: Body,
     /// Which of the optional parameters are wanted.
@@ -121,6 +124,7 @@ impl<'a> Choice<'a> {
         Self {
             name,
             profile: None,
+            bounces: None,
             body,
             asked: &|_| false,
             map: None,
@@ -138,6 +142,22 @@ impl<'a> Choice<'a> {
             Some("cauchy") => Ok(Profile::Cauchy),
             Some(other) => Err(Lack::Law(other.into())),
         }
+    }
+
+    /// How many facets light may meet.
+    pub(super) fn bounces(&self, kind: &Kind) -> Result<Bounces, Lack> {
+        let word = self.bounces.map(Bounces::named).transpose()?;
+        let (usual, fixed) =
+            if self.name == GGX_MS { (Bounces::All, true) } else { (Bounces::One, false) };
+        let bounces = word.unwrap_or(usual);
+        if fixed && bounces != usual {
+            return Err(Lack::FixedBounces);
+        }
+        if bounces != Bounces::One && !(kind.has_bounces() && self.body != Body::Opaque) {
+            let those = Kind::names(Kind::has_bounces).join(", ");
+            return Err(Lack::NoBounces { those });
+        }
+        Ok(bounces)
     }
 
     /// The map of a method that needs one.
@@ -170,6 +190,18 @@ pub enum Lack {
     /// There is no law of this name.
     #[error("profile `{}` is unknown; write gauss or cauchy", excerpt(.0))]
     Law(String),
+    /// There is no such number of bounces.
+    #[error("bounces `{}` is unknown; write one, all or walk", excerpt(.0))]
+    Bounces(String),
+    /// The name of the method says already how many bounces there are.
+    #[error("method ggx-ms is ggx with all bounces; write ggx for others")]
+    FixedBounces,
+    /// The method or the body does not let light meet several facets.
+    #[error("light of several bounces needs a clear dielectric and one of the methods {those}")]
+    NoBounces {
+        /// Methods with this option.
+        those: String,
+    },
     /// The body is opaque.
     #[error(
         "method {method} needs a dielectric with a refractive index; an opaque body can be described with {others}"

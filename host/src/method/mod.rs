@@ -9,6 +9,7 @@
 //! | `smith-normals` | [`smith_normals`] | the same, with the laws of `normals` |
 //! | `slopes` | [`slopes`] | the same, with a density of slopes through knots |
 //! | `abg`, `harvey`, `k-correlation`, `super-gauss` | [`tail`] | scatter about the specular direction, `asperity_core::bsdf::tail` |
+//! | all four microfacet methods with several bounces | [`Bounces`] | `AllBounces` and `Walk` of `asperity_core::bsdf` |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 //! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
@@ -17,6 +18,7 @@
 mod parameter;
 mod kind;
 mod oriented;
+mod bounces;
 pub mod ggx;
 pub mod normals;
 pub mod beckmann;
@@ -33,6 +35,7 @@ pub mod measured_hybrid;
 mod registry;
 
 pub use beckmann::BeckmannMethod;
+pub use bounces::Bounces;
 pub use ggx::GgxMethod;
 pub use heights::HeightsMethod;
 pub use kind::{Choice, Kind, Lack, Origin, Waves};
@@ -161,10 +164,23 @@ pub trait Method: Send + Sync {
     fn wavelength_nm(&self) -> Option<f64> {
         None
     }
+    /// How many facets light may meet.
+    fn bounces(&self) -> Bounces {
+        Bounces::One
+    }
     /// Its name with what tells its variants apart: `normals (gauss)`.
     fn label(&self) -> String {
         let variant = self.profile().or(self.wave().map(|w| w.speckle.name()));
-        variant.map_or_else(|| self.name().to_owned(), |v| format!("{} ({v})", self.name()))
+        let bounces = match self.bounces() {
+            Bounces::One => None,
+            Bounces::All => Some("all bounces"),
+            Bounces::Walk => Some("walk"),
+        };
+        let variants: Vec<&str> = variant.into_iter().chain(bounces).collect();
+        match variants[..] {
+            [] => self.name().to_owned(),
+            _ => format!("{} ({})", self.name(), variants.join(", ")),
+        }
     }
     /// The seed of its surface, for methods that draw one.
     fn seed(&self) -> Option<u64> {

@@ -3,10 +3,11 @@
 //! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and
 //! the methods of comparisons come from here.
 
+use super::bounces::{Bouncing, GGX_MS};
 use super::kind::{Choice, Kind, Lack, Origin};
 use super::{
-    Body, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave, normals,
-    slopes, smith_normals, student, tail,
+    Body, Bounces, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave,
+    normals, slopes, smith_normals, student, tail,
 };
 
 /// All methods, in the order of tables.
@@ -36,6 +37,7 @@ impl Kind {
         static ALL: [Kind; KINDS.len()] = KINDS;
         let unknown =
             || Lack::Method { name: name.into(), known: Self::names(|_| true).join(", ") };
+        let name = if name == GGX_MS { ggx::KIND.name } else { name };
         ALL.iter().find(|kind| kind.name == name).ok_or_else(unknown)
     }
 
@@ -66,7 +68,10 @@ impl Choice<'_> {
             let others = in_words(&Kind::names(|kind| kind.describes_sheet));
             return Err(Lack::Sheet { method: kind.name, others });
         }
-        (kind.make)(self)
+        match self.bounces(kind)? {
+            Bounces::One => (kind.make)(self),
+            bounces => Ok(Box::new(Bouncing { of: (kind.make)(self)?, bounces })),
+        }
     }
 }
 

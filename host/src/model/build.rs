@@ -70,6 +70,7 @@ impl Model {
         }
         let choice = Choice {
             profile: self.law.as_deref(),
+            bounces: self.bounces.as_deref(),
             wave: self.wave.as_ref(),
             asked: &|name| self.parameters.contains_key(name),
             map: map.as_ref().map(|m| (&m.map, m.edges)),
@@ -78,7 +79,12 @@ impl Model {
             wavelength_nm: self.wavelength_nm,
             ..Choice::new(&self.method, body)
         };
-        let method = choice.method().map_err(in_method)?;
+        let method = choice.method().map_err(|lack| match lack {
+            Lack::Bounces(_) | Lack::NoBounces { .. } | Lack::FixedBounces => {
+                ("bounces".to_owned(), lack.to_string())
+            }
+            lack => in_method(lack),
+        })?;
         // A fit of a plate keeps these two besides the method's own.
         let common = ["ior", "gain"];
         for (name, value) in &self.parameters {

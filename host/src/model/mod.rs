@@ -41,7 +41,7 @@ use asperity_core::bsdf::Lobe;
 use serde::{Deserialize, Serialize};
 
 use crate::kirchhoff::WaveOptions;
-use crate::method::{Body, Method};
+use crate::method::{Body, Bounces, Method};
 use crate::provenance::Provenance;
 
 /// Version of the format.
@@ -137,6 +137,9 @@ pub struct Model {
     /// Shape of the law, for `normals`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
+    /// How many facets light may meet, `all` or `walk`, for methods of microfacets; one if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounces: Option<String>,
     /// The measured map, for methods that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapRecord>,
@@ -232,6 +235,7 @@ impl Model {
             asperity: FORMAT,
             method: method.name().into(),
             law: method.profile().map(Into::into),
+            bounces: (method.bounces() != Bounces::One).then(|| method.bounces().word().into()),
             map: None,
             wave: method.wave().cloned(),
             surface_seed: method.seed(),

@@ -7,7 +7,7 @@ use crate::fit::{FitOptions, MISFIT_PERCENT};
 use crate::forward::Setup;
 use crate::kirchhoff::{WaveOptions, Wavelengths};
 use crate::measurement::Measurement;
-use crate::method::{Choice, Kind, Lack, Method};
+use crate::method::{Body, Bounces, Choice, Kind, Lack, Method};
 use crate::provenance::InputFile;
 use crate::surface::Prepared;
 
@@ -29,6 +29,8 @@ pub struct Task<'a> {
     pub map: Option<&'a Prepared>,
     /// The light, for methods that send waves.
     pub light: Light,
+    /// How many facets light may meet, where the method and the body let it meet several.
+    pub bounces: Option<Bounces>,
     /// The file of the measurement.
     pub input: Option<&'a InputFile>,
     /// Whether laws that describe a sheet are those of the face inside the plate instead.
@@ -71,6 +73,7 @@ impl<'a> Task<'a> {
             max_misfit: MISFIT_PERCENT,
             map: None,
             light: Light { wavelengths: of_header.and_then(Result::ok), ..Light::default() },
+            bounces: None,
             input: None,
             in_plate: false,
         }
@@ -123,6 +126,9 @@ impl<'a> Task<'a> {
         } else {
             vec![None]
         };
+        let has_bounces = kind.has_bounces() && self.options.body != Body::Opaque;
+        let bounces = self.bounces.filter(|_| has_bounces);
+        let bounces = bounces.map(Bounces::word);
         let with = |(profile, wave): (Option<&str>, Option<&WaveOptions>)| {
             let seed = self.options.rays.seed;
             let lobe = Some(match self.setup.geometry {
@@ -131,7 +137,7 @@ impl<'a> Task<'a> {
             });
             let wavelength_nm = self.wavelength_nm();
             let usual = Choice { lobe, wavelength_nm, ..Choice::new(name, body) };
-            Choice { profile, asked, map, wave, seed, ..usual }.method()
+            Choice { profile, bounces, asked, map, wave, seed, ..usual }.method()
         };
         let variants =
             profiles.iter().flat_map(|profile| waves.iter().map(|w| (*profile, w.as_ref())));

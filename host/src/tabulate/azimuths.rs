@@ -38,6 +38,9 @@ fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
         }
         Boundary::Ggx(_)
         | Boundary::Microfacet(_)
+        | Boundary::AllGgx(_)
+        | Boundary::AllMicrofacet(_)
+        | Boundary::Walk(_)
         | Boundary::Normals(_)
         | Boundary::Opaque(_)
         | Boundary::Tail(_)

@@ -1,6 +1,6 @@
 //! The laws in closed form, in any number type.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, ShiftInvariant};
+use asperity_core::bsdf::{AllBounces, Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, ShiftInvariant};
 use asperity_core::math::Real;
 use asperity_core::ndf::any::AnyDensity;
 use asperity_core::ndf::law::Law;
@@ -62,6 +62,22 @@ impl Formula for ShiftInvariant<f64> {
 
 impl Formula for Microfacet<f64, AnyDensity<f64>> {
     type In<T: Real> = Microfacet<T, AnyDensity<T>>;
+
+    fn of<T: Real>(&self) -> Option<Self::In<T>> {
+        Some(self.cast())
+    }
+}
+
+impl Formula for AllBounces<f64, Ggx<f64>> {
+    type In<T: Real> = AllBounces<T, Ggx<T>>;
+
+    fn of<T: Real>(&self) -> Option<Self::In<T>> {
+        Some(self.cast())
+    }
+}
+
+impl Formula for AllBounces<f64, Microfacet<f64, AnyDensity<f64>>> {
+    type In<T: Real> = AllBounces<T, Microfacet<T, AnyDensity<T>>>;
 
     fn of<T: Real>(&self) -> Option<Self::In<T>> {
         Some(self.cast())

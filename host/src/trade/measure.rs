@@ -73,6 +73,8 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
     match boundary {
         Boundary::Ggx(law) => bench.formula(law, Some(&Payload::ggx(law))),
         Boundary::Microfacet(law) => bench.formula(&**law, None),
+        Boundary::AllGgx(law) => bench.formula(&**law, None),
+        Boundary::AllMicrofacet(law) => bench.formula(&**law, None),
         Boundary::Normals(law) => bench.formula(&**law, Some(&Payload::normals(law))),
         Boundary::Opaque(law) => bench.formula(law, None),
         Boundary::Tail(law) => bench.formula(law, None),
@@ -85,6 +87,7 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
             bench.model(&**table, Some(eval));
         }
         Boundary::Traced(traced) => bench.model(traced, None),
+        Boundary::Walk(walk) => bench.model(&**walk, None),
         Boundary::Hybrid(hybrid) => bench.model(&**hybrid, None),
     }
     for kib in work.table_kib {

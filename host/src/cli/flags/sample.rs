@@ -44,12 +44,17 @@ pub(in crate::cli) struct Loaded {
 
 impl SampleFlags {
     /// Refuses what has no effect on any of the methods, or without maps.
-    pub(in crate::cli) fn check(&self, methods: &[String], has_maps: bool) -> Result<(), Failure> {
+    pub(in crate::cli) fn check(
+        &self,
+        methods: &[String],
+        has_maps: bool,
+        walks: bool,
+    ) -> Result<(), Failure> {
         self.effort.check()?;
         self.setup.check()?;
         let any = |is: fn(&Kind) -> bool| methods.iter().any(|m| Kind::named(m).is_ok_and(is));
         self.map_flags.need_map(has_maps)?;
-        self.effort.need_rays(any(|kind| kind.traced))?;
+        self.effort.need_rays(any(|kind| kind.traced) || (walks && any(Kind::has_bounces)))?;
         self.light.need_waves(has_maps && any(Kind::is_wave), "no method sends waves on a map")
     }
 
@@ -90,6 +95,7 @@ impl Loaded {
             max_misfit: self.max_misfit,
             map: self.map.as_ref(),
             light: self.light.clone(),
+            bounces: None,
             input: Some(&self.input),
             in_plate: self.in_plate,
         }
