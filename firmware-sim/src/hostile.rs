@@ -1,11 +1,16 @@
 //! Evaluators under hostile input: parameters and directions at their limits, beyond them, subnormal, huge,
 //! infinite and NaN. What exists has to give finite results; the rest is a typed error.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx, Smooth};
+use asperity_core::bsdf::tail::Shape;
+use asperity_core::bsdf::{
+    Bsdf, Ggx, Lobe, Masking, Microfacet, Normals, OpaqueGgx, ShiftInvariant, Smooth,
+};
 use asperity_core::direction::Direction;
 use asperity_core::math::Real;
+use asperity_core::ndf::beckmann::Beckmann;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
+use asperity_core::ndf::student::Student;
 use asperity_core::quantity::{Alpha, RelativeIor};
 use rand_core::Rng as _;
 use rand_pcg::Pcg32;
@@ -117,6 +122,11 @@ impl<T: Real> Source<T> {
         self.last = self.uniform();
     }
 
+    fn pick_index(&mut self) -> Option<RelativeIor<T>> {
+        let index = self.pick(INDICES);
+        self.refuse(RelativeIor::new(index))
+    }
+
     fn refuse<R, E>(&mut self, made: Result<R, E>) -> Option<R> {
         self.outcome.refused += u32::from(made.is_err());
         made.ok()
@@ -174,9 +184,51 @@ pub fn normals<T: Real>(laws: u32, cases: u32) -> Outcome {
     source.outcome
 }
 
+/// Microfacets of Student's and Beckmann's densities: `cases` of them.
+pub fn microfacets<T: Real>(cases: u32) -> Outcome {
+    let mut source = source::<T>(3);
+    for k in 0..cases {
+        let (width, index) = (source.pick(WIDTHS), source.pick(INDICES));
+        let gamma = source.pick([1.51, 1.6, 2.0, 3.0, 30.0, 500.0, 1.5, 1e9]);
+        let alpha = source.refuse(Alpha::new(width));
+        let eta = source.refuse(RelativeIor::new(index));
+        let (Some(alpha), Some(eta)) = (alpha, eta) else { continue };
+        let masking = if k % 2 == 0 { Masking::Separable } else { Masking::Correlated };
+        if k % 3 == 0 {
+            source.evaluate(&Microfacet::new(Beckmann::new(alpha), eta).with_masking(masking));
+        } else if let Some(student) = source.refuse(Student::new(alpha, gamma)) {
+            source.evaluate(&Microfacet::new(student, eta).with_masking(masking));
+        }
+    }
+    source.outcome
+}
+
+/// Scatter about the specular direction, of sheets and of faces: `cases` of them.
+pub fn about_specular<T: Real>(cases: u32) -> Outcome {
+    let mut source = source::<T>(4);
+    for k in 0..cases {
+        let level = source.pick([1e-9, 1e-4, 0.01, 0.3, 1e6, f64::NAN, 0.0, 1e-2]);
+        let width = source.pick([1e-6, 1e-3, 0.05, 0.5, 3.0, 1e-12, 0.0, 0.2]);
+        let power = source.pick([0.2, 1.0, 2.0, 3.7, 15.0, 60.0, 1e4, -1.0]);
+        let shape = match k % 4 {
+            0 => Shape::Abg { a: level, b: width, g: power },
+            1 => Shape::Harvey { b0: level, l: width, s: T::ZERO - power, m: power },
+            2 => Shape::SuperGauss { a: level, w: width, p: power },
+            _ => Shape::KCorrelation { b0: level, l: width, s: T::ZERO - power },
+        };
+        let Some(eta) = source.pick_index() else { continue };
+        let lobe = if k % 3 == 0 { Lobe::Reflection } else { Lobe::Transmission };
+        let specular = (k % 5 == 0).then(|| T::from_f64(0.1));
+        if let Some(law) = source.refuse(ShiftInvariant::new(shape, lobe, eta, specular)) {
+            source.evaluate(&law);
+        }
+    }
+    source.outcome
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Outcome, closed_forms, normals};
+    use super::{Outcome, about_specular, closed_forms, microfacets, normals};
     use asperity_core::math::{Fast, Real};
 
     fn sound(what: &str, outcome: Outcome, least: u32) {
@@ -188,6 +240,8 @@ mod tests {
     fn both<T: Real>(what: &str) {
         sound(what, closed_forms::<T>(400_000), 100_000);
         sound(what, normals::<T>(300, 300), 20_000);
+        sound(what, microfacets::<T>(20_000), 5_000);
+        sound(what, about_specular::<T>(20_000), 2_000);
     }
 
     #[test]

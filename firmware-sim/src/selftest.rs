@@ -17,10 +17,10 @@ use asperity_core::quantity::{Alpha, RelativeIor};
 use rand_pcg::Pcg32;
 
 use crate::digest::Digest;
-use crate::hostile;
+use crate::{hostile, selftest_laws};
 
 /// The number of sections.
-pub const COUNT: usize = 16;
+pub const COUNT: usize = 19;
 
 /// A name and the function that computes the checksum.
 pub type Section = (&'static str, fn() -> u64);
@@ -40,6 +40,9 @@ pub const SECTIONS: [Section; COUNT] = [
     ("math-fast-f32", || functions::<Fast<f32>>(2000)),
     ("ggx-fast-f32", || ggx::<Fast<f32>>(3000)),
     ("normals-fast-f32", || normals::<Fast<f32>>(300)),
+    ("microfacets-f32", || selftest_laws::microfacets::<f32>(50)),
+    ("about-specular-f32", || selftest_laws::about_specular::<f32>(32)),
+    ("about-specular-f64", || selftest_laws::about_specular::<f64>(16)),
     ("hostile-f32", || hostile::closed_forms::<f32>(100_000).digest.finish()),
     ("hostile-fast-f32", || hostile::closed_forms::<Fast<f32>>(200_000).digest.finish()),
     ("hostile-f64", || hostile::closed_forms::<f64>(1000).digest.finish()),
@@ -65,10 +68,10 @@ pub fn combine(sections: &[(&str, u64)]) -> u64 {
 }
 
 /// Seeded source of uniforms and directions.
-struct Source(Pcg32);
+pub(crate) struct Source(Pcg32);
 
 impl Source {
-    fn new(stream: u64) -> Self {
+    pub(crate) fn new(stream: u64) -> Self {
         Self(Pcg32::new(0x5eed, stream))
     }
 
@@ -89,7 +92,7 @@ impl Source {
 }
 
 /// A polymer plate's index; every number here is inside its domain, as `all_quantities_exist` checks.
-fn ior<T: Real>() -> Option<RelativeIor<T>> {
+pub(crate) fn ior<T: Real>() -> Option<RelativeIor<T>> {
     RelativeIor::new(T::from_f64(1.49)).ok()
 }
 
@@ -140,7 +143,12 @@ fn ray<T: Real, S: Scatter<T>>(law: &S, wi: Direction<T>, source: &mut Source, d
 }
 
 /// Values, density and a ray at seeded pairs of directions, both sides.
-fn law<T: Real, B: Bsdf<T>>(law: Option<B>, count: usize, source: &mut Source, d: &mut Digest) {
+pub(crate) fn law<T: Real, B: Bsdf<T>>(
+    law: Option<B>,
+    count: usize,
+    source: &mut Source,
+    d: &mut Digest,
+) {
     if let Some(law) = law {
         for k in 0..count {
             let (wi, wo) = (source.direction(k), source.direction(k / 8));

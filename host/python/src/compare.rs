@@ -161,5 +161,7 @@ fn sample(
         noise_floor_percent: SampleResult::floor_of(&attempts)
             .or_else(|| noise::before_fit(task.measurement)),
         attempts,
+        ranking: Vec::new(),
+        grounds: Default::default(),
     })
 }

@@ -5,7 +5,7 @@ use super::progress;
 use crate::fit::FitError;
 use crate::method::{Body, KINDS, Kind, Waves};
 use crate::model::Rank;
-use crate::reconstruct::{Found, Ranking, Task, Trials, usually_asked};
+use crate::reconstruct::{Found, Grounds, Task, Trials, usually_asked};
 
 /// The name that stands for all laws in closed form.
 pub(super) const AUTO: &str = "auto";
@@ -41,7 +41,11 @@ pub(super) fn laws(task: &Task<'_>, of_sheet: bool) -> Result<Trials, String> {
 /// If not even one law gave a fit.
 pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), FitError> {
     let ranking = progress::counter("").watch(|watch| task.rank(laws, watch))?;
-    let text = table(&ranking);
+    let mut text = table(ranking.laws.iter().map(|law| &law.rank), ranking.grounds);
+    for (label, why) in &ranking.failed {
+        text += &format!("{label}: {why}\n");
+    }
+    text.push('\n');
     let ranks: Vec<Rank> = ranking.laws.iter().map(|law| law.rank.clone()).collect();
     let chosen = ranking.laws.into_iter().next().ok_or(FitError::NoStart)?;
     let mut found = chosen.found;
@@ -54,7 +58,7 @@ pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), 
 }
 
 /// The ranking as a table, the chosen law first.
-pub(super) fn table(ranking: &Ranking) -> String {
+pub(super) fn table<'a>(ranks: impl Iterator<Item = &'a Rank>, grounds: Grounds) -> String {
     use std::fmt::Write;
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -65,8 +69,7 @@ pub(super) fn table(ranking: &Ranking) -> String {
     let number = |x: Option<f64>, digits: usize| {
         x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"))
     };
-    for ranked in &ranking.laws {
-        let rank = &ranked.rank;
+    for rank in ranks {
         let Rank { law, parameters, rmsd_percent, undetermined, refused, .. } = rank;
         let weak = if undetermined.is_empty() { "-".to_owned() } else { undetermined.join(", ") };
         let refused = if *refused { "   refused" } else { "" };
@@ -78,11 +81,11 @@ pub(super) fn table(ranking: &Ranking) -> String {
             rank.criterion,
         );
     }
-    let _ = match ranking.folds {
+    let _ = match grounds.folds {
         0 => writeln!(
             text,
-            "chosen by the criterion of Schwarz with {:.0} independent readings: there are not two incidences to predict one from the other",
-            ranking.effective
+            "chosen by the criterion of Schwarz with {:.0} independent readings: not every law could predict incidences it was not fitted to",
+            grounds.effective
         ),
         folds => writeln!(
             text,
@@ -90,9 +93,5 @@ pub(super) fn table(ranking: &Ranking) -> String {
              within one standard error, the one with the fewest parameters"
         ),
     };
-    for (label, why) in &ranking.failed {
-        let _ = writeln!(text, "{label}: {why}");
-    }
-    text.push('\n');
     text
 }

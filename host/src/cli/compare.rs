@@ -7,8 +7,8 @@ use super::error::Failure;
 use super::flags::method::MethodName;
 use super::flags::sample::{Loaded, SampleFlags, methods};
 use super::model::BouncesFlag;
-use super::print;
-use crate::reconstruct::{Task, usually_asked};
+use super::{auto, print};
+use crate::reconstruct::{SampleResult, Task, usually_asked};
 use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side
@@ -43,6 +43,10 @@ pub(super) struct Args {
     /// or all by a random walk [default: one]; the method ggx-ms is ggx with all
     #[arg(long, value_enum)]
     bounces: Option<BouncesFlag>,
+    /// Rank the methods by what the data support: those in closed form have to predict incidences that they were not fitted
+    /// to (each is fitted up to five times more), the others are judged by an information criterion
+    #[arg(long)]
+    rank: bool,
     /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -88,16 +92,25 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         methods,
         samples,
         timing: !args.no_timing,
+        rank: args.rank,
     };
     work.carry_out(&args.output, &|comparison| {
         let folder = args.output.display();
         print(&if args.json {
             format!("{:#}\n", comparison.json())
         } else {
-            let text = comparison.text();
+            let text = comparison.text() + &rankings(&comparison.samples);
             format!("{text}\nTables, models, plots and report.html are in {folder}\n")
         })
     })
+}
+
+/// The methods of each sample in the order of what the data support, if they were ranked.
+fn rankings(samples: &[SampleResult]) -> String {
+    let ranked = samples.iter().filter(|sample| !sample.ranking.is_empty());
+    let one =
+        |s: &SampleResult| format!("\n{}\n{}", s.title, auto::table(s.ranking.iter(), s.grounds));
+    ranked.map(one).collect()
 }
 
 /// What the samples are, by their files and what these say.

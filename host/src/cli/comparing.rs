@@ -6,9 +6,10 @@ use super::error::{Failure, all};
 use super::fitted::{trials, warn_of_failed};
 use super::{interrupt, progress, say};
 use crate::measurement::noise;
+use crate::model::Rank;
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::plot::{self, Scale};
-use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult, Task, Trials};
+use crate::reconstruct::{Attempt, Comparison, Entry, Grounds, SampleResult, Task, Trials};
 use crate::report::{self, FigureError, FigureFiles, Picture};
 
 /// A sample with the methods that are to be tried on it.
@@ -80,6 +81,15 @@ impl<'a> Sample<'a> {
         attempts
     }
 
+    /// The fits in the order of what the data support.
+    fn rank(&self, attempts: &[Attempt]) -> (Vec<Rank>, Grounds) {
+        let with_laws = attempts.iter().zip(&self.plan);
+        let with_laws =
+            with_laws.filter_map(|(attempt, (_, laws))| Some((attempt, laws.as_ref().ok()?)));
+        let with_laws: Vec<_> = with_laws.collect();
+        progress::counter("").watch(|watch| self.task.rank_attempts(&with_laws, watch))
+    }
+
     /// Draws all plots; gives those with all incidences. What cannot be drawn is said and left out; after one that cannot
     /// be written no other is.
     fn draw(
@@ -132,6 +142,8 @@ pub(super) struct Work<'a> {
     pub(super) samples: Vec<Sample<'a>>,
     /// Whether it is said how long it took.
     pub(super) timing: bool,
+    /// Whether the fits are ranked by what the data support.
+    pub(super) rank: bool,
 }
 
 /// The files over all samples.
@@ -152,7 +164,11 @@ impl Work<'_> {
         let mut failures = Vec::new();
         let result = |sample: &Sample<'_>| {
             let attempts = sample.attempts(self, (folder, &mut failures));
+            let (ranking, grounds) =
+                if self.rank { sample.rank(&attempts) } else { Default::default() };
             SampleResult {
+                ranking,
+                grounds,
                 name: sample.name.clone(),
                 title: sample.title.clone(),
                 noise_floor_percent: SampleResult::floor_of(&attempts)

@@ -116,6 +116,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         methods,
         samples: vec![sample],
         timing: !args.no_timing,
+        rank: false,
     };
     work.carry_out(folder, &|comparison| args.say(comparison))
 }

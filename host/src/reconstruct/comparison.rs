@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use crate::model::Model;
+use crate::model::{Model, Rank};
 
 use super::found::Entry;
+use super::grounds::Grounds;
 
 /// Every method on every sample.
 #[derive(Clone, Debug)]
@@ -32,6 +33,10 @@ pub struct SampleResult {
     pub noise_floor_percent: Option<f64>,
     /// One per method, in the order of [`Comparison::methods`].
     pub attempts: Vec<Attempt>,
+    /// The fits in the order of what the data support, if that was asked for.
+    pub ranking: Vec<Rank>,
+    /// How that order came about.
+    pub grounds: Grounds,
 }
 
 /// One method on one sample.
@@ -125,6 +130,7 @@ impl Comparison {
                 "noise_floor_percent": sample.noise_floor_percent,
                 "best": sample.best().map(|b| &b.method),
                 "verdict": sample.verdict(),
+                "ranking": (!sample.ranking.is_empty()).then_some(&sample.ranking),
                 "results": sample.attempts.iter().map(|a| result(sample, a, self.timing)).collect::<Vec<_>>(),
             })
         });

@@ -5,13 +5,15 @@
 //! with the fewest parameters is chosen. Where there is one incidence alone, or a law traces rays, the criterion of
 //! Schwarz decides: `n ln(mean square) + k ln n`, with `n` the number of readings that are worth independent ones.
 
-use crate::fit::{Fit, FitError, FitOptions, Objective, cost_at, tail_score};
+use crate::fit::{Fit, FitError, FitOptions, Fitted, Objective, cost_at, tail_score};
 use crate::measurement::{Measurement, Reading};
 use crate::method::Method;
 use crate::model::Rank;
 use crate::watch::Watch;
 
-use super::found::Found;
+use super::comparison::Attempt;
+use super::found::{Entry, Found};
+use super::grounds::Grounds;
 use super::task::{Task, Trials};
 
 /// Most groups of incidences that are left out in turn.
@@ -24,8 +26,6 @@ pub struct Ranked {
     pub rank: Rank,
     /// Its fit.
     pub found: Found,
-    /// Mean squares of what it predicted, by group of incidences, over the square of the largest reading.
-    folds: Vec<f64>,
 }
 
 /// The laws in the order of what the data support.
@@ -35,12 +35,18 @@ pub struct Ranking {
     pub laws: Vec<Ranked>,
     /// Laws that gave no fit: label and reason.
     pub failed: Vec<(String, String)>,
-    /// Groups of incidences that were left out in turn; 0: the criterion decided.
-    pub folds: usize,
-    /// Number of readings that are worth independent ones.
-    pub effective: f64,
+    /// How the order came about.
+    pub grounds: Grounds,
     /// Whether it was stopped before all laws were tried.
     pub interrupted: bool,
+}
+
+/// A law with what it predicted.
+struct Candidate<'a> {
+    fit: &'a Fit,
+    rank: Rank,
+    /// Mean squares of what it predicted, by group of incidences, over the square of the largest reading; none: not tried.
+    folds: Vec<f64>,
 }
 
 impl Task<'_> {
@@ -50,7 +56,7 @@ impl Task<'_> {
     /// [`FitError`] if not even one law gave a result.
     pub fn rank(&self, laws: &Trials, watch: Watch<'_>) -> Result<Ranking, FitError> {
         let folds = self.folds();
-        let mut ranked: Vec<Ranked> = Vec::new();
+        let mut all: Vec<(Found, Vec<f64>)> = Vec::new();
         let mut failed = Vec::new();
         let mut first_error = None;
         let mut interrupted = false;
@@ -59,11 +65,7 @@ impl Task<'_> {
             let alone = std::slice::from_ref(law);
             watch.now(&format!("fitting {label}"));
             match self.fit(alone, watch) {
-                Ok(found) => {
-                    let predicts = !law.is_traced() && law.wave().is_none();
-                    let errors = if predicts { self.predict(alone, &folds, watch) } else { None };
-                    ranked.push(Ranked::new(found, errors.unwrap_or_default(), self));
-                }
+                Ok(found) => all.push((found, self.predict(alone, &folds, watch))),
                 Err(FitError::Interrupted) => interrupted = true,
                 Err(e) => {
                     failed.push((label, e.to_string()));
@@ -75,14 +77,40 @@ impl Task<'_> {
                 break;
             }
         }
-        if ranked.is_empty() {
+        if all.is_empty() {
             return Err(first_error.unwrap_or(FitError::Interrupted));
         }
-        let effective = self.criteria(&mut ranked);
-        let by_prediction = ranked.iter().all(|law| law.rank.out_of_sample_percent.is_some());
-        order(&mut ranked, by_prediction);
-        let folds = if by_prediction { folds.len() } else { 0 };
-        Ok(Ranking { laws: ranked, failed, folds, effective, interrupted })
+        let of = all.iter().map(|(found, folds)| self.candidate(&found.entry, folds.clone()));
+        let (ranks, grounds) = self.order(of);
+        let mut found: Vec<Option<Found>> = all.into_iter().map(|(found, _)| Some(found)).collect();
+        let laws = ranks.into_iter().filter_map(|(k, rank)| {
+            let found = found.get_mut(k)?.take()?;
+            Some(Ranked { rank, found })
+        });
+        Ok(Ranking { laws: laws.collect(), failed, grounds, interrupted })
+    }
+
+    /// Ranks the fits of a comparison; those that trace rays or send waves by the criterion alone. `trials` gives the laws of
+    /// each attempt. Empty if it was stopped, or there are no two fits.
+    pub fn rank_attempts(
+        &self,
+        attempts: &[(&Attempt, &Trials)],
+        watch: Watch<'_>,
+    ) -> (Vec<Rank>, Grounds) {
+        let folds = self.folds();
+        let mut all = Vec::new();
+        for (attempt, trials) in attempts {
+            let Some(entry) = attempt.entry() else { continue };
+            let kept = trials.iter().position(|law| law.label() == entry.label);
+            let law = kept.and_then(|k| trials.get(k..=k)).unwrap_or_default();
+            watch.now(&format!("predicting with {}", entry.label));
+            all.push(self.candidate(entry, self.predict(law, &folds, watch)));
+        }
+        if watch.is_stopped() || all.len() < 2 {
+            return Default::default();
+        }
+        let (ranks, grounds) = self.order(all.into_iter());
+        (ranks.into_iter().map(|(_, rank)| rank).collect(), grounds)
     }
 
     /// The scan in two parts, of what is seen and of what is to be predicted, for each group of incidences.
@@ -104,17 +132,20 @@ impl Task<'_> {
         (0..count).filter_map(fold).collect()
     }
 
-    /// Mean squares of what a law predicts for the incidences that it did not see, over the square of the largest reading.
+    /// Mean squares of what a law predicts for the incidences that it did not see, over the square of the largest reading; none
+    /// of laws that trace rays or send waves, whose fits take long.
     fn predict(
         &self,
         law: &[Box<dyn Method>],
         folds: &[[Measurement; 2]],
         watch: Watch<'_>,
-    ) -> Option<Vec<f64>> {
-        let method = law.first()?;
+    ) -> Vec<f64> {
+        let Some(method) = law.first().filter(|law| !law.is_traced() && law.wave().is_none())
+        else {
+            return Vec::new();
+        };
         let largest = self.measurement.largest_reading();
-        let mut errors = Vec::new();
-        for [seen, hidden] in folds {
+        let one = |[seen, hidden]: &[Measurement; 2]| {
             let task = Task { measurement: seen, ..self.clone() };
             let found = task.fit(law, watch.quiet()).ok()?;
             let values: Vec<f64> = found.entry.fit.parameters.iter().map(|p| p.value).collect();
@@ -122,50 +153,66 @@ impl Task<'_> {
             let options = FitOptions { objective: Objective::Rmsd, ..here.options };
             let percent =
                 cost_at(&**method, hidden, &here.setup, &options, &values, watch.quiet())?;
-            errors.push((0.01 * percent * hidden.largest_reading() / largest).powi(2));
-        }
-        (!errors.is_empty()).then_some(errors)
+            Some((0.01 * percent * hidden.largest_reading() / largest).powi(2))
+        };
+        folds.iter().map(one).collect::<Option<_>>().unwrap_or_default()
     }
 
-    /// The criterion of every law; the effective number of readings is that of the law with the least error, whose residuals
-    /// have the least of what a law misses.
-    fn criteria(&self, laws: &mut [Ranked]) -> f64 {
-        let by_error =
-            |a: &&Ranked, b: &&Ranked| a.rank.rmsd_percent.total_cmp(&b.rank.rmsd_percent);
-        let Some(best) = laws.iter().min_by(by_error) else { return 0.0 };
-        let most = laws.iter().map(|law| law.rank.parameters).max().unwrap_or(0);
-        let n = effective_number(self.measurement, &best.found.entry.fit).max(most as f64 + 2.0);
-        for law in &mut *laws {
-            let mean_square = law.found.entry.fit.objective.1.max(1e-12).powi(2);
-            law.rank.criterion = n * mean_square.ln() + law.rank.parameters as f64 * n.ln();
-        }
-        let least = laws.iter().map(|law| law.rank.criterion).fold(f64::INFINITY, f64::min);
-        for law in laws {
-            law.rank.criterion -= least;
-        }
-        n
-    }
-}
-
-impl Ranked {
-    fn new(found: Found, folds: Vec<f64>, task: &Task<'_>) -> Self {
-        let fit = &found.entry.fit;
+    fn candidate<'a>(&self, entry: &'a Entry, folds: Vec<f64>) -> Candidate<'a> {
+        let fit = &entry.fit;
         let mean = folds.iter().sum::<f64>() / folds.len().max(1) as f64;
-        let weak = |p: &&crate::fit::Fitted| {
+        let weak = |p: &&Fitted| {
             let large = p.std_error.is_none_or(|e| e >= p.value.abs());
             !p.is_none && (p.at_bound || large || p.is_unreliable())
         };
         let rank = Rank {
-            law: found.entry.label.clone(),
+            law: entry.label.clone(),
             parameters: fit.parameters.iter().filter(|p| !p.is_none).count(),
             rmsd_percent: fit.rmsd_percent,
             out_of_sample_percent: (!folds.is_empty()).then(|| 100.0 * mean.sqrt()),
-            tail_log10: tail_score(task.measurement, &fit.readings),
+            tail_log10: tail_score(self.measurement, &fit.readings),
             criterion: 0.0,
             undetermined: fit.parameters.iter().filter(weak).map(|p| p.name.to_owned()).collect(),
-            refused: found.entry.refusal.is_some(),
+            refused: entry.refusal.is_some(),
         };
-        Self { rank, found, folds }
+        Candidate { fit, rank, folds }
+    }
+
+    /// Places and ranks of candidates, the chosen one first.
+    fn order<'a>(
+        &self,
+        candidates: impl Iterator<Item = Candidate<'a>>,
+    ) -> (Vec<(usize, Rank)>, Grounds) {
+        let mut all: Vec<(usize, Candidate<'a>)> = candidates.enumerate().collect();
+        let effective = self.criteria(&mut all);
+        let by_prediction = all.iter().all(|(_, law)| !law.folds.is_empty());
+        let folds = match all.first() {
+            Some((_, law)) if by_prediction => law.folds.len(),
+            _ => 0,
+        };
+        sort(&mut all, by_prediction);
+        let ranks = all.into_iter().map(|(k, law)| (k, law.rank)).collect();
+        (ranks, Grounds { folds, effective })
+    }
+
+    /// The criterion of every law; the effective number of readings is that of the law with the least error, whose residuals
+    /// have the least of what a law misses.
+    fn criteria(&self, laws: &mut [(usize, Candidate<'_>)]) -> f64 {
+        let error = |law: &Candidate<'_>| law.rank.rmsd_percent;
+        let Some((_, best)) = laws.iter().min_by(|a, b| error(&a.1).total_cmp(&error(&b.1))) else {
+            return 0.0;
+        };
+        let most = laws.iter().map(|(_, law)| law.rank.parameters).max().unwrap_or(0);
+        let n = effective_number(self.measurement, best.fit).max(most as f64 + 2.0);
+        for (_, law) in &mut *laws {
+            let mean_square = law.fit.objective.1.max(1e-12).powi(2);
+            law.rank.criterion = n * mean_square.ln() + law.rank.parameters as f64 * n.ln();
+        }
+        let least = laws.iter().map(|(_, law)| law.rank.criterion).fold(f64::INFINITY, f64::min);
+        for (_, law) in laws {
+            law.rank.criterion -= least;
+        }
+        n
     }
 }
 
@@ -186,14 +233,16 @@ fn effective_number(scan: &Measurement, fit: &Fit) -> f64 {
 }
 
 /// Puts the chosen law first, the others by what decides; refused ones behind.
-fn order(laws: &mut [Ranked], by_prediction: bool) {
-    let key = |law: &Ranked| match law.rank.out_of_sample_percent {
+fn sort(laws: &mut [(usize, Candidate<'_>)], by_prediction: bool) {
+    let key = |law: &Candidate<'_>| match law.rank.out_of_sample_percent {
         Some(error) if by_prediction => error,
         _ => law.rank.criterion,
     };
-    laws.sort_by(|a, b| a.rank.refused.cmp(&b.rank.refused).then(key(a).total_cmp(&key(b))));
-    let Some(best) = laws.first() else { return };
-    let as_good = |law: &Ranked| {
+    laws.sort_by(|(_, a), (_, b)| {
+        a.rank.refused.cmp(&b.rank.refused).then(key(a).total_cmp(&key(b)))
+    });
+    let Some((_, best)) = laws.first() else { return };
+    let as_good = |law: &Candidate<'_>| {
         if law.rank.refused != best.rank.refused {
             false
         } else if by_prediction {
@@ -202,9 +251,9 @@ fn order(laws: &mut [Ranked], by_prediction: bool) {
             law.rank.criterion <= best.rank.criterion
         }
     };
-    let simpler = |(k, law): &(usize, &Ranked)| (law.rank.parameters, *k);
-    let chosen = laws.iter().enumerate().filter(|(_, law)| as_good(law)).min_by_key(simpler);
-    let place = chosen.map_or(0, |(k, _)| k);
+    let good = laws.iter().enumerate().filter(|(_, (_, law))| as_good(law));
+    let chosen = good.min_by_key(|(place, (_, law))| (law.rank.parameters, *place));
+    let place = chosen.map_or(0, |(place, _)| place);
     laws[..=place].rotate_right(1);
 }
 

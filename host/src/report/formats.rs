@@ -132,6 +132,8 @@ mod tests {
             title: format!("{name} (Rq = 1.47 um)"),
             noise_floor_percent: Some(0.125),
             attempts,
+            ranking: Vec::new(),
+            grounds: Default::default(),
         };
         let first = vec![attempt("a", 1.536, None), attempt("b", 1.089, None), none.clone()];
         let no = || Some("does not describe, \"limit\"");
