@@ -209,6 +209,7 @@ fn visible_normals_follow_their_density() {
         beckmann(0.7),
         smith(Profile::Gauss, 20.0, 8.0),
         slopes(1.0, [0.0, 0.5, 1.0, 0.2, -2.0, -3.0, -6.0, -8.0]),
+        slopes(0.5, [0.0, 0.0, -0.1, -0.2, -3.0, -5.0, -7.0, -11.0]),
     ] {
         for deg in [20.0, 60.0, 80.0, 88.0_f64] {
             let w = Direction::from_angles(deg.to_radians(), 0.0);
@@ -216,10 +217,12 @@ fn visible_normals_follow_their_density() {
             let mut expected = vec![0.0; rings * parts];
             for ring in 0..rings {
                 for k in 0..400 {
-                    // shares spaced by a square, for the steepest facets are seen most
-                    let y = (ring as f64 + (f64::from(k) + 0.5) / 400.0) / rings as f64;
+                    // shares spaced by a square, for the steepest facets are seen most; in the first ring by the power of the tail
+                    let v = (f64::from(k) + 0.5) / 400.0;
+                    let power = if ring == 0 { 0.5 * Density::<f64>::tail(&density) } else { 1.0 };
+                    let y = (ring as f64 + v.powf(power)) / rings as f64;
                     let slope = Density::<f64>::slope_above(&density, y * y);
-                    let area = 2.0 * y / (400.0 * rings as f64);
+                    let area = 2.0 * y * power * v.powf(power - 1.0) / (400.0 * rings as f64);
                     for part in 0..parts {
                         for j in 0..40 {
                             let phi = (part as f64 + (f64::from(j) + 0.5) / 40.0) / parts as f64;

@@ -173,6 +173,9 @@ impl<const K: usize> Table<K> {
     /// Cells in all; the last row has but its first node.
     const COUNT: usize = (K - 1) * CELLS;
 
+    /// Their width.
+    const CELL: f64 = 1.0 / Self::COUNT as f64;
+
     /// `t` at a node.
     fn t(node: usize) -> f64 {
         node as f64 / Self::COUNT as f64
@@ -191,12 +194,7 @@ impl<const K: usize> Table<K> {
     fn at(&self, t: f64) -> f64 {
         let position = t * Self::COUNT as f64;
         let k = position.to_index().min(Self::COUNT - 1);
-        self.within(k, position - k as f64)
-    }
-
-    /// At `s` in [0, 1] of a cell.
-    fn within(&self, k: usize, s: f64) -> f64 {
-        hermite(s, 1.0 / Self::COUNT as f64, self.node(k), self.node(k + 1))
+        hermite(position - k as f64, Self::CELL, self.node(k), self.node(k + 1))
     }
 
     fn last(&self) -> f64 {
@@ -257,13 +255,32 @@ impl<const K: usize> Share<K> {
             let middle = usize::midpoint(low, high);
             if self.ln.node(middle)[0] > wanted { low = middle } else { high = middle }
         }
-        let (mut left, mut right) = (0.0, 1.0);
-        for _ in 0..44 {
-            let s = 0.5 * (left + right);
-            if self.ln.within(low, s) > wanted { left = s } else { right = s }
-        }
-        place((low as f64 + 0.5 * (left + right)) / Table::<K>::COUNT as f64)[0]
+        let s = falling(self.ln.node(low), self.ln.node(low + 1), Table::<K>::CELL, wanted);
+        place((low as f64 + s) * Table::<K>::CELL)[0]
     }
+}
+
+/// Where in a cell of width `h` a falling cubic has a value: Newton's steps, halved where they leave the cell.
+fn falling(a: [f64; 2], b: [f64; 2], h: f64, wanted: f64) -> f64 {
+    let (mut left, mut right) = (0.0, 1.0);
+    let mut s = 0.5;
+    for _ in 0..60 {
+        let error = hermite(s, h, a, b) - wanted;
+        if error > 0.0 {
+            left = s;
+        } else {
+            right = s;
+        }
+        let (r, turn) = (1.0 - s, a[1] * (1.0 - s) - b[1] * s);
+        let slope = 6.0 * s * r * (b[0] - a[0]) + h * ((r - s) * turn - s * r * (a[1] + b[1]));
+        let newton = s - error / slope;
+        let next = if newton > left && newton < right { newton } else { 0.5 * (left + right) };
+        if Real::abs(next - s) < 1e-14 {
+            break;
+        }
+        s = next;
+    }
+    s
 }
 
 /// The mean excess of the slope along a direction.
