@@ -5,11 +5,15 @@
 //! look, and the first one is the place to start.
 //! Double precision is software on a Cortex-M4F, some fifty times slower, so its sections are small.
 
-use asperity_core::bsdf::{Bsdf, Ggx, Normals, OpaqueGgx, Scatter, Smooth};
+use asperity_core::bsdf::{
+    AllBounces, Bsdf, COMPENSATION_NUMBERS, Compensation, Ggx, Normals, OpaqueGgx, Scatter, Smooth,
+    Walk,
+};
 use asperity_core::direction::Direction;
 use asperity_core::gonio::{AngleGrid, Geometry, Goniophotometer, Scan};
 use asperity_core::math::{Fast, Real};
 use asperity_core::metric::rmsd_percent;
+use asperity_core::ndf::ggx_facets::GgxFacets;
 use asperity_core::ndf::law::{Law, Profile};
 use asperity_core::ndf::normals::NormalDensity;
 use asperity_core::plate::{Plate, RoughSide};
@@ -45,6 +49,9 @@ pub const SECTIONS: [Section; COUNT] = [
     ("about-specular-f64", || selftest_laws::about_specular::<f64>(16)),
     ("hostile-f32", || hostile::closed_forms::<f32>(100_000).digest.finish()),
     ("hostile-fast-f32", || hostile::closed_forms::<Fast<f32>>(200_000).digest.finish()),
+    ("bounces-f32", || bounces::<f32>(150)),
+    ("bounces-fast-f32", || bounces::<Fast<f32>>(300)),
+    ("walk-f32", || walk::<f32>(60)),
     ("hostile-f64", || hostile::closed_forms::<f64>(1000).digest.finish()),
 ];
 
@@ -162,6 +169,32 @@ fn ggx<T: Real>(count: usize) -> u64 {
     let (mut d, mut source) = (Digest::new(), Source::new(3));
     for alpha in [0.01, 0.3, 1.5] {
         law(rough::<T>(alpha), count / 3, &mut source, &mut d);
+    }
+    d.finish()
+}
+
+/// All bounces, with shares of later ones that any surface might have.
+fn bounces<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(8));
+    let later = Compensation::from_numbers(&[T::from_f64(0.1); COMPENSATION_NUMBERS]);
+    for alpha in [0.01, 0.3, 1.5] {
+        let whole = rough::<T>(alpha).zip(later.as_ref());
+        let whole = whole.map(|(single, later)| AllBounces { single, later: *later });
+        law(whole, count / 3, &mut source, &mut d);
+    }
+    d.finish()
+}
+
+/// The walk from facet to facet.
+fn walk<T: Real>(count: usize) -> u64 {
+    let (mut d, mut source) = (Digest::new(), Source::new(9));
+    for alpha in [0.3, 1.5] {
+        let Some(single) = rough::<T>(alpha) else { continue };
+        let walk = Walk::new(GgxFacets::new(single.alpha), single.eta);
+        for k in 0..count / 2 {
+            let wi = source.direction(k);
+            ray(&walk, wi, &mut source, &mut d);
+        }
     }
     d.finish()
 }

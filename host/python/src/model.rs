@@ -77,6 +77,14 @@ impl Model {
                 let law = &**b;
                 return values(wi, wo, &Each(&Rounded(law), what), &Each(law, what));
             }
+            (Law::Other, Boundary::AllGgx(b)) => {
+                let law = &**b;
+                return values(wi, wo, &Each(&Rounded(law), what), &Each(law, what));
+            }
+            (Law::Other, Boundary::AllMicrofacet(b)) => {
+                let law = &**b;
+                return values(wi, wo, &Each(&Rounded(law), what), &Each(law, what));
+            }
             (Law::Other, _) => {}
         }
         if rays.count == 0 {
