@@ -53,6 +53,7 @@ pub fn hermite<T: Real>(s: T, h: T, [a, da]: [T; 2], [b, db]: [T; 2]) -> T {
 /// A slope that keeps [`hermite`] monotone between secants `left` and `right` \[Fritsch & Carlson 1980\].
 ///
 /// Both secants are not negative; `wanted` may be infinite or NaN.
+#[cfg(feature = "normals")]
 #[inline]
 pub(crate) fn monotone_slope(wanted: f64, left: f64, right: f64) -> f64 {
     let most = 3.0 * Real::min(left, right);

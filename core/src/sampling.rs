@@ -12,7 +12,7 @@ pub fn cosine_hemisphere<T: Real>(u: [T; 2]) -> Direction<T> {
 }
 
 /// The direction of height `z` at the azimuth `u` of a turn.
-#[cfg(feature = "microfacet")]
+#[cfg(all(feature = "ggx", feature = "microfacet"))]
 pub(crate) fn around<T: Real>(z: T, u: T) -> Direction<T> {
     let (s, c) = (T::TWO * T::PI * u).sin_cos();
     let r = ((T::ONE - z) * (T::ONE + z)).sqrt_positive();

@@ -3,7 +3,7 @@
 use asperity_needs::absent;
 
 use crate::emulator::build;
-const CHOICES: [&str; 17] = [
+const CHOICES: [&str; 19] = [
     "",
     "f32",
     "f64",
@@ -14,6 +14,8 @@ const CHOICES: [&str; 17] = [
     "f64,normals,air,dielectric,transmission",
     "f32,fast,normals,air,dielectric,reflection,transmission",
     "f32,microfacet,air,dielectric,reflection,transmission",
+    "f32,tails,air,transmission",
+    "f64,tails,air,dielectric,reflection,transmission",
     "table,air,transmission",
     "table,fast,dielectric,reflection",
     "table,ggx,normals",

@@ -1,7 +1,9 @@
 //! Rays of one facet, for the sides and lobes of this build.
 
+#[cfg(any(feature = "ggx", feature = "normals"))]
 use super::{Lobe, Scattered};
 use crate::direction::{Direction, Side};
+#[cfg(any(feature = "ggx", feature = "normals"))]
 use crate::fresnel;
 use crate::math::Real;
 use crate::scope;
@@ -13,6 +15,7 @@ pub(super) fn lit<T: Real>(wi: Direction<T>) -> Option<Side> {
 }
 
 /// Light that passes without a boundary.
+#[cfg(any(feature = "ggx", feature = "normals"))]
 pub(super) fn straight<T: Real>(wi: Direction<T>) -> Option<Scattered<T>> {
     let seen = wi.side().is_none_or(|side| scope::side(side == Side::Dielectric));
     (scope::TRANSMISSION && seen).then(|| Scattered { wo: wi.opposite(), weight: T::ONE })
@@ -21,6 +24,7 @@ pub(super) fn straight<T: Real>(wi: Direction<T>) -> Option<Scattered<T>> {
 /// The ray that one facet of unit normal `m` sends; its weight is the Fresnel share of the lobe.
 ///
 /// `None` if the facet cannot: total reflection, or a ray that would meet the surface again; or if this build leaves it out.
+#[cfg(any(feature = "ggx", feature = "normals"))]
 pub(super) fn facet_ray<T: Real>(
     wi: Direction<T>,
     m: Direction<T>,

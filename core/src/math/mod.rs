@@ -10,7 +10,7 @@ mod hardware;
 mod polynomial;
 #[cfg(feature = "microfacet")]
 pub(crate) mod special;
-#[cfg(feature = "microfacet")]
+#[cfg(all(feature = "ggx", feature = "microfacet"))]
 pub(crate) mod joint;
 #[cfg(test)]
 #[allow(clippy::disallowed_methods, clippy::float_cmp, reason = "oracles, and exact values")]
