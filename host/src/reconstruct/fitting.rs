@@ -68,7 +68,9 @@ impl Task<'_> {
                 let refusal = done.refusal(self.max_misfit);
                 let mut warnings = self.warnings(&**method, &done);
                 if !done.boundary.is_anisotropic() {
-                    warnings.extend(Isotropy::warning(self.measurement, done.noise_floor_percent));
+                    // what the residuals of this very law say of noise holds the direction too
+                    let stated = self.measurement.meta.noise_floor_percent;
+                    warnings.extend(Isotropy::warning(self.measurement, stated));
                 }
                 found = Some((k, Entry { label, fit: done, refusal, warnings }));
             }
