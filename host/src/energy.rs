@@ -1,6 +1,8 @@
 //! Flux balance: reflected, transmitted and lost fractions, and reciprocity.
 
-use asperity_core::bsdf::{Bsdf, Lobe, LobeSet, ShiftInvariant};
+use asperity_core::bsdf::{
+    AllBounces, Bsdf, FirstBounce, Lobe, LobeSet, Scattered, ShiftInvariant,
+};
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -209,8 +211,11 @@ fn balance_until(
     }
     let wi = incidence(side, incidence_deg);
     let coherent = boundary.coherent(wi);
-    if let Boundary::Tail(law) = boundary {
-        return of_tail(law, side, incidence_deg);
+    match boundary {
+        Boundary::Tail(law) => return of_tail(law, side, incidence_deg),
+        Boundary::AllGgx(law) => return of_bounces(&**law, side, incidence_deg),
+        Boundary::AllMicrofacet(law) => return of_bounces(&**law, side, incidence_deg),
+        _ => {}
     }
     let (reflected, transmitted, lost) = with_boundary!(boundary,
     b => {
@@ -230,6 +235,30 @@ fn balance_until(
         lost,
         coherent_reflected: coherent.reflected,
         coherent_transmitted: coherent.transmitted,
+        evanescent_reflected: None,
+        evanescent_transmitted: None,
+    }
+}
+
+/// The first bounce is summed over facets, the flux of later ones is known.
+fn of_bounces<L: FirstBounce<f64> + Sync>(
+    law: &AllBounces<f64, L>,
+    side: Side,
+    incidence_deg: f64,
+) -> Energy {
+    let wi = incidence(side, incidence_deg);
+    let first = |lobe| mean_weight(|u| law.first_lobe(wi, lobe, u));
+    let later = law.later.flux(wi);
+    let reflected = first(Lobe::Reflection) + later.reflected;
+    let transmitted = first(Lobe::Transmission) + later.transmitted;
+    Energy {
+        incidence_deg,
+        side: side_name(side),
+        reflected,
+        transmitted,
+        lost: 1.0 - reflected - transmitted,
+        coherent_reflected: 0.0,
+        coherent_transmitted: 0.0,
         evanescent_reflected: None,
         evanescent_transmitted: None,
     }
@@ -274,12 +303,17 @@ fn of_mean_law(wave: &WaveBoundary, side: Side, incidence_deg: f64) -> Energy {
 }
 
 fn lobe_flux<B: Bsdf<f64> + Sync>(boundary: &B, wi: Direction<f64>, lobe: Lobe) -> f64 {
+    mean_weight(|u| boundary.sample_lobe(wi, lobe, u))
+}
+
+/// The mean weight of draws over both uniforms.
+fn mean_weight(draw: impl Fn([f64; 2]) -> Option<Scattered<f64>> + Sync) -> f64 {
     let n = f64::from(POINTS);
     let weight = |k: u32| {
         // the second coordinate runs evenly, the first is periodic: an angle
         let around = (u64::from(k) * u64::from(STEP) % u64::from(POINTS)) as f64 / n;
         let u = [around, (f64::from(k) + 0.5) / n];
-        boundary.sample_lobe(wi, lobe, u).map_or(0.0, |ray| ray.weight)
+        draw(u).map_or(0.0, |ray| ray.weight)
     };
     let blocks: Vec<f64> = (0..POINTS.div_ceil(1024))
         .into_par_iter()

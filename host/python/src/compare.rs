@@ -3,7 +3,7 @@
 use asperity::fit::MISFIT_PERCENT;
 use asperity::measurement::noise;
 use asperity::method::Kind;
-use asperity::reconstruct::{Comparison, SampleResult, Task, Trials, usually_asked};
+use asperity::reconstruct::{Comparison, Grounds, SampleResult, Task, Trials, usually_asked};
 use pyo3::prelude::*;
 
 use crate::error::bad;
@@ -162,6 +162,6 @@ fn sample(
             .or_else(|| noise::before_fit(task.measurement)),
         attempts,
         ranking: Vec::new(),
-        grounds: Default::default(),
+        grounds: Grounds::default(),
     })
 }

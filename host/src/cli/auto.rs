@@ -40,10 +40,12 @@ pub(super) fn laws(task: &Task<'_>, of_sheet: bool) -> Result<Trials, String> {
 /// # Errors
 /// If not even one law gave a fit.
 pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), FitError> {
+    use std::fmt::Write;
     let ranking = progress::counter("").watch(|watch| task.rank(laws, watch))?;
     let mut text = table(ranking.laws.iter().map(|law| &law.rank), ranking.grounds);
     for (label, why) in &ranking.failed {
-        text += &format!("{label}: {why}\n");
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{label}: {why}");
     }
     text.push('\n');
     let ranks: Vec<Rank> = ranking.laws.iter().map(|law| law.rank.clone()).collect();

@@ -165,7 +165,7 @@ impl Work<'_> {
         let result = |sample: &Sample<'_>| {
             let attempts = sample.attempts(self, (folder, &mut failures));
             let (ranking, grounds) =
-                if self.rank { sample.rank(&attempts) } else { Default::default() };
+                if self.rank { sample.rank(&attempts) } else { (Vec::new(), Grounds::default()) };
             SampleResult {
                 ranking,
                 grounds,

@@ -107,7 +107,7 @@ impl Task<'_> {
             all.push(self.candidate(entry, self.predict(law, &folds, watch)));
         }
         if watch.is_stopped() || all.len() < 2 {
-            return Default::default();
+            return (Vec::new(), Grounds::default());
         }
         let (ranks, grounds) = self.order(all.into_iter());
         (ranks.into_iter().map(|(_, rank)| rank).collect(), grounds)

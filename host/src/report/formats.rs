@@ -89,7 +89,7 @@ mod tests {
     use crate::forward::Neglected;
     use crate::method::{Body, GgxMethod, Method};
     use crate::model::Model;
-    use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult};
+    use crate::reconstruct::{Attempt, Comparison, Entry, Grounds, SampleResult};
 
     fn attempt(method: &str, rmsd_percent: f64, refusal: Option<&str>) -> Attempt {
         let body = Body::Dielectric { ior: 1.5 };
@@ -133,7 +133,7 @@ mod tests {
             noise_floor_percent: Some(0.125),
             attempts,
             ranking: Vec::new(),
-            grounds: Default::default(),
+            grounds: Grounds::default(),
         };
         let first = vec![attempt("a", 1.536, None), attempt("b", 1.089, None), none.clone()];
         let no = || Some("does not describe, \"limit\"");

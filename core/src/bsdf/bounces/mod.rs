@@ -37,6 +37,13 @@ impl<T: Real, L: FirstBounce<T>> AllBounces<T, L> {
         Self { single, later: Compensation::new(&single.facets(), single.eta().cast()) }
     }
 
+    /// Draws a ray of the first bounce into one lobe from two uniforms in [0, 1); its mean weight is the flux of that bounce.
+    pub fn first_lobe(&self, wi: Direction<T>, lobe: Lobe, u: [T; 2]) -> Option<Scattered<T>> {
+        let (m, far) = self.single.facet(wi, u)?;
+        let ray = facet_ray(wi, m, far, lobe)?;
+        Some(Scattered { wo: ray.wo, weight: ray.weight * self.single.way_out(wi, ray.wo) })
+    }
+
     /// The same boundary in another precision, each number rounded once.
     pub fn cast<U: Real>(&self) -> AllBounces<U, L::In<U>> {
         AllBounces { single: self.single.cast(), later: self.later.cast() }
@@ -100,10 +107,8 @@ impl<T: Real, L: FirstBounce<T>> Bsdf<T> for AllBounces<T, L> {
         let first = (T::ONE - flux.reflected - flux.transmitted).max(T::from_f64(0.25));
         let [u0, u1] = u;
         if u0 < first {
-            let (m, far) = self.single.facet(wi, [u0 / first, u1])?;
-            let ray = facet_ray(wi, m, far, lobe)?;
-            let weight = ray.weight * self.single.way_out(wi, ray.wo) / first;
-            return Some(Scattered { wo: ray.wo, weight });
+            let ray = self.first_lobe(wi, lobe, [u0 / first, u1])?;
+            return Some(Scattered { wo: ray.wo, weight: ray.weight / first });
         }
         let rest = T::ONE - first;
         let wo = self.later.draw(wi, lobe, [(u0 - first) / rest, u1])?;
