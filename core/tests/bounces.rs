@@ -486,7 +486,6 @@ fn the_first_bounce_leaves_over_what_an_independent_quadrature_says() {
     // what the file of the reference has for alpha 0.7, at 60 degrees from inside and at normal incidence
     assert!((after_one_facet(0.7, 1.0 / 1.49, 0.5) - 0.546_308).abs() < 5e-4);
     assert!((after_one_facet(0.7, 1.49, 1.0) - 0.942_373).abs() < 5e-4);
-    let mut worst = 0.0_f64;
     for a in [0.1, 0.5, 1.2] {
         for n in [1.0 / 3.0, 0.5, 1.0 / 1.49, 1.49, 2.0, 3.0] {
             let law = AllBounces::new(Ggx::new(alpha(a), RelativeIor::new(n).unwrap()));
@@ -495,11 +494,9 @@ fn the_first_bounce_leaves_over_what_an_independent_quadrature_says() {
                     let exact = 1.0 - after_one_facet(a, eta, deg.to_radians().cos());
                     let later = law.later.flux(incidence(angle));
                     let error = later.reflected + later.transmitted - exact;
-                    worst = worst.max(error.abs());
                     assert!(error.abs() < 2e-3, "{a} {n} {angle}: {error}");
                 }
             }
         }
     }
-    println!("largest error of 108 nodes: {worst:.5}");
 }

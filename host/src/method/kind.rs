@@ -197,7 +197,9 @@ pub enum Lack {
     #[error("method ggx-ms is ggx with all bounces; write ggx for others")]
     FixedBounces,
     /// The method or the body does not let light meet several facets.
-    #[error("light of several bounces needs a clear dielectric and one of the methods {those}")]
+    #[error(
+        "light of several bounces needs a clear dielectric and one of the methods {those}; leave `bounces` out"
+    )]
     NoBounces {
         /// Methods with this option.
         those: String,

@@ -17,6 +17,8 @@ use super::{Lacking, needed};
 
 /// Rounding and lattice error of the balance.
 const TOLERANCE: f64 = 1e-4;
+/// What later bounces promise: the share that the first leaves over is found by quadrature over facets.
+const OF_BOUNCES: f64 = 2e-3;
 /// What tables promise.
 const OF_TABLES: f64 = 5e-4;
 /// Reciprocity up to rounding, far into the tails.
@@ -127,6 +129,7 @@ impl CheckRequest {
         };
         let tolerance = match (boundary, boundary.wavelengths()) {
             (Boundary::Table(_), _) => OF_TABLES,
+            (Boundary::AllGgx(_) | Boundary::AllMicrofacet(_), _) => OF_BOUNCES,
             (_, Some(_)) => MOST_EXCESS,
             (_, None) => TOLERANCE,
         };
