@@ -239,3 +239,58 @@ fn numbers_outside_the_domain_are_refused() {
     assert!(Stretched::beckmann(pair([1e-6, 1e-6]), 0.0).is_ok());
     assert!(Stretched::beckmann(pair([100.0, 1e-6]), 0.0).is_ok());
 }
+
+/// `D` of a normal.
+fn d_at(density: &Facets, m: Direction<f64>) -> f64 {
+    let [x, y, z] = m.xyz();
+    let squares = [x * x + y * y, z * z];
+    density.d_of(squares, || squares.map(|s| [s, 0.0]), || [x, y, z].map(|c| [c, 0.0]))
+}
+
+#[test]
+fn facets_that_face_a_direction_from_below_follow_their_density() {
+    // moments of the normals against a sum over slopes
+    let density = facets([0.3, 0.9], 3.0, 40.0);
+    let mut state = 5_u64;
+    let mut uniform = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        f64::from_bits_uniform(state)
+    };
+    for (polar_deg, azimuth) in [(95.0_f64, 0.4), (120.0, 2.0), (150.0, -1.0)] {
+        let w = Direction::from_angles(polar_deg.to_radians(), azimuth);
+        let of = |m: Direction<f64>| [m.x(), m.y(), m.x() * m.x(), m.x() * m.y(), m.z()];
+        let (mut area, mut sums) = (0.0, [0.0; 5]);
+        let (rings, parts) = (700, 400);
+        for i in 0..rings {
+            let t = (f64::from(i) + 0.5) / f64::from(rings);
+            let theta = core::f64::consts::FRAC_PI_2 * t;
+            for k in 0..parts {
+                let phi = core::f64::consts::TAU * (f64::from(k) + 0.5) / f64::from(parts);
+                let m = Direction::from_angles(theta, phi);
+                let per = d_at(&density, m) * m.dot(w).max(0.0) * theta.sin();
+                area += per;
+                sums.iter_mut().zip(of(m)).for_each(|(sum, x)| *sum += per * x);
+            }
+        }
+        let count = 40_000;
+        let (mut means, mut squares) = ([0.0; 5], [0.0; 5]);
+        for _ in 0..count {
+            let m = Density::<f64>::sample_facing(&density, w, [uniform(), uniform()]);
+            assert!(m.dot(w) > -1e-9, "{m:?}");
+            for (k, x) in of(m).into_iter().enumerate() {
+                means[k] += x;
+                squares[k] += x * x;
+            }
+        }
+        for k in 0..5 {
+            let mean = means[k] / f64::from(count);
+            let se = ((squares[k] / f64::from(count) - mean * mean) / f64::from(count)).sqrt();
+            let wanted = sums[k] / area;
+            assert!(
+                (mean - wanted).abs() < 4.5 * se + 1e-4,
+                "{polar_deg} {k}: {mean} {wanted} {se}"
+            );
+        }
+    }
+}

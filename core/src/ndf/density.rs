@@ -131,16 +131,17 @@ fn facing_from_below<T: Real, D: Density<T>>(
     w: Direction<T>,
     u: [T; 2],
 ) -> Direction<T> {
-    let ([x, y, z], [u0, u1]) = (w.xyz().map(Real::to_f64), u.map(Real::to_f64));
+    let [x, y, z] = density.unstretched(w.xyz().map(Real::to_f64));
+    let [u0, u1] = u.map(Real::to_f64);
     let across = Real::max(Real::sqrt(x * x + y * y), f64::MIN_POSITIVE);
     let mu = z / across;
     let slope = Real::min(steep_slope(density, mu, density.steeper(-mu), 1.0 - u1), STEEPEST);
     let (s, c) = Real::sin_cos(visible_azimuth(slope, mu, u0));
     let cos = 1.0 / Real::sqrt(1.0 + slope * slope);
     let sin = slope * cos / across;
-    let height = T::from_f64(cos).max(T::MIN_POSITIVE);
-    let [along, left] = [x * c - y * s, y * c + x * s].map(|v| T::from_f64(v * sin));
-    Direction::from_unit(along, left, height)
+    let m = density.stretched([(x * c - y * s) * sin, (y * c + x * s) * sin, cos]);
+    let [x, y, z] = m.map(T::from_f64);
+    Direction::from_unit(x, y, z.max(T::MIN_POSITIVE))
 }
 
 /// A slope beyond which facets are upright.
