@@ -10,7 +10,7 @@ fn every_verb_explains_itself_and_names_its_flags() {
         (
             "model",
             "<METHOD> --set --ior --opaque --profile --map --seed --output --json",
-            "Example: asperity model normals",
+            "Examples:\n  asperity model normals",
         ),
         (
             "scan",

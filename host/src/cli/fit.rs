@@ -54,36 +54,38 @@ use crate::report::{self, FigureFiles, PolarFiles};
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// The measured scan; or a model, which is measured at the usual angles, to say its law by another
+    /// The measured scan; or a model, to say its law by another
     scan: PathBuf,
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, slopes, abg, harvey, k-correlation or super-gauss; auto: the law in closed form that the data support
+    /// Method; auto: the law in closed form that the data support
     #[arg(short, long, value_parser = MethodName)]
     method: String,
     /// Profile of `normals` and `heights`; both are tried without it
     #[arg(long, value_enum, alias = "law")]
     profile: Option<ProfileFlag>,
-    /// Facets that light may meet, for ggx, beckmann, student and smith-normals: one (the rest of the
-    /// light is lost), all, or all by a random walk [default: one]; ggx-ms is ggx with all
+    /// Facets that light may meet: one, all, or all by a random walk [default: one]
+    ///
+    /// With one the light of later bounces is lost. Of ggx, beckmann, student, smith-normals and slopes; the method ggx-ms is ggx
+    /// with all.
     #[arg(long, value_enum)]
     bounces: Option<BouncesFlag>,
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
     /// Fit two widths and an orientation of `ggx`, `beckmann` or `student`; a scan at several rotations of the sample tells them
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     anisotropic: bool,
     /// Fit the exponent n of the law of `heights` too (2 without it)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     fit_n: bool,
     /// Fit the largest height h_max of `heights` too (1 step without it)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     fit_h_max: bool,
     /// Fit the most frequent height z0 of `heights` too (0 without it)
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     fit_z0: bool,
     /// Fit the share of the light that stays specular too, of abg, harvey, k-correlation and super-gauss: what is neither
     /// scattered nor specular is then lost
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     fit_specular: bool,
     /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]

@@ -80,7 +80,7 @@ impl BouncesFlag {
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Method: ggx, normals, heights, measured-ray, measured-wave, measured-hybrid, beckmann, student, smith-normals, slopes, abg, harvey, k-correlation or super-gauss
+    /// Method
     #[arg(value_parser = MethodName)]
     method: String,
     /// Parameters as name=value; an angle may end in deg (the default) or rad

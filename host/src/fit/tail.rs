@@ -6,8 +6,10 @@ use crate::measurement::Measurement;
 const ABOVE_NOISE: f64 = 3.0;
 /// The share of the readings that are the dimmest.
 const DIMMEST: f64 = 0.25;
-/// What a simulation of no light counts as, of the reading.
-const NOTHING: f64 = 1e-6;
+/// Readings below this share of the largest are beyond what any instrument tells.
+const BEYOND: f64 = 1e-8;
+/// A simulation that is off by more decades counts as so many.
+const MOST_DECADES: f64 = 6.0;
 
 /// Root mean square of `log10(simulated / measured)` over the readings above the noise of the dimmest: 0.3 is a factor of 2.
 /// `None` if none are.
@@ -15,13 +17,14 @@ const NOTHING: f64 = 1e-6;
 /// `simulated` is in the order of the scan's readings. The noise is the median second difference of neighbours among the
 /// dimmest quarter, which a smooth tail has little of.
 pub fn tail_score(scan: &Measurement, simulated: &[f64]) -> Option<f64> {
-    let floor = ABOVE_NOISE * dim_noise(scan);
+    let floor = (ABOVE_NOISE * dim_noise(scan)).max(BEYOND * scan.largest_reading());
     let mut squares = 0.0;
     let mut count = 0_usize;
     for (reading, &s) in scan.readings().iter().zip(simulated) {
         let m = reading.value;
         if m > floor && m > 0.0 && s.is_finite() {
-            squares += (s / m).max(NOTHING).log10().powi(2);
+            let decades = (s / m).max(f64::MIN_POSITIVE).log10();
+            squares += decades.abs().min(MOST_DECADES).powi(2);
             count += 1;
         }
     }

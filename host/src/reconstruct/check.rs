@@ -18,7 +18,7 @@ use super::{Lacking, needed};
 /// Rounding and lattice error of the balance.
 const TOLERANCE: f64 = 1e-4;
 /// What later bounces promise: the share that the first leaves over is found by quadrature over facets.
-const OF_BOUNCES: f64 = 2e-3;
+const OF_BOUNCES: f64 = 5e-3;
 /// What tables promise.
 const OF_TABLES: f64 = 5e-4;
 /// Reciprocity up to rounding, far into the tails.

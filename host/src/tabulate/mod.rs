@@ -128,6 +128,11 @@ pub enum NoTable {
     /// The media are alike: there is no boundary.
     #[error("the media are alike; there is nothing to tabulate")]
     Matched,
+    /// A law about the specular direction.
+    #[error(
+        "a table has no place for what such a law leaves specular; its three parameters are smaller than any table: use the model"
+    )]
+    Specular,
     /// Values that are not finite, or too large.
     #[error("the model gives values that no table can hold")]
     Values,
@@ -147,6 +152,9 @@ pub fn tabulate(
 ) -> Result<EmbeddedTable, NoTable> {
     if matches!(boundary, Boundary::Table(_)) {
         return Err(NoTable::Table);
+    }
+    if matches!(boundary, Boundary::Tail(_)) {
+        return Err(NoTable::Specular);
     }
     let mut wanted = plan.lobes;
     if boundary.eta().is_none() {
