@@ -46,6 +46,7 @@ pub fn read(path: &Path) -> Result<(Boundary, Kind), LawError> {
 }
 
 /// Whether bytes are those of a law: a table, or a model by its keys.
+#[cfg(feature = "cli")]
 pub(crate) fn is_law(path: &Path, bytes: &[u8]) -> bool {
     if embedded::is_table(path, bytes) {
         return true;
