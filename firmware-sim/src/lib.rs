@@ -17,6 +17,7 @@ extern crate std;
 
 pub mod digest;
 pub mod hostile;
+mod seeded;
 mod selftest_laws;
 pub mod selftest;
 pub mod clock;

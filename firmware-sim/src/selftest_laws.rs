@@ -10,7 +10,7 @@ use asperity_core::ndf::student::Student;
 use asperity_core::quantity::{Alpha, RelativeIor};
 
 use crate::digest::Digest;
-use crate::selftest::{Source, ior, law};
+use crate::seeded::{Source, ior, law};
 
 fn width<T: Real>(x: f64) -> Option<Alpha<T>> {
     Alpha::new(T::from_f64(x)).ok()

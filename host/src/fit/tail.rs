@@ -14,10 +14,12 @@ const MOST_DECADES: f64 = 6.0;
 /// Root mean square of `log10(simulated / measured)` over the readings above the noise of the dimmest: 0.3 is a factor of 2.
 /// `None` if none are.
 ///
-/// `simulated` is in the order of the scan's readings. The noise is the median second difference of neighbours among the
-/// dimmest quarter, which a smooth tail has little of.
+/// `simulated` is in the order of the scan's readings. The noise is that of the header; else the median second difference of
+/// neighbours among the dimmest quarter, which a smooth tail has little of.
 pub fn tail_score(scan: &Measurement, simulated: &[f64]) -> Option<f64> {
-    let floor = (ABOVE_NOISE * dim_noise(scan)).max(BEYOND * scan.largest_reading());
+    let largest = scan.largest_reading();
+    let stated = scan.meta.noise_floor_percent.map(|percent| 0.01 * percent * largest);
+    let floor = (ABOVE_NOISE * stated.unwrap_or_else(|| dim_noise(scan))).max(BEYOND * largest);
     let mut squares = 0.0;
     let mut count = 0_usize;
     for (reading, &s) in scan.readings().iter().zip(simulated) {
@@ -81,11 +83,12 @@ mod tests {
 
     #[test]
     fn noise_is_no_tail() {
-        // a lobe in noise without a pattern, 1e-3 of its peak; what falls below nothing reads as next to nothing
+        // a lobe in stated noise, 1e-3 of its peak; what falls below nothing reads as next to nothing
         let noise = |t: f64| {
             1e-3 * (2.0 * (t * 12.9898).sin().mul_add(43_758.547, 0.0).rem_euclid(1.0) - 1.0)
         };
-        let measured = scan(|t| ((-0.5 * (t / 6.0).powi(2)).exp() + noise(t)).max(1e-9));
+        let mut measured = scan(|t| ((-0.5 * (t / 6.0).powi(2)).exp() + noise(t)).max(1e-9));
+        measured.meta.noise_floor_percent = Some(0.058);
         let clean: Vec<f64> = measured
             .readings()
             .iter()

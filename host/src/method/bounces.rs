@@ -12,9 +12,6 @@ use super::kind::{Kind, Lack};
 use super::{Body, BuildError, Method, Parameter};
 use crate::boundary::Boundary;
 
-/// Another name of `ggx` with all bounces.
-pub(super) const GGX_MS: &str = "ggx-ms";
-
 /// How many facets light may meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Bounces {

@@ -5,11 +5,13 @@ use std::fmt;
 use asperity_core::bsdf::Lobe;
 use asperity_core::ndf::law::Profile;
 
-use super::bounces::GGX_MS;
 use super::{Body, Bounces, BuildError, Method};
 use crate::kirchhoff::WaveOptions;
 use crate::message::excerpt;
 use crate::surface::{Edges, HeightMap};
+
+/// Another name of `ggx` with all bounces.
+pub(super) const GGX_MS: &str = "ggx-ms";
 
 /// The description of a method.
 #[derive(Clone, Copy)]

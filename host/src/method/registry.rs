@@ -3,8 +3,8 @@
 //! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and
 //! the methods of comparisons come from here.
 
-use super::bounces::{Bouncing, GGX_MS};
-use super::kind::{Choice, Kind, Lack, Origin};
+use super::bounces::Bouncing;
+use super::kind::{Choice, GGX_MS, Kind, Lack, Origin};
 use super::{
     Body, Bounces, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave,
     normals, slopes, smith_normals, student, tail,
