@@ -19,6 +19,7 @@ mod parameter;
 mod kind;
 mod oriented;
 mod bounces;
+mod bouncing;
 pub mod ggx;
 pub mod normals;
 pub mod beckmann;

@@ -3,7 +3,7 @@
 //! A new method is a file with a [`Kind`], and a line in [`KINDS`]; names, errors, the flags of the command line and
 //! the methods of comparisons come from here.
 
-use super::bounces::Bouncing;
+use super::bouncing::Bouncing;
 use super::kind::{Choice, GGX_MS, Kind, Lack, Origin};
 use super::{
     Body, Bounces, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave,
