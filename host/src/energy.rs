@@ -9,7 +9,9 @@ use serde::Serialize;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::forward::{Rays, count_flux_until};
-use crate::kirchhoff::{Beam, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders};
+use crate::kirchhoff::{
+    Beam, CoherentFlux, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders,
+};
 use crate::watch::Watch;
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -35,6 +37,28 @@ pub struct Energy {
     /// The same in transmission.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evanescent_transmitted: Option<f64>,
+}
+
+impl Energy {
+    /// The balance of light of which these shares are known; the rest is lost, and none is evanescent.
+    fn of(
+        side: Side,
+        incidence_deg: f64,
+        [reflected, transmitted]: [f64; 2],
+        coherent: CoherentFlux,
+    ) -> Self {
+        Self {
+            incidence_deg,
+            side: side_name(side),
+            reflected,
+            transmitted,
+            lost: 1.0 - reflected - transmitted,
+            coherent_reflected: coherent.reflected,
+            coherent_transmitted: coherent.transmitted,
+            evanescent_reflected: None,
+            evanescent_transmitted: None,
+        }
+    }
 }
 
 /// Name of a side in files.
@@ -227,17 +251,7 @@ fn balance_until(
         let flux = count_flux_until(t, wi, rays, watch);
         (flux.reflected, flux.transmitted, flux.lost)
     });
-    Energy {
-        incidence_deg,
-        side: side_name(side),
-        reflected,
-        transmitted,
-        lost,
-        coherent_reflected: coherent.reflected,
-        coherent_transmitted: coherent.transmitted,
-        evanescent_reflected: None,
-        evanescent_transmitted: None,
-    }
+    Energy { lost, ..Energy::of(side, incidence_deg, [reflected, transmitted], coherent) }
 }
 
 /// The first bounce is summed over facets, the flux of later ones is known.
@@ -251,17 +265,7 @@ fn of_bounces<L: FirstBounce<f64> + Sync>(
     let later = law.later.flux(wi);
     let reflected = first(Lobe::Reflection) + later.reflected;
     let transmitted = first(Lobe::Transmission) + later.transmitted;
-    Energy {
-        incidence_deg,
-        side: side_name(side),
-        reflected,
-        transmitted,
-        lost: 1.0 - reflected - transmitted,
-        coherent_reflected: 0.0,
-        coherent_transmitted: 0.0,
-        evanescent_reflected: None,
-        evanescent_transmitted: None,
-    }
+    Energy::of(side, incidence_deg, [reflected, transmitted], CoherentFlux::default())
 }
 
 /// What a law scatters about the specular direction is an integral of its own.
@@ -271,17 +275,7 @@ fn of_tail(law: &ShiftInvariant<f64>, side: Side, incidence_deg: f64) -> Energy 
     let in_lobe = |lobe| if law.lobe() == lobe { scattered } else { 0.0 };
     let reflected = kept.reflected + in_lobe(Lobe::Reflection);
     let transmitted = kept.transmitted + in_lobe(Lobe::Transmission);
-    Energy {
-        incidence_deg,
-        side: side_name(side),
-        reflected,
-        transmitted,
-        lost: 1.0 - reflected - transmitted,
-        coherent_reflected: kept.reflected,
-        coherent_transmitted: kept.transmitted,
-        evanescent_reflected: None,
-        evanescent_transmitted: None,
-    }
+    Energy::of(side, incidence_deg, [reflected, transmitted], kept)
 }
 
 fn of_mean_law(wave: &WaveBoundary, side: Side, incidence_deg: f64) -> Energy {
@@ -290,15 +284,9 @@ fn of_mean_law(wave: &WaveBoundary, side: Side, incidence_deg: f64) -> Energy {
     let reflected = coherent.reflected + wave.diffuse_flux(wi, Lobe::Reflection);
     let transmitted = coherent.transmitted + wave.diffuse_flux(wi, Lobe::Transmission);
     Energy {
-        incidence_deg,
-        side: side_name(side),
-        reflected,
-        transmitted,
-        lost: 1.0 - reflected - transmitted,
-        coherent_reflected: coherent.reflected,
-        coherent_transmitted: coherent.transmitted,
         evanescent_reflected: wave.evanescent(wi, Lobe::Reflection),
         evanescent_transmitted: wave.evanescent(wi, Lobe::Transmission),
+        ..Energy::of(side, incidence_deg, [reflected, transmitted], coherent)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::fitted::trials;
 use super::progress;
 use crate::fit::FitError;
-use crate::method::{Body, KINDS, Kind, Waves};
+use crate::method::{Body, KINDS, Kind};
 use crate::model::Rank;
 use crate::reconstruct::{Found, Grounds, Task, Trials, usually_asked};
 
@@ -13,8 +13,9 @@ pub(super) const AUTO: &str = "auto";
 /// The closed forms that describe a body: laws of the rough face, or of a sheet.
 fn candidates(body: Body, of_sheet: bool) -> Vec<&'static str> {
     let fits = |kind: &&Kind| {
-        let is_closed = !kind.traced && !kind.needs_map && kind.waves == Waves::None;
-        is_closed && kind.describes_sheet == of_sheet && (body != Body::Opaque || kind.takes_opaque)
+        kind.is_closed()
+            && kind.describes_sheet == of_sheet
+            && (body != Body::Opaque || kind.takes_opaque)
     };
     KINDS.iter().filter(fits).map(|kind| kind.name).collect()
 }

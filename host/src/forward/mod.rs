@@ -32,6 +32,7 @@ pub(crate) use rays::{Tiles, mix};
 pub use simulate::simulate;
 pub use wave::wave;
 
+use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Direction;
 use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
@@ -67,6 +68,14 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// The lobe that the detector is in.
+    pub(crate) fn lobe(&self) -> Lobe {
+        match self.geometry {
+            Geometry::Reflection => Lobe::Reflection,
+            Geometry::Transmission => Lobe::Transmission,
+        }
+    }
+
     /// By how much the frame of the rough face is turned where the sample is: a face that looks away turns the other way.
     pub(crate) fn turn_deg(&self, rotation_deg: f64) -> f64 {
         match self.sample {

@@ -84,6 +84,15 @@ impl Wavelengths {
         Self::new(&[(nm, 1.0)])
     }
 
+    /// The wavelength in nm, if there is one alone.
+    pub fn only_nm(&self) -> Option<f64> {
+        let mut all = self.iter();
+        match (all.next(), all.next()) {
+            (Some((um, _)), None) => Some(1e3 * um),
+            _ => None,
+        }
+    }
+
     /// Wavelengths in um with their weights, in the order given.
     pub fn iter(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.lines.iter().map(|&(nm, weight)| (nm / NM_PER_UM, weight))

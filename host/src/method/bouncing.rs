@@ -27,8 +27,7 @@ impl Kind {
     /// Whether `bounces` is an option of it: microfacets with masking.
     pub fn has_bounces(&self) -> bool {
         // the facets of `normals` do not mask each other: there is no second one to meet
-        let is_closed = !self.needs_map && !self.traced && !self.is_wave();
-        is_closed && !self.describes_sheet && self.name != "normals"
+        self.is_closed() && !self.describes_sheet && self.name != "normals"
     }
 }
 

@@ -83,6 +83,11 @@ impl Kind {
         make: |choice| Err(Lack::Method { name: choice.name.into(), known: String::new() }),
     };
 
+    /// Whether it is a law in closed form: no map, no rays, no waves.
+    pub fn is_closed(&self) -> bool {
+        !self.needs_map && !self.traced && !self.is_wave()
+    }
+
     /// Whether it uses waves and needs their wavelengths.
     pub fn is_wave(&self) -> bool {
         self.waves != Waves::None

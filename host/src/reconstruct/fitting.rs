@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use asperity_core::bsdf::{Bsdf, Lobe};
+use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::{Direction, Side};
-use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 
 use crate::boundary::Boundary;
@@ -125,10 +124,7 @@ impl Task<'_> {
     /// What has to be said about the boundary of a fit at the angles of the measurement.
     fn warnings(&self, method: &dyn Method, fit: &Fit) -> Vec<String> {
         let angles: Vec<f64> = self.measurement.by_incidence().map(|i| i.sigma_deg).collect();
-        let lobe = match self.setup.geometry {
-            Geometry::Transmission => Lobe::Transmission,
-            Geometry::Reflection => Lobe::Reflection,
-        };
+        let lobe = self.setup.lobe();
         match &fit.boundary {
             Boundary::Wave(wave) => {
                 let (side, inside) = match self.setup.sample {

@@ -1,8 +1,5 @@
 //! One method on one sample: what is known of the sample, and which profiles and speckles are tried.
 
-use asperity_core::bsdf::Lobe;
-use asperity_core::gonio::Geometry;
-
 use crate::fit::{FitOptions, MISFIT_PERCENT};
 use crate::forward::Setup;
 use crate::kirchhoff::{WaveOptions, Wavelengths};
@@ -94,15 +91,6 @@ impl<'a> Task<'a> {
         same
     }
 
-    /// The one wavelength of the light, nm.
-    fn wavelength_nm(&self) -> Option<f64> {
-        let mut all = self.light.wavelengths.as_ref()?.iter();
-        match (all.next(), all.next()) {
-            (Some((um, _)), None) => Some(1e3 * um),
-            _ => None,
-        }
-    }
-
     /// A method with every law that is to be tried: the one that is given, else all it has. `asked` says which of its
     /// optional parameters are fitted ([`usually_asked`]).
     ///
@@ -131,11 +119,8 @@ impl<'a> Task<'a> {
         let bounces = bounces.map(Bounces::word);
         let with = |(profile, wave): (Option<&str>, Option<&WaveOptions>)| {
             let seed = self.options.rays.seed;
-            let lobe = Some(match self.setup.geometry {
-                Geometry::Reflection => Lobe::Reflection,
-                Geometry::Transmission => Lobe::Transmission,
-            });
-            let wavelength_nm = self.wavelength_nm();
+            let lobe = Some(self.setup.lobe());
+            let wavelength_nm = self.light.wavelengths.as_ref().and_then(Wavelengths::only_nm);
             let usual = Choice { lobe, wavelength_nm, ..Choice::new(name, body) };
             Choice { profile, bounces, asked, map, wave, seed, ..usual }.method()
         };

@@ -117,11 +117,7 @@ impl LightFlags {
 
     /// The one wavelength, nm; `None` if there is none or are several.
     pub(in crate::cli) fn single_nm(&self) -> Option<f64> {
-        let mut all = self.wavelength_nm.as_ref()?.iter();
-        match (all.next(), all.next()) {
-            (Some((um, _)), None) => Some(1e3 * um),
-            _ => None,
-        }
+        self.wavelength_nm.as_ref()?.only_nm()
     }
 
     /// The light of these flags; a scan's header may know the wavelength.
