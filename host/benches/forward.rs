@@ -130,12 +130,8 @@ fn fits(c: &mut Criterion) {
     let scan = Measurement::new(Metadata::default(), readings).unwrap();
     let body = Body::Dielectric { ior: IOR };
     let options = FitOptions {
-        body,
-        fit_ior: false,
-        fit_gain: false,
-        objective: Objective::Rmsd,
         max_evaluations: 5000,
-        rays: FitRays::default(),
+        ..FitOptions::new(body)
     };
     let method = GgxMethod::new(body);
     c.bench_function("fit of 5 x 1801 readings, ggx", |bencher| {

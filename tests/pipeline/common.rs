@@ -1,7 +1,7 @@
 //! Short spellings for the tests of this target: a virtual goniophotometer and fits of its scans.
 
 use asperity::boundary::Boundary;
-use asperity::fit::{Fit, FitError, FitOptions, FitRays, Objective, cost_at, fit};
+use asperity::fit::{Fit, FitError, FitOptions, cost_at, fit};
 use asperity::forward::{
     Angles, Effort, Incidence, MonteCarlo, Rays, Readings, Sample, Setup, monte_carlo, simulate,
 };
@@ -158,12 +158,8 @@ pub(crate) fn measurement(
 /// The options of a plain fit.
 pub(crate) fn options(body: Body) -> FitOptions {
     FitOptions {
-        body,
-        fit_ior: false,
-        fit_gain: false,
-        objective: Objective::Rmsd,
         max_evaluations: 4000,
-        rays: FitRays::default(),
+        ..FitOptions::new(body)
     }
 }
 

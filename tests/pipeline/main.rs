@@ -15,6 +15,7 @@ mod bounces;
 mod student;
 mod real_scans;
 mod traced_samples;
+mod verdicts;
 mod own_map;
 mod wave_samples;
 mod kirchhoff_validity;

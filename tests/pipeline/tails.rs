@@ -89,7 +89,7 @@ fn what_was_made_with_a_law_is_found_again() {
                 p.value
             );
         }
-        assert!(found.entry.refusal.is_none(), "{name}: {:?}", found.entry.refusal);
+        assert!(found.entry.refusal().is_none(), "{name}: {:?}", found.entry.refusal());
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), 
     found.model.ranking = ranks;
     if ranking.interrupted {
         let why = "interrupted; not every law was tried, the best so far is given";
-        found.entry.refusal.get_or_insert_with(|| why.into());
+        found.entry.cut_short(why);
     }
     Ok((text, found))
 }

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 
 use super::error::{Failure, all, without_effect};
 use super::fitted::{human, trials, warn_of_failed};
+use super::flags::clean::CleanFlags;
 use super::flags::effort::EffortFlags;
 use super::flags::light::LightFlags;
 use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
+use super::flags::nuisance::NuisanceFlags;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::model::{BouncesFlag, ProfileFlag};
 use super::{auto, print, progress, readings, say};
@@ -105,6 +107,9 @@ pub(super) struct Args {
     /// Write plots of measured and fitted readings: STEM-linear.svg, .png, STEM-log.svg, .png
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
+    /// Exit 0 whatever the verdict
+    #[arg(long)]
+    accept: bool,
     /// Print the fit as JSON
     #[arg(long)]
     json: bool,
@@ -114,6 +119,8 @@ pub(super) struct Args {
     #[command(flatten)]
     effort: EffortFlags,
     #[command(flatten)]
+    nuisance: NuisanceFlags,
+    #[command(flatten)]
     setup: SetupFlags,
     #[command(flatten)]
     light: LightFlags,
@@ -121,12 +128,15 @@ pub(super) struct Args {
     map_flags: MapFlags,
     #[command(flatten)]
     read: ReadFlags,
+    #[command(flatten)]
+    clean: CleanFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
     let (measurement, input) = readings::read(&args.scan, &args.read, &args.setup)?;
+    let measurement = args.clean.apply(measurement, &args.scan, args.effort.objective())?;
     let of_sheet = args.describes_sheet()?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;
     if !matches!(body, Body::Dielectric { .. }) && args.anisotropic {
@@ -148,6 +158,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         options: FitOptions {
             fit_ior: args.fit_ior,
             fit_gain: args.fit_gain,
+            nuisance: args.nuisance.nuisance(&measurement)?,
             ..args.effort.options(body)
         },
         max_misfit: args.effort.max_misfit,
@@ -157,6 +168,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         input: Some(&input),
         in_plate: args.setup.in_plate(),
     };
+    args.nuisance.check(&task)?;
     let trials = args.trials(&task).map_err(|what| Failure::Bad(of_scan(&what)))?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(|stem| Plots::open(stem, &measurement)).transpose()?;
@@ -183,7 +195,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             _ => table + &human(&entry, &task, !args.no_timing),
         }),
         plots.map_or(Ok(()), |files| args.draw(files, &measurement, &entry)),
-        entry.refusal.clone().map_or(Ok(()), |why| Err(Failure::No(why))),
+        entry.refusal().filter(|_| !args.accept).map_or(Ok(()), |why| Err(Failure::No(why))),
     ])
 }
 
@@ -255,6 +267,7 @@ fn check_auto(args: &Args) -> Result<(), Failure> {
         ("--map", args.map.is_some()),
     ];
     without_effect(&flags, "the data choose among all laws in closed form")?;
+    without_effect(&args.nuisance.given(), "laws are ranked for an instrument that is known")?;
     if args.setup.in_plate() {
         return Err(Failure::bad(
             "--method auto ranks laws of the rough face, with --body sheet those of a sheet; leave --body plate out",

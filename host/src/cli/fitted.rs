@@ -6,6 +6,7 @@ use super::say;
 use crate::boundary::Boundary;
 use crate::fit::{FitError, Fitted, Objective, Termination};
 use crate::measurement::Isotropy;
+use crate::model::Flux;
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
 use crate::report;
 
@@ -72,6 +73,12 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
             "worst        {error:.2} % at sigma {sigma} deg, of its largest reading"
         );
     }
+    if let Some(score) = entry.verdict.tail_score {
+        let _ = writeln!(text, "tails        {score:.3} decades  (rms of log10 of fitted over measured)");
+    }
+    for line in fluxes(&entry.fluxes) {
+        let _ = writeln!(text, "{line}");
+    }
     if fit.simulation_noise_percent.is_none() {
         let _ = writeln!(
             text,
@@ -87,10 +94,34 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
         fit.evaluations,
         if timing { format!(", {:.3} s", fit.seconds) } else { String::new() }
     );
+    let _ = writeln!(text, "verdict      {}", entry.verdict.sentence());
+    for cause in &entry.verdict.causes {
+        let _ = writeln!(text, "cause        {cause}");
+    }
+    for pair in fit.correlations.iter().filter(|pair| pair.r.abs() > TOLD) {
+        let [a, b] = &pair.of;
+        let _ = writeln!(text, "correlation  {a}, {b}: {:.3}", pair.r);
+    }
     for warning in
         fit.parameters.iter().filter_map(Fitted::warning).chain(entry.warnings.iter().cloned())
     {
         let _ = writeln!(text, "warning: {warning}");
     }
     text
+}
+
+/// Correlations above this are printed.
+const TOLD: f64 = 0.95;
+/// Incidences whose fluxes are printed, degrees; the model file has all.
+const SHOWN: [f64; 2] = [0.0, 60.0];
+
+/// Where the flux goes, a line a side and incidence.
+fn fluxes(all: &[Flux]) -> Vec<String> {
+    let is_shown = |f: &&Flux| SHOWN.iter().any(|s| (s - f.incidence_deg).abs() < 0.5);
+    let line = |f: &Flux| {
+        let Flux { incidence_deg, reflected, transmitted, lost, .. } = f;
+        let from = if f.side == "air" { "from air" } else { "from inside" };
+        format!("{from:12} R {reflected:.4}  T {transmitted:.4}  lost {lost:.4}  at {incidence_deg} deg")
+    };
+    all.iter().filter(is_shown).map(line).collect()
 }

@@ -238,7 +238,7 @@ impl Trade<'_> {
                         "{}: {:.3} % in {:.2} s",
                         entry.label, fit.rmsd_percent, fit.seconds
                     ));
-                    if let Some(why) = &entry.refusal {
+                    if let Some(why) = &entry.refusal() {
                         self.report.notes.push(format!("{}: {why}", entry.label));
                     }
                     self.measure(&Subject {

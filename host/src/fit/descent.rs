@@ -92,8 +92,9 @@ impl Descent<'_, '_> {
         let Ok(Some(readings)) = self.problem.simulate(&values, self.effort) else {
             return if self.search.interrupted() { Err(Stopped) } else { Ok(None) };
         };
-        let residuals = self.problem.residuals(&readings.values);
-        let square = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len() as f64;
+        let residuals = self.problem.residuals(&values, &readings.values);
+        let count = self.problem.measured().len();
+        let square = residuals.iter().map(|r| r * r).sum::<f64>() / count as f64;
         if !square.is_finite() {
             return Ok(None);
         }

@@ -37,7 +37,9 @@
 //! ```
 
 mod objective;
+mod nuisance;
 mod problem;
+mod linear;
 mod search;
 mod descent;
 mod simplex;
@@ -46,10 +48,13 @@ mod profile;
 mod simplest;
 mod fitted;
 mod later;
+mod quick;
 mod verdict;
 mod tail;
 
 pub use fitted::Fitted;
+pub use quick::{Quick, quick};
+pub use nuisance::{MOST_GAINS, Nuisance, is_of_instrument};
 pub use objective::Objective;
 pub use profile::{Profile, Side};
 pub use tail::tail_score;
@@ -65,6 +70,7 @@ use crate::boundary::Boundary;
 use crate::forward::{Angles, Effort, Neglected, Rays, Readings, Setup};
 use crate::measurement::{Measurement, noise};
 use crate::method::{Body, BuildError, Method, Parameter};
+use crate::model::Correlation;
 use crate::watch::Watch;
 
 use problem::Problem;
@@ -86,6 +92,8 @@ pub struct FitOptions {
     pub max_evaluations: u64,
     /// Rays of a method that traces them.
     pub rays: FitRays,
+    /// What the instrument may be wrong about.
+    pub nuisance: Nuisance,
 }
 
 impl FitOptions {
@@ -98,6 +106,7 @@ impl FitOptions {
             objective: Objective::default(),
             max_evaluations: 4000,
             rays: FitRays::default(),
+            nuisance: Nuisance::default(),
         }
     }
 }
@@ -166,6 +175,8 @@ impl Termination {
 pub struct Fit {
     /// The fitted parameters, in order.
     pub parameters: Vec<Fitted>,
+    /// Correlations of their errors, by name and name, -1 to 1, each pair once.
+    pub correlations: Vec<Correlation>,
     /// The boundary they make.
     pub boundary: Boundary,
     /// Refractive index; `None` for an opaque body.
@@ -292,12 +303,13 @@ pub fn fit(
     let at_fitted = if is_spread { problem.simulate(&values, Effort::Full)? } else { None };
     let at_fitted = at_fitted.as_ref().unwrap_or(&readings);
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
-    let parameters = fitted(&problem, &all, &values, &at_fitted.values);
+    let (parameters, correlations) = fitted(&problem, &all, &values, &at_fitted.values);
     let (boundary, body) = problem.boundary(&values)?;
     let simulation_noise_percent = noise_percent(&readings, measurement);
     let of_rays = simulation_noise_percent.filter(|_| problem.is_traced());
     Ok(Fit {
         parameters,
+        correlations,
         boundary,
         ior: match body {
             Body::Dielectric { ior } => Some(ior),
@@ -322,7 +334,7 @@ fn fitted(
     all: &[Parameter],
     values: &[f64],
     simulated: &[f64],
-) -> Vec<Fitted> {
+) -> (Vec<Fitted>, Vec<Correlation>) {
     // the errors ask for small changes about the fitted values
     let later = later::about(problem, values, || ()).ok().flatten();
     let near = later.map(|later| problem.with_later(later));
@@ -345,7 +357,9 @@ fn fitted(
             is_none: held.is_some(),
         }
     };
-    all.iter().zip(problem.held()).map(one).collect()
+    let names: Vec<&str> = problem.parameters().iter().map(|p| p.name).collect();
+    let correlations = curvature.as_ref().map(|c| Correlation::all(&names, &c.correlations()));
+    (all.iter().zip(problem.held()).map(one).collect(), correlations.unwrap_or_default())
 }
 
 /// The objective of a method with given values, without a fit; `None` if they make no boundary, or if stopped.

@@ -29,6 +29,15 @@ impl Objective {
         }
     }
 
+    /// Standard deviation of a residual by the noise of the readings, given as a share of the largest in %; where noise is not
+    /// known, and of relative errors, what instruments have.
+    pub fn noise(self, percent: Option<f64>) -> f64 {
+        match self {
+            Self::Rmsd => 0.01 * percent.unwrap_or(0.1).max(1e-4),
+            Self::Relative | Self::Log => 0.01,
+        }
+    }
+
     /// Square of the weight of a reading in a linear problem.
     pub fn weight2(self, measured: f64, largest: f64) -> f64 {
         let w = match self {

@@ -1,12 +1,14 @@
 //! The fit as a function of numbers: from values to readings to one cost.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::boundary::Boundary;
+use crate::fit::nuisance::{APERTURE, GAIN as GAIN_NAME, Instrument, with_aperture};
 use crate::fit::{FitOptions, Objective};
 use crate::forward::{Angles, Effort, Incidence, Rays, Readings, Sample, Setup, simulate};
-use crate::measurement::Measurement;
+use crate::measurement::{Measurement, noise};
 use crate::method::{Body, BuildError, Method, Parameter, Scale};
 use crate::watch::Watch;
 
@@ -22,6 +24,10 @@ pub(super) struct Problem<'a> {
     largest: f64,
     /// The free parameters.
     parameters: Vec<Parameter>,
+    /// What is known beforehand of some of them, by name: nominal value and standard deviation.
+    priors: BTreeMap<&'static str, (f64, f64)>,
+    /// Standard deviation of a residual by noise, in which priors are weighed.
+    noise: f64,
     /// Of all parameters, in their order: what each is held at, if it is not free.
     held: Vec<Option<f64>>,
     /// Rays per incidence in full effort, for traced methods.
@@ -55,7 +61,8 @@ impl Later {
 }
 
 const IOR: Parameter = Parameter::new("ior", "", (1.05, 4.0), Scale::Linear, &[]);
-const GAIN: Parameter = Parameter::new("gain", "", (1e-3, 1e3), Scale::Log, &[]).level();
+/// The factor of the readings is linear: it is solved for, and has no bounds to speak of.
+const GAIN: Parameter = Parameter::new(GAIN_NAME, "", (1e-12, 1e12), Scale::Log, &[]).level();
 
 /// Readings per plane of observation that a draft needs, up to so many planes; beyond, readings in all.
 const DRAFT_READINGS: usize = 120;
@@ -81,7 +88,18 @@ impl<'a> Problem<'a> {
         if options.fit_gain && matches!(options.body, Body::Dielectric { .. }) {
             parameters.push(GAIN);
         }
+        let nuisance = &options.nuisance;
+        let mut priors: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
+        if let Some(width) = nuisance.gain.filter(|_| options.fit_gain) {
+            priors.insert(GAIN_NAME, (1.0, width));
+        }
+        for known in nuisance.parameters(measurement) {
+            priors.insert(known.parameter.name, known.prior);
+            parameters.push(known.parameter);
+        }
         Self {
+            noise: options.objective.noise(noise::before_fit(measurement)),
+            priors,
             method,
             options,
             watch,
@@ -268,7 +286,16 @@ impl<'a> Problem<'a> {
         if let (Sample::Plate { eta, .. }, Body::Dielectric { .. }) = (&mut setup.sample, body) {
             *eta = body.eta()?;
         }
-        Ok(Ready { boundary, setup, angles: &self.angles, gain: self.named(values, "gain") })
+        if let Some(factor) = self.named(values, APERTURE) {
+            setup = with_aperture(setup, factor);
+        }
+        let instrument =
+            Instrument::of(|name| self.named(values, name), &self.angles, self.largest);
+        let angles = match instrument.true_angles(&self.angles) {
+            Cow::Borrowed(_) => Cow::Borrowed(&self.angles),
+            Cow::Owned(angles) => Cow::Owned(angles),
+        };
+        Ok(Ready { boundary, setup, angles, instrument, gain: self.named(values, GAIN_NAME) })
     }
 
     /// Rays per incidence in full effort.
@@ -332,7 +359,7 @@ impl<'a> Problem<'a> {
     /// noise allows to see. So the cost is the objective for quadrature, and this mean, times 10^4, for rays.
     pub(super) fn cost(&self, values: &[f64], effort: Effort) -> Result<Option<f64>, BuildError> {
         if !self.is_traced() {
-            return Ok(self.simulate(values, effort)?.map(|r| self.cost_of(&r.values)));
+            return Ok(self.simulate(values, effort)?.map(|r| self.cost_at(values, &r.values)));
         }
         let ready = self.ready(values)?;
         let rays = self.rays(effort);
@@ -352,14 +379,45 @@ impl<'a> Problem<'a> {
                 objective.residual(m, a, self.largest) * objective.residual(m, b, self.largest)
             })
             .sum();
+        let prior: f64 = self.of_priors(values).map(|r| r * r).sum();
         // A root would make a cliff of the place where the mean is nothing.
-        Ok(Some(1e4 * product / self.measured.len() as f64))
+        Ok(Some(1e4 * (product + prior) / self.measured.len() as f64))
     }
 
-    /// The residuals whose mean square the fit minimises.
-    pub(super) fn residuals(&self, simulated: &[f64]) -> Vec<f64> {
+    /// The residuals whose mean square the fit minimises: those of the readings, then [`Self::prior_count`] of what is known
+    /// beforehand.
+    pub(super) fn residuals(&self, values: &[f64], simulated: &[f64]) -> Vec<f64> {
         let pairs = self.measured.iter().zip(simulated);
-        pairs.map(|(&m, &s)| self.objective().residual(m, s, self.largest)).collect()
+        let of_readings = pairs.map(|(&m, &s)| self.objective().residual(m, s, self.largest));
+        of_readings.chain(self.of_priors(values)).collect()
+    }
+
+    fn of_priors(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        let known = |(p, value): (&Parameter, &f64)| {
+            let (nominal, width) = self.priors.get(p.name)?;
+            Some(self.noise * (value - nominal) / width)
+        };
+        self.parameters.iter().zip(values).filter_map(known)
+    }
+
+    /// How many of the free parameters have a prior.
+    pub(super) fn prior_count(&self) -> usize {
+        self.parameters.iter().filter(|p| self.priors.contains_key(p.name)).count()
+    }
+
+    /// Standard deviation of a residual by noise, in which priors are weighed.
+    pub(super) fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    pub(super) fn largest(&self) -> f64 {
+        self.largest
+    }
+
+    /// The objective for values and their simulated readings, with what is known beforehand.
+    fn cost_at(&self, values: &[f64], simulated: &[f64]) -> f64 {
+        let sum: f64 = self.residuals(values, simulated).iter().map(|r| r * r).sum();
+        self.objective().of_mean_square(sum / self.measured.len() as f64)
     }
 
     /// The objective for simulated readings; not finite if any of them is not.
@@ -395,118 +453,26 @@ impl<'a> Problem<'a> {
         }
         points
     }
-
-    /// Sets the level of a law, in which readings are linear: what it does not scatter may be in them too. No higher than
-    /// there is light.
-    fn solve_level(&self, point: &mut [f64], level: usize) {
-        let (least, most) = self.parameters[level].bounds;
-        let at = |value: f64| {
-            let mut probe = point.to_vec();
-            probe[level] = value;
-            self.simulate(&probe, Effort::Draft).map(|r| r.map(|r| r.values))
-        };
-        let Ok(Some(base)) = at(least) else { return };
-        let mut unit = 1.0;
-        let slopes = loop {
-            match at(unit) {
-                Ok(Some(values)) => break values,
-                Err(BuildError::TooBright { scattered }) if scattered > 1.0 => {
-                    unit *= 0.5 / scattered;
-                }
-                _ => return,
-            }
-        };
-        let (mut aa, mut am) = (0.0, 0.0);
-        for ((&base, &value), &m) in base.iter().zip(&slopes).zip(self.measured.iter()) {
-            let (w, a) = (self.objective().weight2(m, self.largest), value - base);
-            aa += w * a * a;
-            am += w * a * (m - base);
-        }
-        let mut value = (am / aa * (unit - least) + least).clamp(least * 1.01, most * 0.99);
-        if !value.is_finite() {
-            return;
-        }
-        if let Err(BuildError::TooBright { scattered }) = at(value) {
-            value *= 0.95 / scattered;
-        }
-        point[level] = value;
-    }
-
-    /// Sets the level of a law, or `gain` and `lambert`, in which the readings are linear, to their least-squares values.
-    pub(super) fn solve_linear(&self, point: &mut [f64]) {
-        let index = |name| self.parameters.iter().position(|p| p.name == name);
-        let Some(gain) = self.parameters.iter().position(|p| p.is_level) else { return };
-        if self.parameters[gain].name != "gain" {
-            self.solve_level(point, gain);
-            return;
-        }
-        let lambert = index("lambert");
-        let readings = |gain_value: f64, lambert_value: f64| {
-            let mut probe = point.to_vec();
-            probe[gain] = gain_value;
-            if let Some(l) = lambert {
-                probe[l] = lambert_value;
-            }
-            self.simulate(&probe, Effort::Draft).ok().flatten().map(|r| r.values)
-        };
-        let Some(a) = readings(1.0, 0.0) else { return };
-        let b = match lambert {
-            Some(_) => match readings(0.0, 1.0) {
-                Some(b) => b,
-                None => return,
-            },
-            None => vec![0.0; a.len()],
-        };
-        let (mut aa, mut ab, mut bb, mut am, mut bm) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for ((&a, &b), &m) in a.iter().zip(&b).zip(self.measured.iter()) {
-            let w = self.objective().weight2(m, self.largest);
-            aa += w * a * a;
-            ab += w * a * b;
-            bb += w * b * b;
-            am += w * a * m;
-            bm += w * b * m;
-        }
-        let determinant = aa * bb - ab * ab;
-        let (mut g, mut l) = if determinant > 1e-9 * aa * bb {
-            ((am * bb - bm * ab) / determinant, (bm * aa - am * ab) / determinant)
-        } else {
-            (am / aa, 0.0)
-        };
-        // Where the free solution is negative, the other one alone.
-        if l < 0.0 {
-            (g, l) = (am / aa, 0.0);
-        } else if g < 0.0 {
-            (g, l) = (0.0, bm / bb);
-        }
-        let set = |point: &mut [f64], k: usize, value: f64| {
-            let (lo, hi) = self.parameters[k].bounds;
-            if value.is_finite() {
-                point[k] = value.clamp(lo * 1.01, hi * 0.99);
-            }
-        };
-        set(point, gain, g);
-        if let Some(k) = lambert {
-            set(point, k, l.max(1e-3 * self.largest.min(1.0)));
-        }
-    }
 }
 
 /// A forward model with its parameters set.
 struct Ready<'a> {
     boundary: Boundary,
     setup: Setup,
-    angles: &'a Angles,
+    angles: Cow<'a, Angles>,
+    instrument: Instrument,
     gain: Option<f64>,
 }
 
 impl Ready<'_> {
     fn readings(&self, effort: Effort, rays: Rays, watch: Watch<'_>) -> Option<Readings> {
-        let mut readings = simulate(&self.boundary, &self.setup, self.angles, effort, rays, watch)?;
+        let mut readings = simulate(&self.boundary, &self.setup, &self.angles, effort, rays, watch)?;
         if let Some(gain) = self.gain {
             readings.values.iter_mut().for_each(|r| *r *= gain);
             readings.neglected.reading *= gain;
             readings.std_errors.iter_mut().flatten().for_each(|e| *e *= gain);
         }
+        self.instrument.show(&mut readings.values, &self.angles);
         Some(readings)
     }
 }

@@ -179,7 +179,7 @@ impl Valley<'_> {
         }
         let residuals = |probe: &[f64]| {
             let readings = self.problem.simulate(probe, Effort::Full).ok()??;
-            Some(self.problem.residuals(&readings.values))
+            Some(self.problem.residuals(probe, &readings.values))
         };
         let at_probe = residuals(&probe)?;
         let mut least = squares(&at_probe);
@@ -221,7 +221,7 @@ fn bottom(problem: &Problem<'_>, values: &[f64], curvature: &Curvature) -> Optio
         .map(|((p, value), row)| (value - dot(row, &gradient)).clamp(p.bounds.0, p.bounds.1))
         .collect();
     let readings = problem.simulate(&moved, Effort::Full).ok()??;
-    let there = squares(&problem.residuals(&readings.values));
+    let there = squares(&problem.residuals(&moved, &readings.values));
     Some(if there < here { (moved, there) } else { (values.to_vec(), here) })
 }
 

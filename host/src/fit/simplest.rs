@@ -137,7 +137,7 @@ impl Sum {
         if !problem.is_traced() {
             let found = problem.simulate(values, Effort::Full)?;
             return Ok(found.map(|readings| {
-                let residuals = problem.residuals(&readings.values);
+                let residuals = problem.residuals(values, &readings.values);
                 let squares = residuals.iter().map(|r| r * r).sum();
                 Self { squares, unit: unit(&residuals), ray_variance: 0.0 }
             }));
@@ -148,13 +148,13 @@ impl Sum {
             problem.simulate_last(values, Rays { seed, ..rays }, problem.watch())
         };
         let (Some(one), Some(other)) = (half(0)?, half(1 << 63)?) else { return Ok(None) };
-        let (a, b) = (problem.residuals(&one.values), problem.residuals(&other.values));
+        let (a, b) = (problem.residuals(values, &one.values), problem.residuals(values, &other.values));
         let lifted = |readings: &crate::forward::Readings| -> Vec<f64> {
             let errors = readings.std_errors.iter().flatten();
             readings.values.iter().zip(errors).map(|(value, error)| value + error).collect()
         };
         let variance = |readings: &crate::forward::Readings, residuals: &[f64]| -> Vec<f64> {
-            let moved = problem.residuals(&lifted(readings));
+            let moved = problem.residuals(values, &lifted(readings));
             moved.iter().zip(residuals).map(|(m, r)| (m - r) * (m - r)).collect()
         };
         let (va, vb) = (variance(&one, &a), variance(&other, &b));

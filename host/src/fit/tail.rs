@@ -1,11 +1,10 @@
 //! The error in the tails of a lobe, to which eq. (18) is blind.
 
 use crate::measurement::Measurement;
+use crate::measurement::noise::dim_noise;
 
 /// A reading counts if it is above so many times the noise of the dimmest.
 const ABOVE_NOISE: f64 = 3.0;
-/// The share of the readings that are the dimmest.
-const DIMMEST: f64 = 0.25;
 /// Readings below this share of the largest are beyond what any instrument tells.
 const BEYOND: f64 = 1e-8;
 /// A simulation that is off by more decades counts as so many.
@@ -31,23 +30,6 @@ pub fn tail_score(scan: &Measurement, simulated: &[f64]) -> Option<f64> {
         }
     }
     (count > 0).then(|| (squares / count as f64).sqrt())
-}
-
-/// The noise of the dimmest readings: of normal noise, from the median of absolute second differences.
-fn dim_noise(scan: &Measurement) -> f64 {
-    let mut sorted: Vec<f64> = scan.readings().iter().map(|r| r.value).collect();
-    sorted.sort_by(f64::total_cmp);
-    let place = (DIMMEST * sorted.len() as f64) as usize;
-    let Some(&most) = sorted.get(place) else { return 0.0 };
-    let mut bends: Vec<f64> = scan
-        .by_plane()
-        .flat_map(|plane| plane.readings.windows(3))
-        .filter(|three| three.iter().all(|r| r.value <= most))
-        .map(|three| (three[0].value - 2.0 * three[1].value + three[2].value).abs())
-        .collect();
-    bends.sort_by(f64::total_cmp);
-    // the median of |x| is 0.6745 sigma, and a second difference has six times the variance
-    bends.get(bends.len() / 2).map_or(0.0, |median| median / (0.674_49 * 6.0_f64.sqrt()))
 }
 
 #[cfg(test)]

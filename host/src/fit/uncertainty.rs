@@ -16,6 +16,17 @@ pub(super) struct Curvature {
     pub(super) std_errors: Vec<Option<f64>>,
 }
 
+impl Curvature {
+    /// Correlations of the errors of the values, by parameter and parameter, -1 to 1.
+    pub(super) fn correlations(&self) -> Vec<Vec<f64>> {
+        let own = |k: usize| self.inverse[k][k].sqrt();
+        let of = |(i, row): (usize, &Vec<f64>)| {
+            row.iter().enumerate().map(|(j, c)| (c / (own(i) * own(j))).clamp(-1.0, 1.0)).collect()
+        };
+        self.inverse.iter().enumerate().map(of).collect()
+    }
+}
+
 /// The curvature at fitted values; `None` if the data do not determine them.
 ///
 /// With `J` the derivatives of the residuals `r`, the curvature of the sum of squares is `H = J^T J` (Gauss and
@@ -28,15 +39,15 @@ pub(super) fn curvature(
     values: &[f64],
     simulated: &[f64],
 ) -> Option<Curvature> {
-    let residual = |readings: &[f64]| problem.residuals(readings);
+    let residual = |values: &[f64], readings: &[f64]| problem.residuals(values, readings);
     // The fit chose its values under the noise of its own rays, which is part of their error.
     let fitted = problem.is_traced().then(|| problem.simulate(values, Effort::Full));
     let at_optimum = match &fitted {
-        Some(Ok(Some(readings))) => residual(&readings.values),
-        _ => residual(simulated),
+        Some(Ok(Some(readings))) => residual(values, &readings.values),
+        _ => residual(values, simulated),
     };
-    let (n, p) = (at_optimum.len(), values.len());
-    if n <= p {
+    let (n, p) = (problem.measured().len(), values.len());
+    if n + problem.prior_count() <= p {
         return None;
     }
     let mut columns = Vec::with_capacity(p);
@@ -49,7 +60,7 @@ pub(super) fn curvature(
             let mut probe = values.to_vec();
             probe[k] = parameter.to_bounded(free + sign * step);
             let readings = problem.simulate(&probe, Effort::Full).ok()??;
-            Some((probe[k], residual(&readings.values)))
+            Some((probe[k], residual(&probe, &readings.values)))
         };
         let (Some((high, above)), Some((low, below))) = (side(1.0), side(-1.0)) else {
             return None;
@@ -64,16 +75,19 @@ pub(super) fn curvature(
         (0..p).map(|i| (0..p).map(|j| product(i, j)).collect()).collect();
     let inverse = inverse(&curvature)?;
     // H^-1 J_i r_i, one series of length n a parameter: the variance is their correlated sum.
-    let correction = n as f64 / (n - p) as f64;
+    // what is known beforehand is as good as it says, whatever its residual
+    let beforehand = at_optimum.len() - n;
+    let correction = n as f64 / n.saturating_sub(p).max(1) as f64;
     let std_errors = inverse
         .iter()
         .map(|row| {
             let moved = |i: usize| -> f64 {
                 row.iter().zip(&columns).map(|(h, column)| h * column[i]).sum::<f64>()
-                    * at_optimum[i]
             };
-            let series: Vec<f64> = (0..n).map(moved).collect();
-            let variance = correction * correlated_sum(problem, &series);
+            let series: Vec<f64> = (0..n).map(|i| moved(i) * at_optimum[i]).collect();
+            let of_priors: f64 =
+                (n..n + beforehand).map(|i| (moved(i) * problem.noise()).powi(2)).sum();
+            let variance = correction * correlated_sum(problem, &series) + of_priors;
             Some(variance.sqrt()).filter(|e| e.is_finite() && *e > 0.0)
         })
         .collect();

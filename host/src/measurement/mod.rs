@@ -25,6 +25,8 @@
 //! | [`write`](mod@write) | writing the standard file |
 //! | [`noise`] | the noise floor, from the readings alone |
 //! | [`isotropy`] | what no isotropic law can follow |
+//! | [`clean`] | what is left out before a scan is used |
+//! | [`signs`] | what readings say of how they were made: drop-outs, saturation, their unit |
 
 use std::ops::Range;
 
@@ -40,6 +42,8 @@ pub mod exchanged;
 pub mod write;
 pub mod noise;
 pub mod isotropy;
+pub mod signs;
+pub mod clean;
 #[cfg(test)]
 mod malformed;
 

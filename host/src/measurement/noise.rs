@@ -33,6 +33,8 @@ const ORDERS: std::ops::RangeInclusive<usize> = 3..=8;
 const OF_RESIDUALS: std::ops::RangeInclusive<usize> = 1..=8;
 /// With fewer differences there is no estimate.
 const MIN_DIFFERENCES: usize = 30;
+/// The share of the readings that are the dimmest.
+const DIMMEST: f64 = 0.25;
 /// Positions are equidistant up to this fraction of a step.
 const STEP_TOLERANCE: f64 = 0.02;
 /// More counts than this in one reading cannot be told from rounding to ten digits.
@@ -222,8 +224,25 @@ fn counting(scan: &Measurement, runs: &[Run]) -> Option<f64> {
     poisson.then(|| (variance / scan.readings().len() as f64).sqrt())
 }
 
+/// The noise of the dimmest readings: of normal noise, from the median of absolute second differences.
+pub(crate) fn dim_noise(scan: &Measurement) -> f64 {
+    let mut sorted: Vec<f64> = scan.readings().iter().map(|r| r.value).collect();
+    sorted.sort_by(f64::total_cmp);
+    let place = (DIMMEST * sorted.len() as f64) as usize;
+    let Some(&most) = sorted.get(place) else { return 0.0 };
+    let mut bends: Vec<f64> = scan
+        .by_plane()
+        .flat_map(|plane| plane.readings.windows(3))
+        .filter(|three| three.iter().all(|r| r.value <= most))
+        .map(|three| (three[0].value - 2.0 * three[1].value + three[2].value).abs())
+        .collect();
+    bends.sort_by(f64::total_cmp);
+    // the median of |x| is 0.6745 sigma, and a second difference has six times the variance
+    bends.get(bends.len() / 2).map_or(0.0, |median| median / (0.674_49 * 6.0_f64.sqrt()))
+}
+
 /// The number of which all readings are whole multiples, found upwards from the smallest gap.
-fn quantum(readings: &[Reading]) -> Option<f64> {
+pub(super) fn quantum(readings: &[Reading]) -> Option<f64> {
     let mut values: Vec<f64> = readings.iter().map(|reading| reading.value).collect();
     values.push(0.0);
     values.sort_by(f64::total_cmp);

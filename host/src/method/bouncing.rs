@@ -81,6 +81,10 @@ impl Method for Bouncing {
         self.of.profile()
     }
 
+    fn is_free_form(&self) -> bool {
+        self.of.is_free_form()
+    }
+
     fn is_traced(&self) -> bool {
         self.bounces == Bounces::Walk
     }

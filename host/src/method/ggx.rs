@@ -38,7 +38,7 @@ const ALPHA: Parameter =
     Parameter::new("alpha", "", (1e-4, 5.0), Scale::Log, &[0.004, 0.02, 0.08, 0.25, 0.8]);
 const GAIN: Parameter = Parameter::new("gain", "", (1e-6, 100.0), Scale::Log, &[0.5]).level();
 const LAMBERT: Parameter =
-    Parameter::new("lambert", "1/sr", (1e-6, 100.0), Scale::Log, &[0.03]).or_zero();
+    Parameter::new("lambert", "1/sr", (1e-6, 100.0), Scale::Log, &[0.03]).or_zero().linear();
 
 static CLEAR: [Parameter; 1] = [ALPHA];
 static OPAQUE: [Parameter; 3] = [ALPHA, GAIN, LAMBERT];

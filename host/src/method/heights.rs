@@ -38,6 +38,7 @@ const Z0: Parameter = Parameter {
     starts: Cow::Borrowed(&[0.2]),
     none: Some(0.0),
     is_level: false,
+    is_linear: false,
 };
 
 impl HeightsMethod {

@@ -55,6 +55,7 @@ impl MeasuredMap {
             starts: Cow::Owned(starts),
             none: Some(0.0),
             is_level: false,
+            is_linear: false,
         };
         let parameters = if with_cutoff { vec![SCALE, cutoff] } else { vec![SCALE] };
         Ok(Self { low_pass, edges, parameters })

@@ -153,6 +153,10 @@ pub trait Method: Send + Sync {
     fn is_traced(&self) -> bool {
         false
     }
+    /// Whether its parameters are knots of a curve, of which single ones say nothing.
+    fn is_free_form(&self) -> bool {
+        false
+    }
     /// The options of its waves, for methods that use them; their forward model costs seconds.
     fn wave(&self) -> Option<&WaveOptions> {
         None

@@ -27,8 +27,10 @@ pub struct Parameter {
     /// The value that means nothing is there: no filter, no floor, no shoulder of its own. A fit tries it and keeps it
     /// unless the data contradict it; a fit that ends at the lower bound is not cut short.
     pub none: Option<f64>,
-    /// Whether the readings are proportional to it.
+    /// Whether it is a factor of the readings, beside what other linear parameters add.
     pub is_level: bool,
+    /// Whether the readings are linear in it.
+    pub is_linear: bool,
 }
 
 impl Parameter {
@@ -48,12 +50,19 @@ impl Parameter {
             starts: Cow::Borrowed(starts),
             none: None,
             is_level: false,
+            is_linear: false,
         }
     }
 
     /// The same as a factor of the readings.
     pub const fn level(mut self) -> Self {
         self.is_level = true;
+        self.linear()
+    }
+
+    /// The same with readings that are linear in it.
+    pub const fn linear(mut self) -> Self {
+        self.is_linear = true;
         self
     }
 
@@ -133,6 +142,7 @@ mod tests {
                 starts: Cow::Borrowed(&[1.0]),
                 none: None,
                 is_level: false,
+                is_linear: false,
             };
             for value in [0.011, 0.1, 1.0, 4.9] {
                 assert!((p.to_bounded(p.to_free(value)) / value - 1.0).abs() < 1e-9);

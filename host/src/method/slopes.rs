@@ -51,6 +51,10 @@ impl Method for SlopesMethod {
         KIND.name
     }
 
+    fn is_free_form(&self) -> bool {
+        true
+    }
+
     fn references(&self) -> &'static [&'static str] {
         &["Smith 1967", "Fritsch & Carlson 1980", "Walter2007"]
     }

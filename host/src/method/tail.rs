@@ -36,7 +36,7 @@ const fn level(name: &'static str, unit: &'static str, bounds: (f64, f64)) -> Pa
 }
 
 const SPECULAR: Parameter =
-    Parameter::new("specular", "", (1e-6, 1.0), Scale::Log, &[0.05]).or_zero();
+    Parameter::new("specular", "", (1e-6, 1.0), Scale::Log, &[0.05]).or_zero().linear();
 
 static OF_ABG: [Parameter; 3] = [
     level("A", "1/sr", (1e-12, 1e4)),

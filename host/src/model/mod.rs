@@ -22,11 +22,13 @@
 //! |---|---|
 //! | `record` | the measured map that a model was made with |
 //! | `rank` | a law among those that were tried |
+//! | `verdict` | what a fit is worth |
 //! | `read` | from a file to a model, with the line of what is wrong |
 //! | `build` | from a model to its boundary |
 
 mod record;
 mod rank;
+mod verdict;
 mod read;
 mod build;
 
@@ -34,6 +36,7 @@ pub use self::rank::Rank;
 pub use self::read::ModelError;
 pub(crate) use self::read::read_bytes;
 pub use self::record::MapRecord;
+pub use self::verdict::{Correlation, Flux, Grade, Verdict};
 
 use std::collections::BTreeMap;
 
@@ -197,6 +200,15 @@ pub struct Model {
     /// The laws that were tried beside this one, in the order of what the data support.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ranking: Vec<Rank>,
+    /// What the fit is worth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
+    /// Where the flux goes, from both sides.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fluxes: Vec<Flux>,
+    /// Correlations of the errors of fitted parameters, each pair once.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub correlations: Vec<Correlation>,
     /// Warnings about the model's validity, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub validity: Vec<String>,
@@ -255,6 +267,9 @@ impl Model {
             neglected_flux: None,
             neglected_percent: None,
             ranking: Vec::new(),
+            verdict: None,
+            fluxes: Vec::new(),
+            correlations: Vec::new(),
             validity: Vec::new(),
             provenance: None,
             timing: None,

@@ -56,7 +56,7 @@ impl Attempt {
 
     /// Whether there is a fit that describes the sample.
     pub fn describes(&self) -> bool {
-        self.entry().is_some_and(|entry| entry.refusal.is_none())
+        self.entry().is_some_and(|entry| entry.verdict.grade.is_accepted())
     }
 
     /// Method, with its law if it has one.
@@ -159,6 +159,7 @@ fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
         "simulation_noise_percent": fit.and_then(|f| f.simulation_noise_percent),
         "evaluations": fit.map(|f| f.evaluations),
         "describes": attempt.describes(),
+        "verdict": model.map(|m| &m.verdict),
         "best": sample.is_best(attempt),
         "parameters": model.map(|m| &m.parameters),
         "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),

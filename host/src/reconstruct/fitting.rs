@@ -20,6 +20,7 @@ use super::comparison::Attempt;
 use super::found::{Entry, Found};
 use super::record::record;
 use super::situation::{Said, Unclear};
+use super::verdict;
 use super::task::{Task, Trials, Unusable, usually_asked};
 
 impl Task<'_> {
@@ -39,11 +40,11 @@ impl Task<'_> {
         trials: &[Box<dyn Method>],
         watch: Watch<'_>,
     ) -> Result<Found, FitError> {
-        let mut found: Option<(usize, Entry)> = None;
+        let mut found: Option<(usize, String, Fit, Vec<String>)> = None;
         let (mut evaluations, mut seconds, mut failed) = (0, 0.0, Vec::new());
         for (k, method) in trials.iter().enumerate() {
             let label = method.label();
-            if let Some((_, best)) = &found
+            if let Some((_, _, best, _)) = &found
                 && method.wave().is_some()
                 && !self.is_better_there(&**method, best, watch)
             {
@@ -62,25 +63,27 @@ impl Task<'_> {
             };
             evaluations += done.evaluations;
             seconds += done.seconds;
-            let better = found.as_ref().is_none_or(|(_, b)| done.objective.1 < b.fit.objective.1);
+            let better = found.as_ref().is_none_or(|(_, _, b, _)| done.objective.1 < b.objective.1);
             if better {
-                let refusal = done.refusal(self.max_misfit);
                 let mut warnings = self.warnings(&**method, &done);
                 if !done.boundary.is_anisotropic() {
                     // what the residuals of this very law say of noise holds the direction too
                     let stated = self.measurement.meta.noise_floor_percent;
                     warnings.extend(Isotropy::warning(self.measurement, stated));
                 }
-                found = Some((k, Entry { label, fit: done, refusal, warnings }));
+                found = Some((k, label, done, warnings));
             }
         }
-        let (k, mut entry) = found.ok_or(FitError::NoStart)?;
+        let (k, label, done, warnings) = found.ok_or(FitError::NoStart)?;
+        let fluxes = verdict::fluxes(&done.boundary, watch);
+        let verdict = verdict::judge(self, &*trials[k], &done, &fluxes, watch);
+        let mut entry = Entry { label, fit: done, verdict, fluxes, warnings };
         // What the answer cost, with all the laws that were tried.
         entry.fit.evaluations = evaluations;
         entry.fit.seconds = seconds;
         if failed.iter().any(|(_, e)| matches!(e, FitError::Interrupted)) {
             let why = "interrupted; not every law was tried, the best so far is given";
-            entry.refusal.get_or_insert_with(|| why.into());
+            entry.cut_short(why);
         }
         let model = record(&*trials[k], &entry, self);
         Ok(Found { entry, model, failed })
@@ -108,13 +111,13 @@ impl Task<'_> {
 
     /// Whether a method describes the measurement better than a fit does, with the fit's values or with the map as it
     /// is.
-    fn is_better_there(&self, method: &dyn Method, than: &Entry, watch: Watch<'_>) -> bool {
+    fn is_better_there(&self, method: &dyn Method, than: &Fit, watch: Watch<'_>) -> bool {
         let better = |values: &[f64]| {
             let watch = watch.quiet();
             let cost = cost_at(method, self.measurement, &self.setup, &self.options, values, watch);
-            cost.is_some_and(|cost| cost < than.fit.objective.1)
+            cost.is_some_and(|cost| cost < than.objective.1)
         };
-        let found: Vec<f64> = than.fit.parameters.iter().map(|p| p.value).collect();
+        let found: Vec<f64> = than.parameters.iter().map(|p| p.value).collect();
         let of_map = method.parameters().iter().map(|p| p.none.unwrap_or(1.0));
         let mut as_it_is = found.clone();
         as_it_is.iter_mut().zip(of_map).for_each(|(value, of_map)| *value = of_map);

@@ -1,7 +1,7 @@
 //! What a reconstruction finds: the fit that is kept, and its model file.
 
 use crate::fit::{Fit, FitError};
-use crate::model::Model;
+use crate::model::{Flux, Grade, Model, Verdict};
 
 /// One method's result on one sample.
 #[derive(Clone, Debug)]
@@ -10,10 +10,27 @@ pub struct Entry {
     pub label: String,
     /// The fit.
     pub fit: Fit,
-    /// Why the fit is refused, if it is.
-    pub refusal: Option<String>,
+    /// What it is worth.
+    pub verdict: Verdict,
+    /// Where the flux goes, from both sides.
+    pub fluxes: Vec<Flux>,
     /// Warnings about the boundary: where its physics does not hold.
     pub warnings: Vec<String>,
+}
+
+impl Entry {
+    /// Why the fit is refused, if it is.
+    pub fn refusal(&self) -> Option<String> {
+        self.verdict.refusal()
+    }
+
+    /// Makes it a fit that did not end.
+    pub(crate) fn cut_short(&mut self, why: &str) {
+        self.verdict.grade = self.verdict.grade.max(Grade::NotDescribed);
+        if !self.verdict.causes.iter().any(|cause| cause.starts_with("interrupted")) {
+            self.verdict.causes.insert(0, why.into());
+        }
+    }
 }
 
 /// The fit that is kept of all laws and speckles of a method.

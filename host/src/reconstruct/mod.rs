@@ -23,6 +23,7 @@ mod found;
 mod grounds;
 mod comparison;
 mod task;
+mod verdict;
 mod record;
 mod fitting;
 mod ranking;

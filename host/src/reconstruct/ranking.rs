@@ -173,7 +173,7 @@ impl Task<'_> {
             tail_log10: tail_score(self.measurement, &fit.readings),
             criterion: 0.0,
             undetermined: fit.parameters.iter().filter(weak).map(|p| p.name.to_owned()).collect(),
-            refused: entry.refusal.is_some(),
+            refused: !entry.verdict.grade.is_accepted(),
         };
         Candidate { fit, rank, folds }
     }

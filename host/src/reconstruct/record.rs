@@ -35,7 +35,10 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, task: &Task<'_>) -> Mod
     model.neglected_flux = Some(fit.neglected.flux);
     model.neglected_percent =
         Some(100.0 * fit.neglected.reading / task.measurement.largest_reading());
-    model.validity = entry.refusal.iter().cloned().collect();
+    model.verdict = Some(entry.verdict.clone());
+    model.fluxes.clone_from(&entry.fluxes);
+    model.correlations.clone_from(&fit.correlations);
+    model.validity = entry.refusal().into_iter().collect();
     model.validity.extend(fit.parameters.iter().filter_map(Fitted::warning));
     model.validity.extend(entry.warnings.iter().cloned());
     let seed = method.is_traced().then_some(task.options.rays.seed);

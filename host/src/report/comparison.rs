@@ -28,7 +28,7 @@ impl SampleResult {
             let verdict = match (attempt.entry(), best) {
                 (None, _) => "none",
                 (Some(_), true) => "best",
-                (Some(entry), _) if entry.refusal.is_some() => "no",
+                (Some(entry), _) if !entry.verdict.grade.is_accepted() => "no",
                 _ => "fits",
             };
             rows.push(vec![
@@ -58,7 +58,7 @@ impl Comparison {
             let cells = sample.attempts.iter().map(|attempt| {
                 let text = match attempt.entry() {
                     None => "-".into(),
-                    Some(e) if e.refusal.is_some() => format!("{:.2} % (no)", e.fit.rmsd_percent),
+                    Some(e) if !e.verdict.grade.is_accepted() => format!("{:.2} % (no)", e.fit.rmsd_percent),
                     Some(e) => format!("{:.2} %", e.fit.rmsd_percent),
                 };
                 Cell { text, strong: sample.is_best(attempt) }

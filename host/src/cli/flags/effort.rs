@@ -4,7 +4,7 @@ use clap::ValueEnum;
 
 use super::scan::{number, parse_rays};
 use crate::cli::error::{Failure, without_effect};
-use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
+use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Nuisance, Objective};
 use crate::method::{Body, Kind, in_words};
 
 /// What is minimised, as a flag.
@@ -53,6 +53,11 @@ pub(in crate::cli) struct EffortFlags {
 }
 
 impl EffortFlags {
+    /// What is minimised.
+    pub(in crate::cli) fn objective(&self) -> Objective {
+        self.objective.into()
+    }
+
     /// Refuses what would leave nothing to do.
     pub(in crate::cli) fn check(&self) -> Result<(), Failure> {
         if self.max_misfit.is_nan() || self.max_misfit <= 0.0 || self.max_evaluations == 0 {
@@ -90,6 +95,7 @@ impl EffortFlags {
                 seed: self.seed.unwrap_or(1),
                 ..FitRays::default()
             },
+            nuisance: Nuisance::default(),
         }
     }
 }

@@ -1,0 +1,127 @@
+//! Parameters in which readings are linear, the level of a law, its Lambert floor, what stays specular: solved for, where the
+//! others stand, as non-negative least squares.
+
+use super::problem::Problem;
+use crate::forward::Effort;
+use crate::linear::inverse;
+use crate::method::BuildError;
+
+/// Shares below which a solution stays inside the bounds of its parameter.
+const INSIDE: f64 = 1.01;
+
+impl Problem<'_> {
+    /// Sets the linear parameters to their least-squares values, no higher than there is light.
+    pub(super) fn solve_linear(&self, point: &mut [f64]) {
+        let places: Vec<usize> =
+            (0..self.parameters().len()).filter(|&k| self.parameters()[k].is_linear).collect();
+        if !places.iter().any(|&k| self.parameters()[k].is_level) {
+            return;
+        }
+        let Some(solved) = self.linear_parts(point, &places).and_then(|parts| parts.solve()) else {
+            return;
+        };
+        let mut found = point.to_vec();
+        for (&k, value) in places.iter().zip(&solved) {
+            let p = &self.parameters()[k];
+            let (least, most) = (p.bounds.0 * INSIDE, p.bounds.1 / INSIDE);
+            // a floor that ends at nothing may be there all the same: a start must not forbid it
+            let low = if p.is_level { least } else { least.max(1e-3 * self.unit_of(k)) };
+            found[k] = value.clamp(low.min(most), most);
+        }
+        let build = |values: &[f64]| self.simulate(values, Effort::Draft).err();
+        if let Some(BuildError::TooBright { scattered }) = build(&found) {
+            places.iter().for_each(|&k| found[k] *= 0.95 / scattered);
+        }
+        point.copy_from_slice(&found);
+    }
+
+    /// A value at which a linear parameter makes readings of the size of the measured ones.
+    fn unit_of(&self, k: usize) -> f64 {
+        if self.parameters()[k].unit.is_empty() { 1.0 } else { self.largest().min(1.0) }
+    }
+
+    /// The readings without any of the linear parameters, and what each adds.
+    fn linear_parts(&self, point: &[f64], places: &[usize]) -> Option<Parts> {
+        let mut none = point.to_vec();
+        for &k in places {
+            none[k] = self.parameters()[k].none.unwrap_or(self.parameters()[k].bounds.0);
+        }
+        let at = |values: &[f64]| self.simulate(values, Effort::Draft).map(|r| r.map(|r| r.values));
+        let base = at(&none).ok()??;
+        let mut columns = Vec::with_capacity(places.len());
+        for &k in places {
+            let mut unit = self.unit_of(k);
+            let more = loop {
+                let mut probe = none.clone();
+                probe[k] = unit;
+                match at(&probe) {
+                    Ok(Some(values)) => break values,
+                    Err(BuildError::TooBright { scattered }) if scattered > 1.0 => {
+                        unit *= 0.5 / scattered;
+                    }
+                    _ => return None,
+                }
+            };
+            let by = unit - none[k];
+            columns.push(more.iter().zip(&base).map(|(more, base)| (more - base) / by).collect());
+        }
+        let weights =
+            self.measured().iter().map(|&m| self.objective().weight2(m, self.largest())).collect();
+        let rest = self.measured().iter().zip(&base).map(|(m, base)| m - base).collect();
+        Some(Parts { columns, weights, rest })
+    }
+}
+
+/// A linear problem.
+struct Parts {
+    columns: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+    rest: Vec<f64>,
+}
+
+impl Parts {
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.weights.iter().zip(a.iter().zip(b)).map(|(w, (a, b))| w * a * b).sum()
+    }
+
+    /// The non-negative solution of least squares: the best of those of all subsets, which are few.
+    fn solve(&self) -> Option<Vec<f64>> {
+        let n = self.columns.len();
+        let subsets = (1_u32..1 << n.min(6)).filter_map(|set| {
+            let of: Vec<usize> = (0..n).filter(|k| set >> k & 1 == 1).collect();
+            let row = |i: &usize| {
+                of.iter().map(|j| self.dot(&self.columns[*i], &self.columns[*j])).collect()
+            };
+            let normal: Vec<Vec<f64>> = of.iter().map(row).collect();
+            let right: Vec<f64> =
+                of.iter().map(|i| self.dot(&self.columns[*i], &self.rest)).collect();
+            let product = |row: &Vec<f64>| row.iter().zip(&right).map(|(a, b)| a * b).sum::<f64>();
+            let found: Vec<f64> = inverse(&normal)?.iter().map(product).collect();
+            let is_sound = found.iter().all(|x| x.is_finite() && *x >= 0.0);
+            let fall: f64 = found.iter().zip(&right).map(|(x, b)| x * b).sum();
+            let mut all = vec![0.0; n];
+            of.iter().zip(&found).for_each(|(&k, &x)| all[k] = x);
+            is_sound.then_some((fall, all))
+        });
+        subsets.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, all)| all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Parts;
+
+    #[test]
+    fn what_would_be_negative_is_nothing() {
+        let (a, b) = (vec![1.0, 0.0, 1.0], vec![0.0, 1.0, 1.0]);
+        let solve = |x: f64, y: f64| {
+            let rest = a.iter().zip(&b).map(|(a, b)| x * a + y * b).collect();
+            Parts { columns: vec![a.clone(), b.clone()], weights: vec![1.0; 3], rest }.solve()
+        };
+        let found = solve(2.0, 3.0).unwrap();
+        assert!((found[0] - 2.0).abs() < 1e-12 && (found[1] - 3.0).abs() < 1e-12);
+        // of 2 a - b the part along a alone
+        let found = solve(2.0, -1.0).unwrap();
+        assert!((found[0] - 1.5).abs() < 1e-12 && found[1].abs() <= 0.0, "{found:?}");
+    }
+}

@@ -1,0 +1,184 @@
+//! What readings themselves say of how they were made, before any fit.
+
+use super::noise::{dim_noise, quantum};
+use super::{Measurement, Plane, Reading};
+
+/// Readings in a row that are the same to the last digit and the largest of their plane: more than chance.
+const SATURATED: usize = 4;
+/// Angles of observation that are all below this, degrees, while there are many: radians?
+const RADIANS: f64 = 1.58;
+/// Readings that a plane needs before its shape says anything.
+const MANY: usize = 12;
+/// A reading beside zeros is light if it is above this share of its plane's largest, so many times the noise of dim readings,
+/// and so many counts.
+const LIGHT: f64 = 1e-3;
+const TIMES_NOISE: f64 = 10.0;
+const QUANTA: f64 = 20.0;
+/// Angles of observation from which on there is no flux, degrees.
+const ALONG_DEG: f64 = 89.5;
+
+/// Suspicions, each with its remedy.
+pub fn signs(scan: &Measurement) -> Vec<String> {
+    [radians(scan), normalised(scan), saturated(scan), dropped_out(scan), one_sided(scan)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+fn radians(scan: &Measurement) -> Option<String> {
+    let most = scan.readings().iter().map(|r| r.theta_deg.abs()).fold(0.0, f64::max);
+    let tilt = scan.incidences().into_iter().fold(0.0, f64::max);
+    let many = scan.by_plane().any(|plane| plane.readings.len() >= MANY);
+    let says = "all angles are below 1.58: are they in radians? --angle-unit rad";
+    // a lobe in a degree and a half has a fall; one incidence at 0 leaves sigma open
+    (many && most > 0.5 && most <= RADIANS && tilt <= RADIANS).then(|| says.into())
+}
+
+fn normalised(scan: &Measurement) -> Option<String> {
+    let largest = |plane: Plane<'_>| {
+        let values = plane.readings.iter().map(|r| r.value);
+        (plane.readings.len() >= MANY).then(|| values.fold(0.0, f64::max))
+    };
+    let peaks: Vec<f64> = scan.by_plane().filter_map(largest).collect();
+    let is_at = |to: f64| peaks.iter().all(|p| (p / to - 1.0).abs() < 1e-9);
+    let is_one = |to: f64| (scan.largest_reading() / to - 1.0).abs() < 1e-9;
+    let to = [1.0, 100.0].into_iter().find(|&to| is_one(to))?;
+    if peaks.len() > 1 && is_at(to) {
+        return Some(format!(
+            "the largest reading of every incidence is exactly {to}: they are normalised to their own peaks, and their levels \
+             are lost; --fit-gains"
+        ));
+    }
+    (!peaks.is_empty()).then(|| {
+        format!("the largest reading is exactly {to}: the readings are normalised to their peak, and the level is lost; --fit-gain")
+    })
+}
+
+fn saturated(scan: &Measurement) -> Option<String> {
+    let run = |plane: Plane<'_>| -> Option<(f64, f64, usize)> {
+        let top = plane.readings.iter().map(|r| r.value).fold(0.0, f64::max);
+        let at_top = |value: f64| value.total_cmp(&top).is_eq();
+        let runs = plane.readings.chunk_by(|a, b| at_top(a.value) && at_top(b.value));
+        let longest = runs.filter(|run| at_top(run[0].value)).map(<[_]>::len).max()?;
+        // a flat plane is no saturated lobe
+        let is_lobe = plane.readings.len() >= MANY && 2 * longest < plane.readings.len();
+        (longest >= SATURATED && is_lobe && top > 0.0).then_some((plane.sigma_deg, top, longest))
+    };
+    let (sigma, top, longest) = scan.by_plane().find_map(run)?;
+    Some(format!(
+        "{longest} readings in a row at sigma {sigma} deg are exactly {top}, the largest there: a saturated detector? Leave them \
+         out with --theta-range"
+    ))
+}
+
+fn dropped_out(scan: &Measurement) -> Option<String> {
+    let count = zeros_in_light(scan).iter().filter(|is| **is).count();
+    (count > 0).then(|| {
+        format!("{count} readings are exactly 0 where there is light beside them: drop-outs? --drop zeros")
+    })
+}
+
+/// Which readings are exactly zero next to light: a run of zeros in a plane, with a bright reading on each side that it has.
+///
+/// Counts may be none by chance: there light is many of them. Along the surface there is no flux.
+pub fn zeros_in_light(scan: &Measurement) -> Vec<bool> {
+    let noise = dim_noise(scan);
+    let mut found = Vec::with_capacity(scan.readings().len());
+    for plane in scan.by_plane() {
+        let largest = plane.readings.iter().map(|r| r.value).fold(0.0, f64::max);
+        let counts = QUANTA * quantum(plane.readings).unwrap_or(0.0);
+        let light = (LIGHT * largest).max(TIMES_NOISE * noise).max(counts);
+        found.extend(plane_zeros(plane.readings, light));
+    }
+    found
+}
+
+fn plane_zeros(readings: &[Reading], light: f64) -> Vec<bool> {
+    let is_zero = |r: &Reading| r.value.abs() <= 0.0 && r.theta_deg.abs() < ALONG_DEG;
+    let mut found = Vec::with_capacity(readings.len());
+    for run in readings.chunk_by(|a, b| is_zero(a) == is_zero(b)) {
+        let from = found.len();
+        let before = from.checked_sub(1).and_then(|k| readings.get(k));
+        let after = readings.get(from + run.len());
+        let mut beside = [before, after].into_iter().flatten().peekable();
+        let is_lit = is_zero(&run[0])
+            && beside.peek().is_some()
+            && beside.all(|r| r.value >= light || r.theta_deg.abs() >= ALONG_DEG);
+        found.extend(std::iter::repeat_n(is_lit, run.len()));
+    }
+    found
+}
+
+/// In reflection and transmission the beam goes to the same sign of theta; a file may have it on the other.
+fn one_sided(scan: &Measurement) -> Option<String> {
+    let tilted = scan.by_plane().filter(|plane| plane.sigma_deg > 5.0 && plane.phi_deg.abs() <= 0.0);
+    let (mut here, mut there) = (0_usize, 0_usize);
+    for plane in tilted {
+        let range = |r: f64| plane.readings.iter().any(|x| (x.theta_deg - r).abs() < 5.0);
+        if !(range(plane.sigma_deg) && range(-plane.sigma_deg)) {
+            continue;
+        }
+        let near = |at: f64| {
+            let close = plane.readings.iter().filter(|x| (x.theta_deg - at).abs() < 5.0);
+            close.map(|x| x.value).fold(0.0, f64::max)
+        };
+        let (mine, other) = (near(plane.sigma_deg), near(-plane.sigma_deg));
+        here += usize::from(mine > other);
+        there += usize::from(other > 1.5 * mine);
+    }
+    (there > 0 && here == 0).then(|| {
+        "every lobe lies at -sigma: the mirror direction of this file has the other sign; --theta-sign minus".into()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+        use super::{signs, zeros_in_light};
+    use super::super::Metadata;
+    use super::{Measurement, Reading};
+
+    fn scan(value: impl Fn(f64, f64) -> f64) -> Measurement {
+        let mut readings = Vec::new();
+        for sigma in [0.0, 30.0] {
+            for k in -40..=40 {
+                let theta = 2.0 * f64::from(k);
+                readings.push(Reading::in_plane(sigma, theta, value(sigma, theta)));
+            }
+        }
+        Measurement::new(Metadata::default(), readings).unwrap()
+    }
+
+    fn lobe(sigma: f64, theta: f64) -> f64 {
+        0.013 * (-((theta - sigma) / 20.0).powi(2)).exp() + 1e-4
+    }
+
+    fn said(value: impl Fn(f64, f64) -> f64) -> Vec<String> {
+        signs(&scan(value))
+    }
+
+    #[test]
+    fn sound_readings_say_nothing() {
+        assert_eq!(said(lobe), Vec::<String>::new());
+        // counts that run out in the tail are no drop-outs
+        let counts = |s: f64, t: f64| ((lobe(s, t) - 1e-4) * 2e4).round();
+        assert!(!zeros_in_light(&scan(counts)).contains(&true));
+    }
+
+    #[test]
+    fn each_fault_is_named() {
+        let one = |text: Vec<String>, word: &str| {
+            assert!(text.len() == 1 && text[0].contains(word), "{word}: {text:?}");
+        };
+        one(said(|s, t| lobe(s, t) / lobe(s, s)), "normalised to their own peaks");
+        one(said(|s, t| lobe(s, t).min(0.01)), "saturated");
+        one(said(|s, t| lobe(-s, t)), "--theta-sign");
+        one(said(|s, t| if (t - s - 10.0).abs() < 5.0 { 0.0 } else { lobe(s, t) }), "--drop zeros");
+        let mut radians = Vec::new();
+        for k in -80..=80 {
+            let theta = f64::from(k) / 57.3;
+            radians.push(Reading::in_plane(0.0, theta, lobe(0.0, f64::from(k))));
+        }
+        let radians = Measurement::new(Metadata::default(), radians).unwrap();
+        one(signs(&radians), "radians");
+    }
+}

@@ -1,0 +1,89 @@
+//! The energy test of a fit: where the flux goes from both sides, and whether it is more than there is.
+
+use asperity_core::direction::Side;
+
+use crate::boundary::Boundary;
+use crate::energy::{balances, side_name};
+use crate::fit::Fit;
+use crate::forward::Rays;
+use crate::kirchhoff::validity::MOST_EXCESS;
+use crate::model::Flux;
+use crate::watch::Watch;
+
+/// Angles of incidence in the medium the light comes from, degrees.
+const INCIDENCES: [f64; 5] = [0.0, 30.0, 45.0, 60.0, 75.0];
+/// Those of waves, which cost more.
+const OF_WAVES: [f64; 2] = [0.0, 45.0];
+/// Rays per incidence, of what is traced.
+const RAYS: Rays = Rays { count: 20_000, seed: 7 };
+/// What a balance by quadrature may miss.
+const TOLERANCE: f64 = 5e-3;
+/// Standard errors of a level by which it may be too bright.
+const ERRORS: f64 = 2.0;
+
+/// The fluxes of a boundary; none if stopped.
+pub(in crate::reconstruct) fn fluxes(boundary: &Boundary, watch: Watch<'_>) -> Vec<Flux> {
+    let sides: &[Side] = match boundary.eta() {
+        Some(_) if !boundary.is_sheet() => &[Side::Air, Side::Dielectric],
+        _ => &[Side::Air],
+    };
+    let angles: &[f64] =
+        if matches!(boundary, Boundary::Wave(_)) { &OF_WAVES } else { &INCIDENCES };
+    let beams: Vec<(Side, f64)> =
+        sides.iter().flat_map(|side| angles.iter().map(move |deg| (*side, *deg))).collect();
+    let found = balances(boundary, &beams, RAYS, watch.quiet()).unwrap_or_default();
+    let flux = |e: crate::energy::Energy| Flux {
+        side: e.side.into(),
+        incidence_deg: e.incidence_deg,
+        reflected: e.reflected,
+        transmitted: e.transmitted,
+        lost: e.lost,
+    };
+    found.into_iter().map(flux).collect()
+}
+
+/// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.
+pub(super) fn excess(fit: &Fit, fluxes: &[Flux]) -> Option<String> {
+    let level = fit.parameters.iter().filter(|p| matches!(p.name, "gain" | "A" | "b0"));
+    let relative = level.filter_map(|p| Some(p.std_error? / p.value)).fold(0.0, f64::max);
+    let tolerance = match &fit.boundary {
+        Boundary::Wave(_) => MOST_EXCESS,
+        _ => TOLERANCE + ERRORS * relative.min(0.05),
+    };
+    let counts = |f: &&Flux| match &fit.boundary {
+        Boundary::Wave(wave) => wave.validity(&[f.incidence_deg]).is_ok_and(|validity| {
+            let mine = validity.lobes.iter().filter(|l| side_name(l.side) == f.side);
+            mine.clone().count() > 0 && mine.clone().all(|l| l.passes)
+        }),
+        _ => true,
+    };
+    let is_too_much = |f: &&Flux| !(f.lost >= -tolerance && f.lost.is_finite());
+    let worst = fluxes
+        .iter()
+        .filter(counts)
+        .filter(is_too_much)
+        .max_by(|a, b| (a.reflected + a.transmitted).total_cmp(&(b.reflected + b.transmitted)))?;
+    let sum = worst.reflected + worst.transmitted;
+    let normal = fluxes.iter().find(|f| f.side == "air").map_or(sum, |f| f.reflected);
+    let what = if worst.transmitted > 0.0 { "R + T" } else { "R" };
+    let mut said = format!(
+        "{what} = {sum:.3} at {} deg from the {}: more light than there is",
+        worst.incidence_deg, worst.side
+    );
+    if fit.ior.is_none() {
+        said += unit_of(normal.max(sum));
+    }
+    Some(said)
+}
+
+/// What readings would make the reflectance of an opaque body so large.
+fn unit_of(reflected: f64) -> &'static str {
+    if reflected <= std::f64::consts::PI * 1.02 {
+        "; divide by pi? Reflectance factors, 1 for white, are pi times the BSDF: --quantity factor; if the readings are \
+         percent, divide by 100"
+    } else if reflected <= 102.0 {
+        "; are the readings percent? Divide by 100; reflectance factors in percent, by 100 pi"
+    } else {
+        "; are the readings counts of a detector, or in another unit? Divide by those of a known reflectance"
+    }
+}

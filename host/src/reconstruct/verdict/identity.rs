@@ -1,0 +1,63 @@
+//! Whether the readings determine the fitted values.
+
+use crate::fit::{Fit, Fitted, is_of_instrument};
+use crate::model::Correlation;
+
+/// A correlation from which on two parameters trade against each other.
+const MOST_CORRELATION: f64 = 0.95;
+/// The relative error from which on such a pair is not determined.
+const MOST_ERROR: f64 = 0.1;
+
+/// Whether a parameter is of the instrument or the medium, not of the surface: the gain of an opaque body is its own.
+fn is_nuisance(name: &str, fit: &Fit) -> bool {
+    name == "ior" || (name == "gain" && fit.ior.is_some()) || is_of_instrument(name)
+}
+
+/// Whether the value of a parameter has a zero of its own, so that its error can be compared with it.
+fn has_scale(p: &Fitted, fit: &Fit) -> bool {
+    !is_nuisance(p.name, fit) && !matches!(p.name, "orientation" | "theta0" | "z0")
+}
+
+/// Why values are not determined, in words; none if all are. Of a law of knots (`free_form`) single values say nothing.
+pub(super) fn undetermined(fit: &Fit, is_free_form: bool) -> Vec<String> {
+    if is_free_form {
+        return Vec::new();
+    }
+    let mut found: Vec<String> = fit.parameters.iter().filter_map(|p| alone(fit, p)).collect();
+    found.extend(fit.correlations.iter().filter_map(|pair| traded(fit, pair)));
+    found
+}
+
+/// What a value says of itself.
+fn alone(fit: &Fit, p: &Fitted) -> Option<String> {
+    if p.is_none {
+        return None;
+    }
+    let (name, value) = (p.name, p.value);
+    if p.at_bound {
+        return Some(format!("{name} = {value:.3e} ended at the bound of its range"));
+    }
+    let Some(error) = p.std_error else {
+        return Some(format!("the data do not determine {name}"));
+    };
+    let relative = error / value.abs();
+    (has_scale(p, fit) && relative > 1.0)
+        .then(|| format!("the error of {name} exceeds its value, {error:.2e} of {value:.2e}"))
+}
+
+/// What a pair says: a shape parameter and one of the instrument or the medium, or two that are both unsure.
+fn traded(fit: &Fit, pair: &Correlation) -> Option<String> {
+    let [a, b] = &pair.of;
+    let of = |name: &str| fit.parameters.iter().find(|p| p.name == name);
+    let (first, second) = (of(a)?, of(b)?);
+    if pair.r.abs() <= MOST_CORRELATION {
+        return None;
+    }
+    let is_unsure = |p: &Fitted| {
+        has_scale(p, fit) && p.std_error.is_none_or(|error| error > MOST_ERROR * p.value.abs())
+    };
+    let is_mixed = is_nuisance(a, fit) != is_nuisance(b, fit);
+    (is_mixed || is_unsure(first) || is_unsure(second)).then(|| {
+        format!("{a} and {b} trade against each other (r = {:.3})", pair.r)
+    })
+}

@@ -1,0 +1,134 @@
+//! The verdict about a fit: whether it may be believed, and if not, why.
+//!
+//! | module | concept |
+//! |---|---|
+//! | `gate` | where the flux goes, and whether it is more than there is |
+//! | `identity` | whether the readings determine the values |
+//! | `diagnosis` | what would explain readings that the law does not describe |
+
+mod gate;
+mod identity;
+mod diagnosis;
+
+use crate::fit::{Fit, tail_score};
+use crate::measurement::{Incidence, Measurement};
+use crate::method::Method;
+use crate::model::{Flux, Grade, Verdict};
+use crate::watch::Watch;
+
+use super::task::Task;
+
+pub(super) use gate::fluxes;
+
+/// An error of so many times the noise is still noise: the estimates of noise are no better.
+const WITHIN: f64 = 1.5;
+/// What the forward model itself may be off by, % of the largest reading.
+const OF_MODEL: f64 = 0.05;
+/// The grade of an error where noise is not known, %.
+const UNKNOWN_NOISE: f64 = 0.5;
+
+/// What a fit is worth.
+pub(super) fn judge(
+    task: &Task<'_>,
+    method: &dyn Method,
+    fit: &Fit,
+    fluxes: &[Flux],
+    watch: Watch<'_>,
+) -> Verdict {
+    let times_noise = times_noise(fit);
+    let is_noise = times_noise.map_or(fit.rmsd_percent <= UNKNOWN_NOISE, |times| times <= WITHIN);
+    let mut grade = if is_noise { Grade::WithinNoise } else { Grade::Misfit };
+    let mut causes = Vec::new();
+    let undetermined = identity::undetermined(fit, method.is_free_form());
+    if !undetermined.is_empty() {
+        grade = Grade::NotIdentifiable;
+        causes.extend(undetermined);
+    }
+    if let Some(why) = fit.refusal(task.max_misfit) {
+        grade = Grade::NotDescribed;
+        causes.insert(0, why);
+    }
+    if let Some(why) = gate::excess(fit, fluxes) {
+        grade = Grade::Unphysical;
+        causes.insert(0, why);
+    }
+    let signs = crate::measurement::signs::signs(task.measurement);
+    if grade != Grade::WithinNoise {
+        // what the readings say of themselves needs no fit to be named
+        let named = diagnosis::diagnose(task, method, watch);
+        causes.extend(named.filter(|cause| !signs.iter().any(|sign| same_flag(sign, cause))));
+    }
+    causes.extend(signs);
+    let worst = fit.worst_incidence().map(|(sigma, _)| sigma);
+    Verdict {
+        grade,
+        causes,
+        times_noise,
+        worst_sigma_deg: worst,
+        peak_off_deg: worst.and_then(|sigma| peak_off(task.measurement, &fit.readings, sigma)),
+        tail_score: tail_score(task.measurement, &fit.readings),
+    }
+}
+
+/// Whether two causes end in the same remedy.
+fn same_flag(a: &str, b: &str) -> bool {
+    let flag = |text: &str| {
+        text.split_once("--").map(|(_, rest)| {
+            rest.split(|c: char| !(c.is_alphanumeric() || c == '-')).next().unwrap_or("").to_owned()
+        })
+    };
+    flag(a).is_some() && flag(a) == flag(b)
+}
+
+/// The error over the noise of the measurement and of the model.
+fn times_noise(fit: &Fit) -> Option<f64> {
+    let noise = fit.noise_floor_percent?;
+    let rays = fit.simulation_noise_percent.unwrap_or(0.0);
+    Some(fit.rmsd_percent / noise.hypot(rays).max(OF_MODEL))
+}
+
+/// By how much the fitted peak of an incidence lies beside the measured one, degrees: centroids of what is above half the
+/// largest.
+fn peak_off(scan: &Measurement, simulated: &[f64], sigma_deg: f64) -> Option<f64> {
+    let Incidence { readings, range, .. } =
+        scan.by_incidence().find(|i| i.sigma_deg.total_cmp(&sigma_deg).is_eq())?;
+    if readings.iter().any(|r| r.phi_deg.abs() > 0.0) {
+        return None;
+    }
+    let simulated = simulated.get(range)?;
+    let centroid = |value: &dyn Fn(usize) -> f64| {
+        let half = 0.5 * (0..readings.len()).map(value).fold(0.0, f64::max);
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for (k, reading) in readings.iter().enumerate() {
+            let above = (value(k) - half).max(0.0);
+            sum += above * reading.theta_deg;
+            weight += above;
+        }
+        (weight > 0.0).then(|| sum / weight)
+    };
+    let measured = centroid(&|k| readings[k].value)?;
+    let fitted = centroid(&|k| simulated[k])?;
+    Some(fitted - measured)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{peak_off, same_flag};
+    use crate::measurement::{Measurement, Metadata, Reading};
+
+    #[test]
+    fn a_peak_that_is_off_is_measured() {
+        let lobe = |theta: f64| (-(theta / 6.0).powi(2)).exp();
+        let readings = (-60..=60).map(f64::from).map(|t| Reading::in_plane(10.0, t, lobe(t)));
+        let scan = Measurement::new(Metadata::default(), readings.collect()).unwrap();
+        let moved: Vec<f64> = (-60..=60).map(|t| lobe(f64::from(t) - 1.5)).collect();
+        let off = peak_off(&scan, &moved, 10.0).unwrap();
+        assert!((off - 1.5).abs() < 0.05, "{off}");
+    }
+
+    #[test]
+    fn remedies_are_told_by_their_flags() {
+        assert!(same_flag("a; --drop zeros", "b; --drop zeros") && !same_flag("a", "b"));
+        assert!(!same_flag("x --fit-gain", "x --fit-gains"));
+    }
+}
