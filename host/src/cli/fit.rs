@@ -159,6 +159,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             fit_ior: args.fit_ior,
             fit_gain: args.fit_gain,
             nuisance: args.nuisance.nuisance(&measurement)?,
+            doubts: args.nuisance.doubts(),
+            replicas: args.nuisance.replicas(),
             ..args.effort.options(body)
         },
         max_misfit: args.effort.max_misfit,
@@ -170,6 +172,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     args.nuisance.check(&task)?;
     let trials = args.trials(&task).map_err(|what| Failure::Bad(of_scan(&what)))?;
+    if args.nuisance.replicas() > 0 && trials.iter().any(|trial| trial.is_traced()) {
+        return Err(Failure::bad("--bootstrap is for methods without rays of their own noise"));
+    }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(|stem| Plots::open(stem, &measurement)).transpose()?;
     let found = if args.is_auto() {

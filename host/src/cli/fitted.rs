@@ -4,7 +4,7 @@ use super::error::remedy;
 use super::flags::light;
 use super::say;
 use crate::boundary::Boundary;
-use crate::fit::{FitError, Fitted, Objective, Termination};
+use crate::fit::{Errors, FitError, Fitted, Objective, Termination};
 use crate::measurement::Isotropy;
 use crate::model::Flux;
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
@@ -94,11 +94,14 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
         fit.evaluations,
         if timing { format!(", {:.3} s", fit.seconds) } else { String::new() }
     );
+    for line in uncertainty(&fit.errors) {
+        let _ = writeln!(text, "{line}");
+    }
     let _ = writeln!(text, "verdict      {}", entry.verdict.sentence());
     for cause in &entry.verdict.causes {
         let _ = writeln!(text, "cause        {cause}");
     }
-    for pair in fit.correlations.iter().filter(|pair| pair.r.abs() > TOLD) {
+    for pair in fit.errors.correlations().iter().filter(|pair| pair.r.abs() > TOLD) {
         let [a, b] = &pair.of;
         let _ = writeln!(text, "correlation  {a}, {b}: {:.3}", pair.r);
     }
@@ -121,7 +124,53 @@ fn fluxes(all: &[Flux]) -> Vec<String> {
     let line = |f: &Flux| {
         let Flux { incidence_deg, reflected, transmitted, lost, .. } = f;
         let from = if f.side == "air" { "from air" } else { "from inside" };
-        format!("{from:12} R {reflected:.4}  T {transmitted:.4}  lost {lost:.4}  at {incidence_deg} deg")
+        let doubt = |e: Option<f64>| e.map_or(String::new(), |e| format!(" ± {e:.4}"));
+        let [r, t] = [f.std_reflected, f.std_transmitted].map(doubt);
+        format!("{from:12} R {reflected:.4}{r}  T {transmitted:.4}{t}  lost {lost:.4}  at {incidence_deg} deg")
     };
     all.iter().filter(is_shown).map(line).collect()
+}
+
+/// The budget of uncertainty, a row a source, and what the bootstrap found.
+fn uncertainty(errors: &Errors) -> Vec<String> {
+    let mut lines = Vec::new();
+    let row = |name: &str, values: &mut dyn Iterator<Item = f64>| {
+        let cells: Vec<String> = values.map(|v| format!("{v:>12.3e}")).collect();
+        format!("{name:28}{}", cells.join(""))
+    };
+    let heads = || errors.names.iter().map(|name| format!("{name:>12}")).collect::<String>();
+    if !errors.budget.is_empty() {
+        lines.push(format!("{:28}{}", "budget, standard uncertainty", heads()));
+        for c in &errors.budget {
+            let name = match (c.std_dev, &*c.unit) {
+                (sd, _) if sd <= 0.0 => c.source.clone(),
+                (sd, "") if c.source != "index" => format!("{} {:.3} %", c.source, 100.0 * sd),
+                (sd, unit) => format!("{} {sd} {unit}", c.source),
+            };
+            lines.push(row(&format!("  {name}"), &mut c.effects.iter().map(|(_, v)| *v)));
+        }
+        let own = (0..errors.names.len()).map(|k| errors.covariance[k][k].sqrt());
+        lines.push(row("  combined", &mut own.clone()));
+        lines.push(row("  expanded, k = 2 (95 %)", &mut own.map(|u| 2.0 * u)));
+    }
+    if !errors.samples.is_empty() {
+        let n = errors.samples.len();
+        lines.push(format!("{:28}{}", format!("bootstrap, {n} replicas"), heads()));
+        let column = |k: usize| {
+            let mut column: Vec<f64> = errors.samples.iter().map(|draw| draw[k]).collect();
+            column.sort_by(f64::total_cmp);
+            column
+        };
+        let columns: Vec<Vec<f64>> = (0..errors.names.len()).map(column).collect();
+        let mean = |c: &[f64]| c.iter().sum::<f64>() / n as f64;
+        let spread = |c: &Vec<f64>| {
+            let mean = mean(c);
+            (c.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1).max(1) as f64).sqrt()
+        };
+        let at = |share: f64| move |c: &Vec<f64>| c[(share * (n - 1) as f64).round() as usize];
+        lines.push(row("  standard deviation", &mut columns.iter().map(spread)));
+        lines.push(row("  2.5 %", &mut columns.iter().map(at(0.025))));
+        lines.push(row("  97.5 %", &mut columns.iter().map(at(0.975))));
+    }
+    lines
 }

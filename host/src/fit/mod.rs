@@ -49,9 +49,14 @@ mod simplest;
 mod fitted;
 mod later;
 mod quick;
+mod budget;
+mod bootstrap;
+mod errors;
 mod verdict;
 mod tail;
 
+pub use budget::Doubts;
+pub use errors::Errors;
 pub use fitted::Fitted;
 pub use quick::{Quick, quick};
 pub use nuisance::{MOST_GAINS, Nuisance, is_of_instrument};
@@ -69,8 +74,7 @@ use asperity_core::metric::rmsd_percent;
 use crate::boundary::Boundary;
 use crate::forward::{Angles, Effort, Neglected, Rays, Readings, Setup};
 use crate::measurement::{Measurement, noise};
-use crate::method::{Body, BuildError, Method, Parameter};
-use crate::model::Correlation;
+use crate::method::{Body, BuildError, Method};
 use crate::watch::Watch;
 
 use problem::Problem;
@@ -92,8 +96,12 @@ pub struct FitOptions {
     pub max_evaluations: u64,
     /// Rays of a method that traces them.
     pub rays: FitRays,
-    /// What the instrument may be wrong about.
+    /// What the instrument may be wrong about, fitted too.
     pub nuisance: Nuisance,
+    /// Doubts that are not fitted: they add to the errors.
+    pub doubts: Doubts,
+    /// Replicas of a bootstrap, 0 for none.
+    pub replicas: u32,
 }
 
 impl FitOptions {
@@ -107,6 +115,8 @@ impl FitOptions {
             max_evaluations: 4000,
             rays: FitRays::default(),
             nuisance: Nuisance::default(),
+            doubts: Doubts::default(),
+            replicas: 0,
         }
     }
 }
@@ -175,8 +185,8 @@ impl Termination {
 pub struct Fit {
     /// The fitted parameters, in order.
     pub parameters: Vec<Fitted>,
-    /// Correlations of their errors, by name and name, -1 to 1, each pair once.
-    pub correlations: Vec<Correlation>,
+    /// Their errors together.
+    pub errors: Errors,
     /// The boundary they make.
     pub boundary: Boundary,
     /// Refractive index; `None` for an opaque body.
@@ -303,13 +313,13 @@ pub fn fit(
     let at_fitted = if is_spread { problem.simulate(&values, Effort::Full)? } else { None };
     let at_fitted = at_fitted.as_ref().unwrap_or(&readings);
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
-    let (parameters, correlations) = fitted(&problem, &all, &values, &at_fitted.values);
+    let (parameters, errors) = errors::found(&problem, &all, &values, &at_fitted.values, options);
     let (boundary, body) = problem.boundary(&values)?;
     let simulation_noise_percent = noise_percent(&readings, measurement);
     let of_rays = simulation_noise_percent.filter(|_| problem.is_traced());
     Ok(Fit {
         parameters,
-        correlations,
+        errors,
         boundary,
         ior: match body {
             Body::Dielectric { ior } => Some(ior),
@@ -326,40 +336,6 @@ pub fn fit(
         seconds: begun.elapsed().as_secs_f64(),
         termination,
     })
-}
-
-/// The parameters with their errors, `all` of them in their order, those that are held too.
-fn fitted(
-    problem: &Problem<'_>,
-    all: &[Parameter],
-    values: &[f64],
-    simulated: &[f64],
-) -> (Vec<Fitted>, Vec<Correlation>) {
-    // the errors ask for small changes about the fitted values
-    let later = later::about(problem, values, || ()).ok().flatten();
-    let near = later.map(|later| problem.with_later(later));
-    let near = near.as_ref().unwrap_or(problem);
-    let curvature = uncertainty::curvature(near, values, simulated);
-    let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c));
-    let mut free = 0..values.len();
-    let one = |(p, held): (&Parameter, &Option<f64>)| {
-        let k = if held.is_none() { free.next() } else { None };
-        let value = held.or(k.map(|k| values[k])).unwrap_or(f64::NAN);
-        let profile = k.and_then(|k| profiles.as_ref()?[k]);
-        let of_curvature = k.and_then(|k| curvature.as_ref()?.std_errors[k]);
-        Fitted {
-            name: p.name,
-            unit: p.unit,
-            value,
-            std_error: profile.map(|p| p.stated()).or(of_curvature),
-            profile,
-            at_bound: held.is_none() && p.is_at_bound(value),
-            is_none: held.is_some(),
-        }
-    };
-    let names: Vec<&str> = problem.parameters().iter().map(|p| p.name).collect();
-    let correlations = curvature.as_ref().map(|c| Correlation::all(&names, &c.correlations()));
-    (all.iter().zip(problem.held()).map(one).collect(), correlations.unwrap_or_default())
 }
 
 /// The objective of a method with given values, without a fit; `None` if they make no boundary, or if stopped.

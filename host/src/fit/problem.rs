@@ -32,6 +32,8 @@ pub(super) struct Problem<'a> {
     held: Vec<Option<f64>>,
     /// Rays per incidence in full effort, for traced methods.
     full_rays: u64,
+    /// An index other than that of the body.
+    ior: Option<f64>,
     /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
     later: Option<Arc<Later>>,
 }
@@ -111,6 +113,7 @@ impl<'a> Problem<'a> {
             parameters,
             full_rays: options.rays.fit.unwrap_or(options.rays.draft),
             later: None,
+            ior: None,
         }
     }
 
@@ -203,6 +206,36 @@ impl<'a> Problem<'a> {
         same
     }
 
+    /// The same with other readings.
+    pub(super) fn measuring(&self, measured: Vec<f64>) -> Self {
+        Self { measured: measured.into(), ..self.clone() }
+    }
+
+    /// The same with an instrument that shows other zeros: the light is where it shows less.
+    pub(super) fn turned(mut self, theta_deg: f64, sigma_deg: f64) -> Self {
+        for plane in &mut self.angles.incidences {
+            plane.sigma_deg -= sigma_deg;
+            plane.theta_deg.iter_mut().for_each(|t| *t = (*t - theta_deg).clamp(-89.999, 89.999));
+        }
+        self
+    }
+
+    /// The same with a wider aperture.
+    pub(super) fn opened(mut self, factor: f64) -> Self {
+        self.setup = with_aperture(self.setup, factor);
+        self
+    }
+
+    /// The same with another index, where it is not fitted.
+    pub(super) fn with_ior(mut self, ior: f64) -> Self {
+        self.ior = Some(ior);
+        self
+    }
+
+    pub(super) fn body(&self) -> Body {
+        self.options.body
+    }
+
     /// The same with light of later hits as it is known near some values.
     pub(super) fn with_later(&self, later: Later) -> Self {
         Self { later: Some(Arc::new(later)), ..self.clone() }
@@ -270,7 +303,7 @@ impl<'a> Problem<'a> {
 
     /// The boundary for values, and the body it bounds.
     pub(super) fn boundary(&self, values: &[f64]) -> Result<(Boundary, Body), BuildError> {
-        let body = match self.named(values, "ior") {
+        let body = match self.named(values, "ior").or(self.ior) {
             Some(ior) => Body::Dielectric { ior },
             None => self.options.body,
         };
@@ -418,6 +451,16 @@ impl<'a> Problem<'a> {
     fn cost_at(&self, values: &[f64], simulated: &[f64]) -> f64 {
         let sum: f64 = self.residuals(values, simulated).iter().map(|r| r * r).sum();
         self.objective().of_mean_square(sum / self.measured.len() as f64)
+    }
+
+    /// By how much the residuals of a law change where the instrument makes readings `after` of `before`.
+    pub(super) fn residual_change(&self, before: &[f64], after: &[f64]) -> Vec<f64> {
+        let of = |readings: &[f64]| -> Vec<f64> {
+            let pairs = before.iter().zip(readings);
+            pairs.map(|(&s, &m)| self.objective().residual(m, s, self.largest)).collect()
+        };
+        let pairs = of(before).into_iter().zip(of(after));
+        pairs.map(|(before, after)| before - after).collect()
     }
 
     /// The objective for simulated readings; not finite if any of them is not.

@@ -36,7 +36,7 @@ pub use self::rank::Rank;
 pub use self::read::ModelError;
 pub(crate) use self::read::read_bytes;
 pub use self::record::MapRecord;
-pub use self::verdict::{Correlation, Flux, Grade, Verdict};
+pub use self::verdict::{Contribution, Correlation, Flux, Grade, Verdict};
 
 use std::collections::BTreeMap;
 
@@ -209,6 +209,15 @@ pub struct Model {
     /// Correlations of the errors of fitted parameters, each pair once.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub correlations: Vec<Correlation>,
+    /// The budget of uncertainty, one row a source.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub budget: Vec<Contribution>,
+    /// Draws of fitted values by the bootstrap, in the order of `sample_names`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub samples: Vec<Vec<f64>>,
+    /// The parameters of the draws.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sample_names: Vec<String>,
     /// Warnings about the model's validity, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub validity: Vec<String>,
@@ -270,6 +279,9 @@ impl Model {
             verdict: None,
             fluxes: Vec::new(),
             correlations: Vec::new(),
+            budget: Vec::new(),
+            samples: Vec::new(),
+            sample_names: Vec::new(),
             validity: Vec::new(),
             provenance: None,
             timing: None,

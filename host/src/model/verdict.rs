@@ -119,6 +119,27 @@ pub struct Flux {
     pub transmitted: f64,
     /// Neither.
     pub lost: f64,
+    /// Standard uncertainty of `reflected`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_reflected: Option<f64>,
+    /// Standard uncertainty of `transmitted`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_transmitted: Option<f64>,
+}
+
+/// What one source of uncertainty adds to fitted values, a row of a budget.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contribution {
+    /// The source: noise, gain, drift, zero of theta ...
+    pub source: String,
+    /// Its standard deviation, in its unit; relative if that is empty, and 0 for noise.
+    pub std_dev: f64,
+    /// The unit of that.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub unit: String,
+    /// The standard uncertainty that it adds to each value, by the name of the parameter.
+    pub effects: Vec<(String, f64)>,
 }
 
 /// Correlation of the errors of two fitted parameters.

@@ -75,7 +75,7 @@ impl Task<'_> {
             }
         }
         let (k, label, done, warnings) = found.ok_or(FitError::NoStart)?;
-        let fluxes = verdict::fluxes(&done.boundary, watch);
+        let fluxes = verdict::fluxes_of(&*trials[k], &done, self, watch);
         let verdict = verdict::judge(self, &*trials[k], &done, &fluxes, watch);
         let mut entry = Entry { label, fit: done, verdict, fluxes, warnings };
         // What the answer cost, with all the laws that were tried.

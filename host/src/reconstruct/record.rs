@@ -37,7 +37,12 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, task: &Task<'_>) -> Mod
         Some(100.0 * fit.neglected.reading / task.measurement.largest_reading());
     model.verdict = Some(entry.verdict.clone());
     model.fluxes.clone_from(&entry.fluxes);
-    model.correlations.clone_from(&fit.correlations);
+    model.correlations = fit.errors.correlations();
+    model.budget.clone_from(&fit.errors.budget);
+    model.samples.clone_from(&fit.errors.samples);
+    if !model.samples.is_empty() {
+        model.sample_names = fit.errors.names.iter().map(|&name| name.to_owned()).collect();
+    }
     model.validity = entry.refusal().into_iter().collect();
     model.validity.extend(fit.parameters.iter().filter_map(Fitted::warning));
     model.validity.extend(entry.warnings.iter().cloned());

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 
 use super::scan::{number, parse_rays};
 use crate::cli::error::{Failure, without_effect};
-use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Nuisance, Objective};
+use crate::fit::{FitOptions, FitRays, MISFIT_PERCENT, Objective};
 use crate::method::{Body, Kind, in_words};
 
 /// What is minimised, as a flag.
@@ -84,9 +84,6 @@ impl EffortFlags {
     /// The options of a fit to a body, with nothing free but the method's own parameters.
     pub(in crate::cli) fn options(&self, body: Body) -> FitOptions {
         FitOptions {
-            body,
-            fit_ior: false,
-            fit_gain: false,
             objective: self.objective.into(),
             max_evaluations: self.max_evaluations,
             rays: FitRays {
@@ -95,7 +92,7 @@ impl EffortFlags {
                 seed: self.seed.unwrap_or(1),
                 ..FitRays::default()
             },
-            nuisance: Nuisance::default(),
+            ..FitOptions::new(body)
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::scan::number;
 use crate::cli::error::Failure;
-use crate::fit::{MOST_GAINS, Nuisance};
+use crate::fit::{Doubts, MOST_GAINS, Nuisance};
 use crate::measurement::Measurement;
 use crate::reconstruct::Task;
 
@@ -27,12 +27,49 @@ pub(in crate::cli) struct NuisanceFlags {
     /// The factor of --fit-gain is 1 to PERCENT; without it nothing is known of it
     #[arg(long, hide_short_help = true, value_name = "PERCENT", requires = "fit_gain", value_parser = number)]
     gain_prior: Option<f64>,
+    /// Doubts about the instrument that are not fitted, one standard deviation each: offset=0.05,gain=1,drift=0.3 and also
+    /// gains, stray, aperture (percent), ior; they enter the errors, and a budget is printed
+    #[arg(long, hide_short_help = true, value_name = "KEY=VALUE,...", value_parser = doubts)]
+    uncertainty: Option<Doubts>,
+    /// Fit N scans that the fitted law would have given, with its noise and the doubts of --uncertainty
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=100_000))]
+    bootstrap: Option<u32>,
+}
+
+/// Doubts as text: angles in degrees, the index as it is, all others in percent.
+fn doubts(text: &str) -> Result<Doubts, String> {
+    let mut found = Doubts::default();
+    for part in text.split(',') {
+        let (key, value) =
+            part.split_once('=').ok_or_else(|| format!("`{part}` is no KEY=VALUE"))?;
+        let value: f64 = value.trim().parse().map_err(|_| format!("`{value}` is no number"))?;
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(format!("{key} = {value} must be above 0"));
+        }
+        let share = Some(0.01 * value);
+        match key.trim() {
+            "offset" => found.offset_deg = Some(value),
+            "ior" => found.ior = Some(value),
+            "gain" => found.gain = share,
+            "gains" => found.gains = share,
+            "drift" => found.drift = share,
+            "stray" => found.stray = share,
+            "aperture" => found.aperture = share,
+            other => {
+                return Err(format!(
+                    "`{other}` is no doubt; the doubts are offset (deg), ior, and in percent gain, gains, drift, stray, aperture"
+                ));
+            }
+        }
+    }
+    Ok(found)
 }
 
 impl NuisanceFlags {
     /// The flags with whether they are given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 4] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 5] {
         [
+            ("--bootstrap", self.bootstrap.is_some()),
             ("--fit-offset", self.fit_offset.is_some()),
             ("--fit-stray", self.fit_stray.is_some()),
             ("--fit-aperture", self.fit_aperture.is_some()),
@@ -67,6 +104,16 @@ impl NuisanceFlags {
         })
     }
 
+    /// The doubts that are not fitted.
+    pub(in crate::cli) fn doubts(&self) -> Doubts {
+        self.uncertainty.unwrap_or_default()
+    }
+
+    /// Replicas of the bootstrap.
+    pub(in crate::cli) fn replicas(&self) -> u32 {
+        self.bootstrap.unwrap_or(0)
+    }
+
     /// Refuses an aperture of readings that have none.
     pub(in crate::cli) fn check(&self, task: &Task<'_>) -> Result<(), Failure> {
         if self.fit_aperture.is_some() && task.setup.aperture_deg <= 0.0 {
@@ -75,5 +122,20 @@ impl NuisanceFlags {
             ));
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::doubts;
+
+    #[test]
+    fn doubts_have_units() {
+        let found = doubts("offset=0.05,gain=1,drift=0.3,ior=0.002").unwrap();
+        assert_eq!((found.offset_deg, found.gain, found.ior), (Some(0.05), Some(0.01), Some(0.002)));
+        assert!((found.drift.unwrap() - 0.003).abs() < 1e-15 && found.stray.is_none());
+        for bad in ["gain", "gain=x", "gain=-1", "weather=1", ""] {
+            assert!(doubts(bad).is_err(), "{bad}");
+        }
     }
 }

@@ -7,8 +7,11 @@ use crate::energy::{balances, side_name};
 use crate::fit::Fit;
 use crate::forward::Rays;
 use crate::kirchhoff::validity::MOST_EXCESS;
+use crate::method::{Body, Method};
 use crate::model::Flux;
 use crate::watch::Watch;
+
+use super::super::task::Task;
 
 /// Angles of incidence in the medium the light comes from, degrees.
 const INCIDENCES: [f64; 5] = [0.0, 30.0, 45.0, 60.0, 75.0];
@@ -38,8 +41,64 @@ pub(in crate::reconstruct) fn fluxes(boundary: &Boundary, watch: Watch<'_>) -> V
         reflected: e.reflected,
         transmitted: e.transmitted,
         lost: e.lost,
+        std_reflected: None,
+        std_transmitted: None,
     };
     found.into_iter().map(flux).collect()
+}
+
+/// The fluxes of a fit, with the uncertainty that its values give them where the law is in closed form.
+pub(in crate::reconstruct) fn fluxes_of(
+    method: &dyn Method,
+    fit: &Fit,
+    task: &Task<'_>,
+    watch: Watch<'_>,
+) -> Vec<Flux> {
+    let mut all = fluxes(&fit.boundary, watch);
+    if method.is_traced() || method.wave().is_some() {
+        return all;
+    }
+    let mut slopes: Vec<[Vec<f64>; 2]> = vec![Default::default(); all.len()];
+    for name in &fit.errors.names {
+        let moved = moved(method, fit, task, name, watch);
+        for (k, slope) in slopes.iter_mut().enumerate() {
+            let [r, t] = moved.as_ref().and_then(|m| m.get(k).copied()).unwrap_or_default();
+            slope[0].push(r);
+            slope[1].push(t);
+        }
+    }
+    for (flux, [r, t]) in all.iter_mut().zip(&slopes) {
+        flux.std_reflected = fit.errors.propagated(r);
+        flux.std_transmitted = fit.errors.propagated(t);
+    }
+    all
+}
+
+/// Derivatives of R and T at each incidence with respect to a parameter, over half its standard error.
+fn moved(
+    method: &dyn Method,
+    fit: &Fit,
+    task: &Task<'_>,
+    name: &str,
+    watch: Watch<'_>,
+) -> Option<Vec<[f64; 2]>> {
+    let own = method.parameters().len();
+    let step = 0.5 * fit.parameters.iter().find(|p| p.name == name)?.std_error?;
+    if !(step > 0.0 && step.is_finite()) {
+        return None;
+    }
+    let side = |by: f64| {
+        let at = |p: &crate::fit::Fitted| if p.name == name { p.value + by } else { p.value };
+        let values: Vec<f64> = fit.parameters.iter().take(own).map(at).collect();
+        let ior = fit.ior.map(|ior| if name == "ior" { ior + by } else { ior });
+        let body = ior.map_or(task.options.body, |ior| Body::Dielectric { ior });
+        Some(fluxes(&method.boundary(&values, body).ok()?, watch))
+    };
+    let (above, below) = (side(step)?, side(-step)?);
+    let slope = |(a, b): (&Flux, &Flux)| {
+        [a.reflected - b.reflected, a.transmitted - b.transmitted].map(|d| d / (2.0 * step))
+    };
+    Some(above.iter().zip(&below).map(slope).collect())
 }
 
 /// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.

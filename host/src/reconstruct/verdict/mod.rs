@@ -18,7 +18,7 @@ use crate::watch::Watch;
 
 use super::task::Task;
 
-pub(super) use gate::fluxes;
+pub(super) use gate::fluxes_of;
 
 /// An error of so many times the noise is still noise: the estimates of noise are no better.
 const WITHIN: f64 = 1.5;
