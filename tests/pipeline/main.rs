@@ -16,6 +16,7 @@ mod student;
 mod real_scans;
 mod traced_samples;
 mod verdicts;
+mod coverage;
 mod own_map;
 mod wave_samples;
 mod kirchhoff_validity;

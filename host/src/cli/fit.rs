@@ -13,6 +13,7 @@ use super::flags::method::MethodName;
 use super::flags::nuisance::NuisanceFlags;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::model::{BouncesFlag, ProfileFlag};
+use super::readings::Given;
 use super::{auto, print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
@@ -135,8 +136,12 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
     args.effort.check()?;
-    let (measurement, input) = readings::read(&args.scan, &args.read, &args.setup)?;
-    let measurement = args.clean.apply(measurement, &args.scan, args.effort.objective())?;
+    let Given { scan, input, is_model } = readings::read(&args.scan, &args.read, &args.setup)?;
+    let measurement = if is_model {
+        scan
+    } else {
+        args.clean.apply(scan, &args.scan, args.effort.objective())?
+    };
     let of_sheet = args.describes_sheet()?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;
     if !matches!(body, Body::Dielectric { .. }) && args.anisotropic {
@@ -159,6 +164,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             fit_ior: args.fit_ior,
             fit_gain: args.fit_gain,
             nuisance: args.nuisance.nuisance(&measurement)?,
+            signature: args.nuisance.signature(setup.aperture_deg)?,
             doubts: args.nuisance.doubts(),
             replicas: args.nuisance.replicas(),
             ..args.effort.options(body)
@@ -169,11 +175,15 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         bounces: args.bounces.map(BouncesFlag::bounces),
         input: Some(&input),
         in_plate: args.setup.in_plate(),
+        diagnose: !is_model,
     };
     args.nuisance.check(&task)?;
     let trials = args.trials(&task).map_err(|what| Failure::Bad(of_scan(&what)))?;
     if args.nuisance.replicas() > 0 && trials.iter().any(|trial| trial.is_traced()) {
         return Err(Failure::bad("--bootstrap is for methods without rays of their own noise"));
+    }
+    if task.options.signature.is_some() && trials.iter().any(|t| t.is_traced() || t.wave().is_some()) {
+        return Err(Failure::bad("--signature and --beam-width are for laws in closed form"));
     }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let plots = args.plot.as_deref().map(|stem| Plots::open(stem, &measurement)).transpose()?;

@@ -20,15 +20,24 @@ use crate::reconstruct::{ScanRequest, Subject};
 /// Step of the angle of observation, degrees.
 const STEP_DEG: f64 = 0.25;
 
+/// What a fit is made to.
+pub(super) struct Given {
+    pub(super) scan: Measurement,
+    pub(super) input: InputFile,
+    /// Whether it is a model that was measured: nothing is wrong with such readings.
+    pub(super) is_model: bool,
+}
+
 /// Reads a scan, or measures the model in a file.
 pub(super) fn read(
     path: &Path,
     read: &ReadFlags,
     setup: &SetupFlags,
-) -> Result<(Measurement, InputFile), Failure> {
+) -> Result<Given, Failure> {
     let bytes = csv::load(path)?;
     if !law_file::is_law(path, &bytes) {
-        return read.read(path, setup.geometry);
+        let (scan, input) = read.read(path, setup.geometry)?;
+        return Ok(Given { scan, input, is_model: false });
     }
     without_effect(&read.given(), "a model is measured, not read")?;
     let subject = Subject::read(path)?;
@@ -56,5 +65,6 @@ pub(super) fn read(
         "{}: a model; the fit is to {what} in the plane of incidence at 0, 15, 30, 45 and 60 deg, as a plate shows them",
         path.display()
     ));
-    Ok((scan.measurement, InputFile::of_bytes(path, &bytes)))
+    let input = InputFile::of_bytes(path, &bytes);
+    Ok(Given { scan: scan.measurement, input, is_model: true })
 }

@@ -49,6 +49,7 @@ mod simplest;
 mod fitted;
 mod later;
 mod quick;
+mod signature;
 mod budget;
 mod bootstrap;
 mod errors;
@@ -62,6 +63,7 @@ pub use quick::{Quick, quick};
 pub use nuisance::{MOST_GAINS, Nuisance, is_of_instrument};
 pub use objective::Objective;
 pub use profile::{Profile, Side};
+pub use signature::{NoSignature, Signature};
 pub use tail::tail_score;
 pub use verdict::{IncidenceError, MISFIT_PERCENT};
 
@@ -98,6 +100,8 @@ pub struct FitOptions {
     pub rays: FitRays,
     /// What the instrument may be wrong about, fitted too.
     pub nuisance: Nuisance,
+    /// What the instrument shows without a sample, in place of an ideal cone; not for methods that trace rays.
+    pub signature: Option<Signature>,
     /// Doubts that are not fitted: they add to the errors.
     pub doubts: Doubts,
     /// Replicas of a bootstrap, 0 for none.
@@ -115,6 +119,7 @@ impl FitOptions {
             max_evaluations: 4000,
             rays: FitRays::default(),
             nuisance: Nuisance::default(),
+            signature: None,
             doubts: Doubts::default(),
             replicas: 0,
         }

@@ -32,6 +32,8 @@ pub(super) struct Problem<'a> {
     held: Vec<Option<f64>>,
     /// Rays per incidence in full effort, for traced methods.
     full_rays: u64,
+    /// The factor of the aperture.
+    opening: f64,
     /// An index other than that of the body.
     ior: Option<f64>,
     /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
@@ -114,6 +116,7 @@ impl<'a> Problem<'a> {
             full_rays: options.rays.fit.unwrap_or(options.rays.draft),
             later: None,
             ior: None,
+            opening: 1.0,
         }
     }
 
@@ -223,6 +226,7 @@ impl<'a> Problem<'a> {
     /// The same with a wider aperture.
     pub(super) fn opened(mut self, factor: f64) -> Self {
         self.setup = with_aperture(self.setup, factor);
+        self.opening *= factor;
         self
     }
 
@@ -328,7 +332,10 @@ impl<'a> Problem<'a> {
             Cow::Borrowed(_) => Cow::Borrowed(&self.angles),
             Cow::Owned(angles) => Cow::Owned(angles),
         };
-        Ok(Ready { boundary, setup, angles, instrument, gain: self.named(values, GAIN_NAME) })
+        let gain = self.named(values, GAIN_NAME);
+        let factor = self.named(values, APERTURE).unwrap_or(1.0) * self.opening;
+        let cones = self.options.signature.map(|s| s.cones(factor, setup.quantity));
+        Ok(Ready { boundary, setup, angles, instrument, gain, cones: cones.unwrap_or_default() })
     }
 
     /// Rays per incidence in full effort.
@@ -505,11 +512,13 @@ struct Ready<'a> {
     angles: Cow<'a, Angles>,
     instrument: Instrument,
     gain: Option<f64>,
+    /// Weights and FULL angles of the cones that the instrument's response is made of, degrees; none: that of the setup.
+    cones: Vec<(f64, f64)>,
 }
 
 impl Ready<'_> {
     fn readings(&self, effort: Effort, rays: Rays, watch: Watch<'_>) -> Option<Readings> {
-        let mut readings = simulate(&self.boundary, &self.setup, &self.angles, effort, rays, watch)?;
+        let mut readings = self.seen(effort, rays, watch)?;
         if let Some(gain) = self.gain {
             readings.values.iter_mut().for_each(|r| *r *= gain);
             readings.neglected.reading *= gain;
@@ -517,5 +526,22 @@ impl Ready<'_> {
         }
         self.instrument.show(&mut readings.values, &self.angles);
         Some(readings)
+    }
+
+    /// What the instrument's response takes of the light.
+    fn seen(&self, effort: Effort, rays: Rays, watch: Watch<'_>) -> Option<Readings> {
+        let through =
+            |setup: &Setup| simulate(&self.boundary, setup, &self.angles, effort, rays, watch);
+        let mut sum: Option<Readings> = None;
+        for &(weight, aperture_deg) in &self.cones {
+            let part = through(&Setup { aperture_deg, ..self.setup })?;
+            let mut all = sum.unwrap_or_else(|| Readings {
+                values: vec![0.0; part.values.len()],
+                ..part.clone()
+            });
+            all.values.iter_mut().zip(&part.values).for_each(|(a, p)| *a += weight * p);
+            sum = Some(all);
+        }
+        sum.or_else(|| through(&self.setup))
     }
 }

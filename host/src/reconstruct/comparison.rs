@@ -160,6 +160,7 @@ fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
         "evaluations": fit.map(|f| f.evaluations),
         "describes": attempt.describes(),
         "verdict": model.map(|m| &m.verdict),
+        "fluxes": model.map(|m| &m.fluxes),
         "best": sample.is_best(attempt),
         "parameters": model.map(|m| &m.parameters),
         "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),

@@ -32,6 +32,8 @@ pub struct Task<'a> {
     pub input: Option<&'a InputFile>,
     /// Whether laws that describe a sheet are those of the face inside the plate instead.
     pub in_plate: bool,
+    /// Whether causes are looked for where a fit is not within noise; readings of a model have none.
+    pub diagnose: bool,
 }
 
 /// A method with each law and each way to treat speckle that is to be tried.
@@ -73,6 +75,7 @@ impl<'a> Task<'a> {
             bounces: None,
             input: None,
             in_plate: false,
+            diagnose: true,
         }
     }
 

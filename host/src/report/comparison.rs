@@ -2,12 +2,13 @@
 
 use super::grid::{Cell, Grid};
 use super::parameters_text;
-use crate::reconstruct::{Attempt, Comparison, SampleResult};
+use crate::model::{Grade, Verdict};
+use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult};
 
 impl SampleResult {
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
-        let head = ["method", "error %", "noise floor %", "own noise %", "parameters"];
+        let head = ["method", "error %", "noise floor %", "own noise %", "tails", "lost %", "parameters"];
         let head = head.into_iter().chain(["verdict", "notes"]).map(String::from).collect();
         let percent = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |v| format!("{v:.3}"))
@@ -25,19 +26,17 @@ impl SampleResult {
                 .collect();
             let best = self.is_best(attempt);
             let fit = attempt.entry().map(|e| &e.fit);
-            let verdict = match (attempt.entry(), best) {
-                (None, _) => "none",
-                (Some(_), true) => "best",
-                (Some(entry), _) if !entry.verdict.grade.is_accepted() => "no",
-                _ => "fits",
-            };
+            let verdict = attempt.entry().map_or("none".into(), |entry| worth(entry, best));
+            let tails = attempt.entry().and_then(|e| e.verdict.tail_score);
             rows.push(vec![
                 attempt.label().to_owned().into(),
                 Cell { text: percent(fit.map(|f| f.rmsd_percent), "-"), strong: best },
                 percent(self.noise_floor_percent, "unknown").into(),
                 percent(fit.and_then(|f| f.simulation_noise_percent), "-").into(),
+                tails.map_or_else(|| "-".to_owned(), |t| format!("{t:.2}")).into(),
+                attempt.entry().map_or_else(|| "-".to_owned(), lost).into(),
                 fit.map_or_else(|| "-".to_owned(), parameters_text).into(),
-                verdict.to_owned().into(),
+                verdict.into(),
                 notes.join(", ").into(),
             ]);
         }
@@ -45,11 +44,33 @@ impl SampleResult {
     }
 }
 
+/// The place of a fit and its grade.
+fn worth(entry: &Entry, is_best: bool) -> String {
+    let Verdict { grade, times_noise, .. } = &entry.verdict;
+    let place = match (is_best, grade.is_accepted()) {
+        (true, _) => "best",
+        (false, true) => "fits",
+        (false, false) => "no",
+    };
+    match (grade, times_noise) {
+        (Grade::Misfit, Some(times)) => format!("{place} ({times:.1} times the noise)"),
+        (grade, _) => format!("{place} ({grade})"),
+    }
+}
+
+/// What is lost at normal incidence from air and from inside, %.
+fn lost(entry: &Entry) -> String {
+    let normal = entry.fluxes.iter().filter(|f| f.incidence_deg.abs() <= 0.0);
+    let shares: Vec<String> = normal.map(|f| format!("{:.1}", 100.0 * f.lost + 0.0)).collect();
+    if shares.is_empty() { "-".into() } else { shares.join(" / ") }
+}
+
 impl Comparison {
     /// The content of the tables.
     pub(super) const LEGEND: &'static str = "Error of eq. (18): rms deviation over all angles, in % of the \
-         largest reading. The lowest one of those that describe the sample is marked; (no): does not \
-         describe it; -: no fit.";
+         largest reading. The lowest one of those that describe the sample is marked; (no): refused; -: no fit. \
+         Tails: rms of log10 of fitted over measured readings. Lost: light along the normal that goes nowhere, from air / from \
+         inside.";
 
     /// Samples down, methods across, the lowest error of each sample marked: the form of the paper's Table 2.
     pub(super) fn errors(&self) -> Grid {

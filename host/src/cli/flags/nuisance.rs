@@ -1,9 +1,11 @@
 //! What the instrument may be wrong about: the flags of `fit`.
 
+use std::path::PathBuf;
+
 use super::scan::number;
 use crate::cli::error::Failure;
-use crate::fit::{Doubts, MOST_GAINS, Nuisance};
-use crate::measurement::Measurement;
+use crate::fit::{Doubts, MOST_GAINS, Nuisance, Signature};
+use crate::measurement::{Measurement, csv};
 use crate::reconstruct::Task;
 
 /// Numbers of the instrument that are fitted too, each with the standard deviation of its prior.
@@ -27,6 +29,12 @@ pub(in crate::cli) struct NuisanceFlags {
     /// The factor of --fit-gain is 1 to PERCENT; without it nothing is known of it
     #[arg(long, hide_short_help = true, value_name = "PERCENT", requires = "fit_gain", value_parser = number)]
     gain_prior: Option<f64>,
+    /// A scan without a sample: the response of beam and detector, in place of an ideal cone
+    #[arg(long, hide_short_help = true, value_name = "FILE", conflicts_with = "beam_width")]
+    signature: Option<PathBuf>,
+    /// FULL angle of a round beam, whose overlap with the detector is the response
+    #[arg(long, hide_short_help = true, value_name = "DEG", value_parser = number)]
+    beam_width: Option<f64>,
     /// Doubts about the instrument that are not fitted, one standard deviation each: offset=0.05,gain=1,drift=0.3 and also
     /// gains, stray, aperture (percent), ior; they enter the errors, and a budget is printed
     #[arg(long, hide_short_help = true, value_name = "KEY=VALUE,...", value_parser = doubts)]
@@ -67,8 +75,10 @@ fn doubts(text: &str) -> Result<Doubts, String> {
 
 impl NuisanceFlags {
     /// The flags with whether they are given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 5] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 7] {
         [
+            ("--signature", self.signature.is_some()),
+            ("--beam-width", self.beam_width.is_some()),
             ("--bootstrap", self.bootstrap.is_some()),
             ("--fit-offset", self.fit_offset.is_some()),
             ("--fit-stray", self.fit_stray.is_some()),
@@ -102,6 +112,19 @@ impl NuisanceFlags {
             gain: share(self.gain_prior),
             gains: share(self.fit_gains),
         })
+    }
+
+    /// The response of the instrument, where it is no ideal cone.
+    pub(in crate::cli) fn signature(&self, aperture_deg: f64) -> Result<Option<Signature>, Failure> {
+        if let Some(path) = &self.signature {
+            let scan = csv::parse(&csv::load(path)?, path)?;
+            let found = Signature::of_scan(&scan);
+            return found
+                .map(Some)
+                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())));
+        }
+        let beam = self.beam_width.map(|beam| Signature::of_beam(beam, aperture_deg));
+        beam.transpose().map_err(Failure::bad)
     }
 
     /// The doubts that are not fitted.

@@ -98,6 +98,7 @@ impl Loaded {
             bounces: None,
             input: Some(&self.input),
             in_plate: self.in_plate,
+            diagnose: true,
         }
     }
 }

@@ -53,12 +53,12 @@ pub(super) fn judge(
         causes.insert(0, why);
     }
     let signs = crate::measurement::signs::signs(task.measurement);
-    if grade != Grade::WithinNoise {
+    if grade != Grade::WithinNoise && task.diagnose {
         // what the readings say of themselves needs no fit to be named
         let named = diagnosis::diagnose(task, method, watch);
         causes.extend(named.filter(|cause| !signs.iter().any(|sign| same_flag(sign, cause))));
     }
-    causes.extend(signs);
+    causes.extend(signs.into_iter().filter(|_| task.diagnose));
     let worst = fit.worst_incidence().map(|(sigma, _)| sigma);
     Verdict {
         grade,
