@@ -272,6 +272,15 @@ def measured_hybrid(program):
     scans(program, "measured-hybrid", title, engines, (-6, 0), "--seed", "1")
 
 
+def mix(program):
+    def one(alpha):
+        return "ggx", "--set", f"alpha={alpha}", *PLATE
+
+    both = ("mix", "--of", "ggx,ggx", "--set", "alpha=0.05", "alpha2=0.4", "share2=0.3", "lambert=0.1", *PLATE)
+    models = [("alpha 0.05", one(0.05)), ("alpha 0.4", one(0.4)), ("0.6 + 0.3, 0.1 diffuse", both)]
+    lobes(program, "mix", "a sharp lobe, a wide one, and both with a diffuse share", models)
+
+
 def bounces(program):
     """R of Smith's surface with all bounces beside that of rays on a Gaussian map of the same rms slopes; also as a table."""
     said = json.loads(program.run("stats", "demo/map.sdf", "--json"))
@@ -305,6 +314,7 @@ METHODS = {
     "smith-normals": smith_normals,
     "slopes": slopes,
     "bounces": bounces,
+    "mix": mix,
     "abg": abg,
     "harvey": harvey,
     "k-correlation": k_correlation,

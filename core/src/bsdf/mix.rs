@@ -18,10 +18,10 @@ pub struct MixShares<T> {
     pub lambert: T,
 }
 
-/// A surface of patches that are larger than the relief: a share of it follows each law, `f = s1 f1 + s2 f2 + d lambert`, and a
+/// A surface of areas that are larger than the relief: a share of it follows each law, `f = s1 f1 + s2 f2 + d lambert`, and a
 /// share is smooth.
 ///
-/// Light meets one patch only, so that reciprocity and the balance of energy are those of the laws. The first law has what the
+/// Light meets one area only, so that reciprocity and the balance of energy are those of the laws. The first law has what the
 /// shares leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mix<T, A, B> {
@@ -68,7 +68,7 @@ impl<T: Real, A, B> Mix<T, A, B> {
         self.lambert.backing()
     }
 
-    /// The diffuse lobe of a patch.
+    /// The diffuse lobe of an area.
     pub fn lambert(&self) -> &Lambert<T> {
         &self.lambert
     }
@@ -100,7 +100,7 @@ impl<T: Real, A, B> Mix<T, A, B> {
         }
     }
 
-    /// Fluxes of a smooth patch.
+    /// Fluxes of a smooth area.
     pub fn smooth(&self, wi: Direction<T>) -> CoherentFlux<T> {
         if lit(wi).is_none() {
             return none();
@@ -120,7 +120,7 @@ impl<T: Real, A, B> Mix<T, A, B> {
         }
     }
 
-    /// Where a smooth patch sends light.
+    /// Where a smooth area sends light.
     fn kept(&self, wi: Direction<T>, lobe: Lobe) -> Option<Direction<T>> {
         match (lobe, self.backing()) {
             (Lobe::Reflection, _) => {
@@ -163,7 +163,7 @@ impl<T: Real, A: Bsdf<T>, B: Bsdf<T>> Mix<T, A, B> {
 }
 
 impl<T: Real, A: Bsdf<T>, B: Bsdf<T>> Scatter<T> for Mix<T, A, B> {
-    /// Takes one uniform to choose a patch, and those of its law.
+    /// Takes one uniform to choose an area, and those of its law.
     fn sample(&self, wi: Direction<T>, uniform: &mut impl FnMut() -> T) -> Option<Scattered<T>> {
         let MixShares { second, specular, lambert } = self.shares;
         let mut left = uniform();

@@ -436,6 +436,15 @@ impl<'a> Problem<'a> {
     pub(super) fn solve_linear(&self, point: &mut [f64]) {
         let index = |name| self.parameters.iter().position(|p| p.name == name);
         let Some(gain) = self.parameters.iter().position(|p| p.is_level) else { return };
+        let own = self.method.parameters();
+        let is_own_level = |p: &Parameter| p.is_level && own.iter().any(|q| q.name == p.name);
+        let levels: Vec<usize> =
+            (0..self.parameters.len()).filter(|&k| is_own_level(&self.parameters[k])).collect();
+        if levels.len() > 1 {
+            // one by one, until they know each other
+            (0..4 * levels.len()).for_each(|k| self.solve_level(point, levels[k % levels.len()]));
+            return;
+        }
         if self.parameters[gain].name != "gain" {
             self.solve_level(point, gain);
             return;
