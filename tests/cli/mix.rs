@@ -4,8 +4,7 @@ use serde_json::Value;
 
 use crate::program::Folder;
 
-const TWO: &str =
-    "model mix --of ggx,ggx --set alpha=0.1 alpha2=0.4 share2=0.3 specular=0.2 lambert=0.1 --ior 1.49";
+const TWO: &str = "model mix --of ggx,ggx --set alpha=0.1 alpha2=0.4 share2=0.3 specular=0.2 lambert=0.1 --ior 1.49";
 
 fn column(check: &Value, key: &str) -> Vec<f64> {
     let rows = check["energy"].as_array().unwrap();
@@ -16,7 +15,10 @@ fn column(check: &Value, key: &str) -> Vec<f64> {
 fn every_verb_takes_a_mix() {
     let folder = Folder::new();
     let model = folder.run(&format!("{TWO} -o two.json --json")).json();
-    assert_eq!((&model["method"], &model["of"]), (&"mix".into(), &serde_json::json!(["ggx", "ggx"])));
+    assert_eq!(
+        (&model["method"], &model["of"]),
+        (&"mix".into(), &serde_json::json!(["ggx", "ggx"]))
+    );
     let check = folder.run("check two.json --json --incidence 0,40").json();
     // a fifth of Fresnel's transmittance
     let kept = column(&check, "coherent_transmitted");
@@ -35,7 +37,9 @@ fn every_verb_takes_a_mix() {
     let plain = "model mix --of ggx --set alpha=0.2 lambert=0.1 --ior 1.49 -o plain.json";
     folder.run(plain).ok();
     // said by another law, with the error of the conversion
-    folder.run("fit plain.json --method student --geometry transmission --max-misfit 100 --json").ok();
+    folder
+        .run("fit plain.json --method student --geometry transmission --max-misfit 100 --json")
+        .ok();
 }
 
 #[test]

@@ -132,9 +132,10 @@ impl MixMethod {
             let mut all = self.parameters.iter().zip(values);
             let value = all.find(|(p, _)| p.name == wanted.name).map_or(0.0, |(_, v)| *v);
             let (name, least, most) = (wanted.name, 0.0, 1.0);
-            match (least..=most).contains(&value) {
-                true => Ok(value),
-                false => Err(BuildError::OutOfDomain { name, value, least, most, unit: "" }),
+            if (least..=most).contains(&value) {
+                Ok(value)
+            } else {
+                Err(BuildError::OutOfDomain { name, value, least, most, unit: "" })
             }
         };
         // the floor of an opaque body is its first law's
@@ -173,7 +174,7 @@ impl Method for MixMethod {
     }
 
     fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
-        let mix = blended(&self.parts, self.blend, self.asked(values)?, body)?;
+        let mix = blended(&self.parts, self.blend, &self.asked(values)?, body)?;
         let alike = self.of.first() == self.of.last();
         if self.ordered && alike && blend::is_disordered(&mix) {
             return Err(BuildError::Order);

@@ -102,7 +102,7 @@ fn part(boundary: Boundary) -> Result<Part, BuildError> {
 pub(super) fn blended(
     methods: &[Box<dyn Method>],
     blend: Blend,
-    asked: Asked<'_>,
+    asked: &Asked<'_>,
     body: Body,
 ) -> Result<Mixed, BuildError> {
     let own = asked.values;
@@ -110,8 +110,8 @@ pub(super) fn blended(
     let laws: Vec<Law<'_>> =
         laws.map(|(place, (method, own))| Law { method: &**method, place, own }).collect();
     match blend {
-        Blend::Shares => of_shares(&laws, &asked, body),
-        Blend::Scatter => of_scatter(&laws, &asked, body),
+        Blend::Shares => of_shares(&laws, asked, body),
+        Blend::Scatter => of_scatter(&laws, asked, body),
         Blend::Opaque => of_levels(&laws),
     }
 }
