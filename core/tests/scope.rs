@@ -107,6 +107,20 @@ fn all_bounces_answer_what_they_are_built_for() {
     }
 }
 
+#[cfg(all(feature = "ggx", feature = "normals"))]
+#[test]
+fn a_mix_answers_what_it_is_built_for() {
+    use asperity_core::bsdf::{Backing, Ggx, Lambert, Mix, MixShares};
+    use asperity_core::quantity::Alpha;
+
+    let law = |a| Ggx::new(Alpha::new(a).unwrap(), eta());
+    let shares = MixShares { second: 0.3, specular: 0.2, lambert: 0.1 };
+    let backing = Backing::Dielectric(eta());
+    ask(&Mix::new(backing, law(0.1), Some(law(0.4)), shares).unwrap(), false);
+    ask(&Lambert::new(backing), false);
+    ask(&Lambert::<f32>::new(Backing::Opaque), true);
+}
+
 #[cfg(feature = "normals")]
 #[test]
 fn normals_answers_what_it_is_built_for() {

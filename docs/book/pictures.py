@@ -5,6 +5,7 @@ PROGRAM is a release build of asperity, DEMO the folder that `asperity demo` wro
 only. The pictures are written to docs/book/src/pictures, each with its commands as a description.
 """
 
+import json
 import math
 import pathlib
 import subprocess
@@ -271,6 +272,40 @@ def measured_hybrid(program):
     scans(program, "measured-hybrid", title, engines, (-6, 0), "--seed", "1")
 
 
+def mix(program):
+    def one(alpha):
+        return "ggx", "--set", f"alpha={alpha}", *PLATE
+
+    both = ("mix", "--of", "ggx,ggx", "--set", "alpha=0.05", "alpha2=0.4", "share2=0.3", "lambert=0.1", *PLATE)
+    models = [("alpha 0.05", one(0.05)), ("alpha 0.4", one(0.4)), ("0.6 + 0.3, 0.1 diffuse", both)]
+    lobes(program, "mix", "a sharp lobe, a wide one, and both with a diffuse share", models)
+
+
+def bounces(program):
+    """R of Smith's surface with all bounces beside that of rays on a Gaussian map of the same rms slopes; also as a table."""
+    said = json.loads(program.run("stats", "demo/map.sdf", "--json"))
+    slope = math.hypot(said["rms_slope_x"], said["rms_slope_y"]) / math.sqrt(2)
+    angles = [0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 85]
+    panels = [Panel(words, "incidence, °", "R", (0, 90), (-2, 0)) for words in ("from the air", "from inside")]
+    rows = {}
+    for wanted, colour in ((0.3, COLOURS[0]), (0.7, COLOURS[1])):
+        smith = program.model("smith.json", "beckmann", "--bounces", "all", "--set", f"alpha={wanted * math.sqrt(2):.4f}", *PLATE)
+        rays = program.model("rays.json", "measured-ray", *MAP, "--set", f"scale={wanted / slope:.4f}", "cutoff_um=0")
+        for label, model, dashed in ((f"slope {wanted}", smith, False), ("rays on a map", rays, True)):
+            incidences = ",".join(map(str, angles))
+            found = json.loads(program.run("check", model, "--incidence", incidences, "--rays", "200000", "--json"))
+            for panel, side in zip(panels, ("air", "dielectric")):
+                points = [(e["incidence_deg"], e["reflected"]) for e in found["energy"] if e["side"] == side]
+                # where its curves leave room for it
+                panel.add(points, colour, label if side == "air" else None, dashed)
+                for deg, reflected in points:
+                    rows.setdefault((side, wanted, deg), []).append(reflected)
+    for (side, wanted, deg), (smith, rays) in rows.items():
+        if deg in (0, 30, 60, 75):
+            print(f"| {side} | {wanted} | {deg:g} | {smith:.3f} | {rays:.3f} | {smith - rays:+.3f} |")
+    write("bounces", "R of all bounces; solid: Smith's surface, dashed: rays on a Gaussian map", panels, program.commands)
+
+
 METHODS = {
     "ggx": ggx,
     "normals": normals,
@@ -278,6 +313,8 @@ METHODS = {
     "student": student,
     "smith-normals": smith_normals,
     "slopes": slopes,
+    "bounces": bounces,
+    "mix": mix,
     "abg": abg,
     "harvey": harvey,
     "k-correlation": k_correlation,

@@ -1,9 +1,14 @@
 //! The rough boundary of a model, made by any method.
 
+mod part;
+
+pub use part::{Mixed, Part};
+
 use std::borrow::Cow;
 
 use asperity_core::bsdf::{
-    AllBounces, Bsdf, Ggx, Microfacet, Normals, OpaqueGgx, Scatter, Scattered, ShiftInvariant, Walk,
+    AllBounces, Backing, Bsdf, Ggx, Lobe, Microfacet, Normals, OpaqueGgx, Scatter, Scattered,
+    ShiftInvariant, Walk,
 };
 use asperity_core::direction::Direction;
 use asperity_core::ndf::any::AnyDensity;
@@ -32,6 +37,8 @@ pub enum Boundary {
     Opaque(OpaqueGgx<f64>),
     /// Scatter about the specular direction, of a sheet or of a face.
     Tail(ShiftInvariant<f64>),
+    /// Closed forms side by side on one surface; boxed, for it holds boundaries itself.
+    Mix(Box<Mixed>),
     /// A height map on a dielectric, traced; it can be sampled, not evaluated.
     Traced(TracedBoundary),
     /// A height map on a dielectric that scatters waves.
@@ -70,6 +77,10 @@ macro_rules! with_boundary {
             }
             $crate::boundary::Boundary::Opaque($name) => $body,
             $crate::boundary::Boundary::Tail($name) => $body,
+            $crate::boundary::Boundary::Mix(boxed) => {
+                let $name = &**boxed;
+                $body
+            }
             $crate::boundary::Boundary::Wave(boxed) => {
                 let $name = &**boxed;
                 $body
@@ -103,6 +114,11 @@ impl Boundary {
             Self::Wave(w) => Some(w.eta().get()),
             Self::Hybrid(h) => Some(h.eta().get()),
             Self::Table(t) => t.eta(),
+            Self::Mix(mix) => match mix.backing() {
+                Backing::Dielectric(eta) => Some(eta.get()),
+                Backing::Air(_) => Some(1.0),
+                Backing::Opaque => None,
+            },
             Self::Opaque(_) => None,
         }
     }
@@ -117,12 +133,50 @@ impl Boundary {
 
     /// Whether it is a sheet: air on both sides, no inside.
     pub fn is_sheet(&self) -> bool {
-        matches!(self, Self::Tail(law) if law.eta().is_matched())
+        match self {
+            Self::Tail(law) => law.eta().is_matched(),
+            Self::Mix(mix) => matches!(mix.backing(), Backing::Air(_)),
+            _ => false,
+        }
+    }
+
+    /// The lobe that it describes, for laws about the specular direction.
+    pub fn lobe(&self) -> Option<Lobe> {
+        match self {
+            Self::Tail(law) => Some(law.lobe()),
+            Self::Mix(mix) => mix.first().boundary().lobe(),
+            _ => None,
+        }
+    }
+
+    /// Whether it is a law of which light may keep its direction: values leave that out.
+    pub fn keeps_direction(&self) -> bool {
+        match self {
+            Self::Tail(_) => true,
+            Self::Mix(mix) => mix.shares().specular > 0.0 || self.lobe().is_some(),
+            _ => false,
+        }
+    }
+
+    /// Whether it has a lobe of later bounces, whose flux is that of tables.
+    pub(crate) fn has_later_bounces(&self) -> bool {
+        match self {
+            Self::AllGgx(_) | Self::AllMicrofacet(_) => true,
+            Self::Mix(mix) => {
+                let parts = std::iter::once(mix.first()).chain(mix.second());
+                parts.into_iter().any(|part| part.boundary().has_later_bounces())
+            }
+            _ => false,
+        }
     }
 
     /// Whether it is a law whose values depend on the azimuth of the light; maps, whose facets have any, are none.
     pub fn is_anisotropic(&self) -> bool {
-        matches!(self, Self::Microfacet(b) if b.is_anisotropic())
+        match self {
+            Self::Microfacet(b) => b.is_anisotropic(),
+            Self::Mix(mix) => mix.is_anisotropic(),
+            _ => false,
+        }
     }
 
     /// The same turned about its normal by an angle in degrees, anticlockwise seen from the air, where it is a law.
@@ -131,6 +185,10 @@ impl Boundary {
             Self::Microfacet(b) if b.is_anisotropic() => {
                 let density = b.density.turned(by_deg.to_radians());
                 Cow::Owned(Self::Microfacet(Box::new(Microfacet { density, ..**b })))
+            }
+            Self::Mix(mix) if mix.is_anisotropic() => {
+                let turned = |part: &Part| part.turned(by_deg);
+                Cow::Owned(Self::Mix(Box::new(mix.map(turned, turned))))
             }
             same => Cow::Borrowed(same),
         }
@@ -156,6 +214,7 @@ impl Boundary {
             Self::Wave(wave) => wave.coherent(wi),
             Self::Table(table) => table.coherent(wi),
             Self::Tail(law) => law.coherent_flux(wi),
+            Self::Mix(mix) => mix.coherent_flux(wi),
             _ => CoherentFlux::default(),
         }
     }

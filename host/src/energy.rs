@@ -1,13 +1,13 @@
 //! Flux balance: reflected, transmitted and lost fractions, and reciprocity.
 
 use asperity_core::bsdf::{
-    AllBounces, Bsdf, FirstBounce, Lobe, LobeSet, Scattered, ShiftInvariant,
+    AllBounces, Bsdf, FirstBounce, Lobe, LobeSet, MixShares, Scattered, ShiftInvariant,
 };
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::boundary::{Boundary, with_boundary};
+use crate::boundary::{Boundary, Mixed, with_boundary};
 use crate::forward::{Rays, count_flux_until};
 use crate::kirchhoff::{
     Beam, CoherentFlux, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders,
@@ -236,6 +236,7 @@ fn balance_until(
     let wi = incidence(side, incidence_deg);
     let coherent = boundary.coherent(wi);
     match boundary {
+        Boundary::Mix(mix) => return of_mix(mix, side, incidence_deg, rays),
         Boundary::Tail(law) => return of_tail(law, side, incidence_deg),
         Boundary::AllGgx(law) => return of_bounces(&**law, side, incidence_deg),
         Boundary::AllMicrofacet(law) => return of_bounces(&**law, side, incidence_deg),
@@ -252,6 +253,23 @@ fn balance_until(
         (flux.reflected, flux.transmitted, flux.lost)
     });
     Energy { lost, ..Energy::of(side, incidence_deg, [reflected, transmitted], coherent) }
+}
+
+/// The balances of the laws, by their shares; what is smooth and what is diffuse is known.
+fn of_mix(mix: &Mixed, side: Side, incidence_deg: f64, rays: Rays) -> Energy {
+    let wi = incidence(side, incidence_deg);
+    let MixShares { second, specular, lambert } = mix.shares();
+    let smooth = mix.smooth(wi);
+    let diffuse = |lobe| lambert * mix.lambert().flux(side, lobe);
+    let mut reflected = specular * smooth.reflected + diffuse(Lobe::Reflection);
+    let mut transmitted = specular * smooth.transmitted + diffuse(Lobe::Transmission);
+    let laws = mix.second().map(|law| (second, law));
+    for (share, law) in std::iter::once((mix.first_share(), mix.first())).chain(laws) {
+        let own = balance(law.boundary(), side, incidence_deg, rays);
+        reflected += share * own.reflected;
+        transmitted += share * own.transmitted;
+    }
+    Energy::of(side, incidence_deg, [reflected, transmitted], mix.coherent_flux(wi))
 }
 
 /// The first bounce is summed over facets, the flux of later ones is known.

@@ -8,6 +8,7 @@
 //! | `effect` | flags without effect, short help, old names, how much is said |
 //! | `snapshots` | help, JSON, tables and errors held still |
 //! | `book` | the commands of the user guide |
+//! | `bounces`, `mix` | options of laws, from the model to its evaluators |
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
 //! | `instruments` | files of many instruments, several maps in a file |
@@ -44,6 +45,7 @@ mod effect;
 mod snapshots;
 mod book;
 mod bounces;
+mod mix;
 mod happy;
 mod maps;
 mod instruments;

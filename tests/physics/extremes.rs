@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use asperity_core::bsdf::{Bsdf, OpaqueGgx, Scatter, Smooth};
+use asperity_core::bsdf::{Backing, Bsdf, Lambert, Mix, MixShares, OpaqueGgx, Scatter, Smooth};
 use asperity_core::direction::Direction;
 use asperity_core::math::{Fast, Real};
 use asperity_core::ndf::law::Profile;
@@ -210,6 +210,37 @@ fn opaque_and_smooth_are_sound_at_the_edges_of_their_domain() {
     others_at_the_edges::<f32>("f32");
     others_at_the_edges::<Fast<f64>>("fast f64");
     others_at_the_edges::<Fast<f32>>("fast f32");
+}
+
+fn mixes_at_the_edges<T: Real>(name: &str) {
+    let mut random = Random::new(25);
+    let mut worst = Worst::default();
+    for n in INDICES {
+        let backing = Backing::Dielectric(ior::<T>(n));
+        let lambert = Lambert::new(backing);
+        scour(&lambert, &format!("lambert {name} n {n}"), &mut random, &mut worst);
+        reverse(&lambert, T::from_f64(n).to_f64(), &mut worst);
+        for [a, b] in [[1e-6, 10.0], [0.01, 0.3], [1.0, 1e-4]] {
+            for [second, specular, lambert] in
+                [[0.3, 0.2, 0.1], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1e-30; 3]]
+            {
+                let [second, specular, lambert] = [second, specular, lambert].map(T::from_f64);
+                let shares = MixShares { second, specular, lambert };
+                let law = Mix::new(backing, ggx(a, n), Some(ggx(b, n)), shares).unwrap();
+                let case = format!("mix {name} {a} {b} n {n} {shares:?}");
+                scour(&law, &case, &mut random, &mut worst);
+            }
+        }
+    }
+    worst.show(&format!("mix {name}"));
+}
+
+#[test]
+fn mixes_are_sound_at_the_edges_of_their_domain() {
+    mixes_at_the_edges::<f64>("f64");
+    mixes_at_the_edges::<f32>("f32");
+    mixes_at_the_edges::<Fast<f64>>("fast f64");
+    mixes_at_the_edges::<Fast<f32>>("fast f32");
 }
 
 /// How far f32 may be from f64 at the edges: shown, and bounded where the problem is well-conditioned.

@@ -1,13 +1,13 @@
 //! Every sampler against its density by chi-square.
 
-use asperity_core::bsdf::{Bsdf, OpaqueGgx};
+use asperity_core::bsdf::{Backing, Bsdf, Mix, MixShares, OpaqueGgx};
 use asperity_core::math::Real;
 use asperity_core::ndf::law::Profile;
 use asperity_tests::chi2::{Bins, Fit, sidak};
 use asperity_tests::oracle::Vec3;
 use asperity_tests::{count, tolerance};
 
-use crate::common::{Random, alpha, dir, ggx, incidence, normals, wide};
+use crate::common::{Random, alpha, dir, ggx, incidence, ior, normals, wide};
 
 /// Incidence in degrees and side: near normal, oblique, grazing, inside, beyond the critical angle.
 const INCIDENCES: [(f64, bool); 7] = [
@@ -159,4 +159,19 @@ fn the_test_has_power_a_width_off_by_5_percent_fails() {
     let wrong = normals::<f64>(Profile::Gauss, 0.21, 2.0, 1.49);
     let f = fit(&law, |o| wrong.pdf(dir(wi), dir(o)), wi, 401);
     assert!(f.p < each, "normals: {f:?}");
+}
+
+#[test]
+fn samples_of_laws_side_by_side_follow_their_density() {
+    let mut fits = Vec::new();
+    let shares = MixShares { second: 0.3, specular: 0.0, lambert: 0.2 };
+    let backing = Backing::Dielectric(ior(1.49));
+    let law =
+        Mix::<f64, _, _>::new(backing, ggx(0.05, 1.49), Some(ggx(0.5, 1.49)), shares).unwrap();
+    for (deg, air) in INCIDENCES {
+        let wi = incidence(deg, air);
+        let f = fit(&law, |o| law.pdf(dir(wi), dir(o)), wi, 400 + fits.len() as u128);
+        fits.push((format!("{deg} deg air {air}"), f));
+    }
+    judge("Mix", &fits);
 }

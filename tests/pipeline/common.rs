@@ -81,6 +81,7 @@ impl Virtual {
             Boundary::Normals(b) => b.slope(),
             Boundary::Opaque(b) => b.slope(),
             Boundary::Tail(b) => b.slope(),
+            Boundary::Mix(b) => b.slope(),
             Boundary::Wave(b) => b.slope(),
             Boundary::Table(b) => b.slope(),
             Boundary::Traced(_) | Boundary::Hybrid(_) | Boundary::Walk(_) => {

@@ -29,6 +29,7 @@ mod forward_inside;
 mod forward_limits;
 mod out_of_plane;
 mod tails;
+mod mix;
 mod fit_robustness;
 mod optional_parameters;
 mod odd_lobes;

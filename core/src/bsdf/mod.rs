@@ -13,8 +13,12 @@ mod facet;
 mod ggx;
 #[cfg(any(feature = "ggx", feature = "normals", feature = "table"))]
 mod half;
+#[cfg(any(feature = "normals", feature = "tails"))]
+mod lambert;
 #[cfg(feature = "microfacet")]
 mod microfacet;
+#[cfg(any(feature = "normals", feature = "tails"))]
+mod mix;
 #[cfg(feature = "normals")]
 mod normals;
 #[cfg(feature = "ggx")]
@@ -31,9 +35,13 @@ mod tests_cast;
 pub use bounces::{AllBounces, COMPENSATION_NUMBERS, Compensation, FirstBounce, LaterFlux};
 #[cfg(feature = "ggx")]
 pub use ggx::Ggx;
+#[cfg(any(feature = "normals", feature = "tails"))]
+pub use lambert::{Backing, Lambert};
 pub use lobe_set::LobeSet;
 #[cfg(feature = "microfacet")]
 pub use microfacet::{Masking, Microfacet};
+#[cfg(any(feature = "normals", feature = "tails"))]
+pub use mix::{Mix, MixShares};
 #[cfg(feature = "normals")]
 pub use normals::Normals;
 #[cfg(feature = "ggx")]

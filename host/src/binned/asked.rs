@@ -48,6 +48,7 @@ impl Asked {
             | Boundary::Normals(_)
             | Boundary::Opaque(_)
             | Boundary::Tail(_)
+            | Boundary::Mix(_)
             | Boundary::Table(_) => {
                 return Ok(Self::AsItIs);
             }

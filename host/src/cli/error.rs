@@ -62,6 +62,8 @@ pub(super) fn remedy(lack: &Lack) -> String {
     match lack {
         Lack::Map(_) => format!("{lack}; give --map FILE"),
         Lack::Lobe(_) => format!("{lack}; give --lobe reflection or --lobe transmission"),
+        Lack::NoParts => format!("{lack}; give --of A or --of A,B"),
+        Lack::NotMixed(_) => format!("{lack}; leave --of out"),
         Lack::Wavelength(_) => format!("{lack}; give --wavelength-nm in nm"),
         _ => lack.to_string(),
     }

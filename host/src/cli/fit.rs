@@ -71,6 +71,9 @@ pub(super) struct Args {
     /// with all.
     #[arg(long, value_enum)]
     bounces: Option<BouncesFlag>,
+    /// The one law or two that `mix` is made of
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    of: Vec<String>,
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
     fit_theta0: bool,
@@ -87,9 +90,12 @@ pub(super) struct Args {
     #[arg(long, hide_short_help = true)]
     fit_z0: bool,
     /// Fit the share of the light that stays specular too, of abg, harvey, k-correlation and super-gauss: what is neither
-    /// scattered nor specular is then lost
+    /// scattered nor specular is then lost; of `mix` the share of the surface that is smooth
     #[arg(long, hide_short_help = true)]
     fit_specular: bool,
+    /// Fit the share of the surface that is diffuse too, of `mix`
+    #[arg(long, hide_short_help = true)]
+    fit_lambert: bool,
     /// Height map of the methods `measured-...`
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -174,6 +180,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         light: args.light.light(Some(&measurement.meta))?,
         bounces: args.bounces.map(BouncesFlag::bounces),
         input: Some(&input),
+        of: &args.of,
         in_plate: args.setup.in_plate(),
         diagnose: !is_model,
     };
@@ -242,7 +249,8 @@ impl Args {
         if self.is_auto() {
             return Ok(self.setup.body == Some(BodyFlag::Sheet));
         }
-        Ok(Kind::named(&self.method)?.describes_sheet && !self.setup.in_plate())
+        let kinds = Kind::with_parts(&self.method, &self.of)?;
+        Ok(kinds.iter().any(|kind| kind.describes_sheet) && !self.setup.in_plate())
     }
 
     /// The laws that are to be tried.
@@ -256,7 +264,8 @@ impl Args {
 
     /// Whether an optional parameter of the method is to be fitted.
     fn asks_for(&self, name: &str) -> bool {
-        match name {
+        // of the second law of a mix
+        match name.strip_suffix('2').unwrap_or(name) {
             "theta0" => self.fit_theta0,
             "alpha_x" | "alpha_y" | "sigma_x" | "sigma_y" | "orientation" => self.anisotropic,
             "n" => self.fit_n,
@@ -264,6 +273,7 @@ impl Args {
             "z0" => self.fit_z0,
             "cutoff_um" => !self.no_cutoff,
             "specular" => self.fit_specular,
+            "lambert" => self.fit_lambert,
             other => usually_asked(other),
         }
     }
@@ -279,6 +289,8 @@ fn check_auto(args: &Args) -> Result<(), Failure> {
         ("--fit-h-max", args.fit_h_max),
         ("--fit-z0", args.fit_z0),
         ("--fit-specular", args.fit_specular),
+        ("--fit-lambert", args.fit_lambert),
+        ("--of", !args.of.is_empty()),
         ("--map", args.map.is_some()),
     ];
     without_effect(&flags, "the data choose among all laws in closed form")?;
@@ -300,6 +312,11 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
         return check_auto(args);
     }
     let kind = Kind::named(&args.method)?;
+    if !kind.of_parts && !args.of.is_empty() {
+        return Err(Lack::NotMixed(kind.name).into());
+    }
+    let kinds = Kind::with_parts(&args.method, &args.of)?;
+    let any = |is: &dyn Fn(&Kind) -> bool| kinds.iter().any(|kind| is(kind));
     let belongs = |flags: &str, names: Vec<&str>| {
         let those = if names.len() == 1 { "method" } else { "methods" };
         let (belong, it) =
@@ -316,30 +333,31 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
         (args.fit_h_max, "--fit-h-max", "h_max"),
         (args.fit_z0, "--fit-z0", "z0"),
         (args.fit_specular, "--fit-specular", "specular"),
+        (args.fit_lambert, "--fit-lambert", "lambert"),
         (args.no_cutoff, "--no-cutoff", "cutoff_um"),
     ] {
         let has = |kind: &Kind| kind.optional.contains(&parameter);
-        if is_given && !has(kind) {
+        if is_given && !any(&has) {
             return belongs(flag, Kind::names(has));
         }
     }
     let waves = in_words(&Kind::names(Kind::is_wave));
-    if kind.name == "k-correlation" {
+    if any(&|kind| kind.name == "k-correlation") {
         args.light.need_no_speckle()?;
     } else {
         args.light.need_waves(kind.is_wave(), &format!("waves are sent by method {waves}"))?;
     }
-    if args.setup.body.is_some() && !kind.describes_sheet {
+    if args.setup.body.is_some() && !any(&|kind| kind.describes_sheet) {
         belongs("--body", Kind::names(|kind| kind.describes_sheet))?;
     }
     args.map_flags.need_map(args.map.is_some() && kind.needs_map)?;
     let walks = args.bounces == Some(BouncesFlag::Walk);
     args.effort.need_rays(kind.traced || (walks && kind.has_bounces()))?;
     args.setup.check()?;
-    if args.bounces.is_some_and(|b| b != BouncesFlag::One) && !kind.has_bounces() {
+    if args.bounces.is_some_and(|b| b != BouncesFlag::One) && !any(&Kind::has_bounces) {
         return belongs("--bounces", Kind::names(Kind::has_bounces));
     }
-    if args.profile.is_some() && !kind.has_profile {
+    if args.profile.is_some() && !any(&|kind| kind.has_profile) {
         belongs("--profile", Kind::names(|kind| kind.has_profile))
     } else if args.map.is_some() && !kind.needs_map {
         belongs("--map", Kind::names(|kind| kind.needs_map))

@@ -73,6 +73,8 @@ impl BouncesFlag {
 ///   abg  A (1/sr), B, g; harvey  b0 (1/sr), L, S; super-gauss  A (1/sr), w, p; k-correlation  A (um^4), B (um), C with
 ///        --wavelength-nm and in transmission --ior; all with --lobe, and an optional specular (share; the rest without it)
 ///   ggx-ms    ggx with --bounces all
+///   mix  with --of A or --of A,B: the parameters of both laws, those of B with a 2 (alpha2), share2, optional specular and
+///        lambert (shares of the surface)
 ///
 /// Examples:
 ///   asperity model normals --set delta=6.9 n=1.66 --profile gauss --ior 1.49 -o m.json
@@ -86,6 +88,9 @@ pub(super) struct Args {
     /// Parameters as name=value; an angle may end in deg (the default) or rad
     #[arg(long = "set", value_name = "NAME=VALUE", num_args = 1.., value_delimiter = ',')]
     set: Vec<String>,
+    /// The one law or two that `mix` is made of
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    of: Vec<String>,
     /// Refractive index over that of air
     #[arg(long, value_name = "N", conflicts_with = "opaque", allow_negative_numbers = true, value_parser = number)]
     ior: Option<f64>,
@@ -125,8 +130,10 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let kind = Kind::named(&args.method)?;
-    let (body, lobe) = args.body_and_lobe(kind)?;
-    if args.profile.is_some() && !kind.has_profile {
+    let kinds = Kind::with_parts(&args.method, &args.of)?;
+    let any = |is: &dyn Fn(&Kind) -> bool| kinds.iter().any(|kind| is(kind));
+    let (body, lobe) = args.body_and_lobe(any(&|kind| kind.describes_sheet))?;
+    if args.profile.is_some() && !any(&|kind| kind.has_profile) {
         return Err(Failure::bad(format!(
             "method {} has no profile; leave --profile out",
             args.method
@@ -135,7 +142,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.map.is_some() && !kind.needs_map {
         return Err(Failure::bad(format!("method {} has no map; leave --map out", args.method)));
     }
-    if kind.name == "k-correlation" {
+    if any(&|kind| kind.name == "k-correlation") {
         args.light.need_no_speckle()?;
     } else {
         let why = format!("method {} sends no waves", args.method);
@@ -167,6 +174,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         seed: args.seed.unwrap_or(1),
         lobe,
         wavelength_nm: args.light.single_nm(),
+        of: &args.of,
         ..Choice::new(&args.method, body)
     };
     let method = choice.method()?;
@@ -209,14 +217,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 
 impl Args {
     /// The body, and the lobe of a law that describes one.
-    fn body_and_lobe(&self, kind: &Kind) -> Result<(Body, Option<Lobe>), Failure> {
-        if self.body.is_some() && !kind.describes_sheet {
+    fn body_and_lobe(&self, may_be_sheet: bool) -> Result<(Body, Option<Lobe>), Failure> {
+        if self.body.is_some() && !may_be_sheet {
             return Err(Failure::bad(format!(
                 "method {} describes a rough face; leave --body out",
                 self.method
             )));
         }
-        let of_sheet = kind.describes_sheet && self.body != Some(BodyFlag::Plate);
+        let of_sheet = may_be_sheet && self.body != Some(BodyFlag::Plate);
         let body = match (self.opaque, self.ior) {
             _ if of_sheet => Body::Sheet { ior: self.ior },
             (true, _) => Body::Opaque,
@@ -231,7 +239,7 @@ impl Args {
             Geometry::Reflection => Lobe::Reflection,
             Geometry::Transmission => Lobe::Transmission,
         });
-        if lobe.is_some() && !kind.describes_sheet {
+        if lobe.is_some() && !may_be_sheet {
             return Err(Failure::bad(format!(
                 "method {} describes both lobes; leave --lobe out",
                 self.method

@@ -45,7 +45,7 @@ pub fn simulate(
             std_errors: Some(std_errors),
         });
     });
-    if matches!(boundary, Boundary::Table(_) | Boundary::Tail(_)) {
+    if matches!(boundary, Boundary::Table(_)) || boundary.keeps_direction() {
         coherent::add_all(setup, plan, &mut readings.values, |wi| boundary.coherent(wi));
     }
     Some(readings)
@@ -67,9 +67,12 @@ fn turned(
             return None;
         }
         let there = boundary.turned(setup.turn_deg(planes[0].rotation_deg));
-        let Boundary::Microfacet(law) = &*there else { return None };
         let part = Angles { incidences: planes.to_vec() };
-        let found = quadrature(&**law, setup, &part, effort);
+        let mut found = with_boundary!(&*there,
+            law => quadrature(law, setup, &part, effort), traced _t => return None);
+        if there.keeps_direction() {
+            coherent::add_all(setup, &part, &mut found.values, |wi| there.coherent(wi));
+        }
         all.values.extend(found.values);
         all.neglected = all.neglected.or_more(found.neglected);
     }

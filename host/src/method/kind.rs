@@ -35,6 +35,8 @@ pub struct Kind {
     pub takes_opaque: bool,
     /// Whether it describes the sheet as it is measured, unless the face inside a plate is asked for.
     pub describes_sheet: bool,
+    /// Whether it is made of other methods.
+    pub of_parts: bool,
     /// Optional parameters, present only on request.
     pub optional: &'static [&'static str],
     /// Makes it.
@@ -79,13 +81,14 @@ impl Kind {
         waves: Waves::None,
         takes_opaque: false,
         describes_sheet: false,
+        of_parts: false,
         optional: &[],
         make: |choice| Err(Lack::Method { name: choice.name.into(), known: String::new() }),
     };
 
-    /// Whether it is a law in closed form: no map, no rays, no waves.
+    /// Whether it is a law in closed form: no map, no rays, no waves. A mix is what its parts are.
     pub fn is_closed(&self) -> bool {
-        !self.needs_map && !self.traced && !self.is_wave()
+        !self.needs_map && !self.traced && !self.is_wave() && !self.of_parts
     }
 
     /// Whether it uses waves and needs their wavelengths.
@@ -117,6 +120,10 @@ pub struct Choice<'a> {
     pub lobe: Option<Lobe>,
     /// The wavelength, nm, for spectra of roughness.
     pub wavelength_nm: Option<f64>,
+    /// The methods that a mix is made of.
+    pub of: &'a [String],
+    /// Whether, of a mix of twice the same law, the first is to be the narrower: a fit would find both ways round.
+    pub ordered: bool,
 }
 
 impl fmt::Debug for Choice<'_> {
@@ -139,6 +146,8 @@ impl<'a> Choice<'a> {
             seed: 1,
             lobe: None,
             wavelength_nm: None,
+            of: &[],
+            ordered: false,
         }
     }
 
@@ -237,6 +246,15 @@ pub enum Lack {
         /// Methods that describe a sheet.
         others: String,
     },
+    /// A mix of nothing.
+    #[error("method mix needs the laws it mixes, one or two closed forms")]
+    NoParts,
+    /// A mix that cannot be.
+    #[error("method mix: {0}")]
+    Mix(String),
+    /// Another method made of methods.
+    #[error("method {0} is not made of others; only mix is")]
+    NotMixed(&'static str),
     /// There is no wavelength.
     #[error("method {0} needs the wavelength of the light")]
     Wavelength(&'static str),

@@ -10,6 +10,7 @@
 //! | `slopes` | [`slopes`] | the same, with a density of slopes through knots |
 //! | `abg`, `harvey`, `k-correlation`, `super-gauss` | [`tail`] | scatter about the specular direction, `asperity_core::bsdf::tail` |
 //! | all four microfacet methods with several bounces | [`Bounces`] | `AllBounces` and `Walk` of `asperity_core::bsdf` |
+//! | `mix` | [`mix`] | one or two of those side by side, `asperity_core::bsdf::Mix` |
 //! | `heights` | [`heights`] | random heights of `surface`, traced by `raytrace` |
 //! | `measured-ray` | [`measured_ray`] | measured map, filtered by `surface`, traced by `raytrace` |
 //! | `measured-wave` | [`measured_wave`] | the same map, waves by `kirchhoff` |
@@ -27,6 +28,7 @@ pub mod student;
 pub mod smith_normals;
 pub mod slopes;
 pub mod tail;
+pub mod mix;
 pub mod heights;
 mod measured;
 mod wave_job;
@@ -43,6 +45,7 @@ pub use kind::{Choice, Kind, Lack, Origin, Waves};
 pub use measured_hybrid::MeasuredHybridMethod;
 pub use measured_ray::MeasuredRayMethod;
 pub use measured_wave::MeasuredWaveMethod;
+pub use mix::MixMethod;
 pub use normals::NormalsMethod;
 pub use parameter::{Parameter, Scale};
 pub use registry::{KINDS, in_words};
@@ -89,6 +92,17 @@ pub enum BuildError {
         /// Total integrated scatter with the specular share.
         scattered: f64,
     },
+    /// The shares of a mix are more than the surface.
+    #[error(
+        "the shares of the second law, of what is specular and of what is diffuse are together {sum:.4}, more than 1; make one smaller"
+    )]
+    Shares {
+        /// Their sum.
+        sum: f64,
+    },
+    /// The wider law of a mix comes first.
+    #[error("the first law of the mix is to be the narrower")]
+    Order,
     /// The heights cannot be traced.
     #[error("{0}")]
     Map(String),
@@ -168,6 +182,10 @@ pub trait Method: Send + Sync {
     /// The wavelength of its spectrum of roughness, nm.
     fn wavelength_nm(&self) -> Option<f64> {
         None
+    }
+    /// The methods that it is made of.
+    fn of(&self) -> &[String] {
+        &[]
     }
     /// How many facets light may meet.
     fn bounces(&self) -> Bounces {

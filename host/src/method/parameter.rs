@@ -54,6 +54,11 @@ impl Parameter {
         }
     }
 
+    /// The same under another name.
+    pub(super) fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
     /// The same as a factor of the readings.
     pub const fn level(mut self) -> Self {
         self.is_level = true;

@@ -7,11 +7,11 @@ use super::bouncing::Bouncing;
 use super::kind::{Choice, GGX_MS, Kind, Lack, Origin};
 use super::{
     Body, Bounces, Method, beckmann, ggx, heights, measured_hybrid, measured_ray, measured_wave,
-    normals, slopes, smith_normals, student, tail,
+    mix, normals, slopes, smith_normals, student, tail,
 };
 
 /// All methods, in the order of tables.
-pub const KINDS: [Kind; 14] = [
+pub const KINDS: [Kind; 15] = [
     ggx::KIND,
     normals::KIND,
     heights::KIND,
@@ -26,6 +26,7 @@ pub const KINDS: [Kind; 14] = [
     tail::HARVEY,
     tail::K_CORRELATION,
     tail::SUPER_GAUSS,
+    mix::KIND,
 ];
 
 impl Kind {
@@ -39,6 +40,15 @@ impl Kind {
             || Lack::Method { name: name.into(), known: Self::names(|_| true).join(", ") };
         let name = if name == GGX_MS { ggx::KIND.name } else { name };
         ALL.iter().find(|kind| kind.name == name).ok_or_else(unknown)
+    }
+
+    /// A method, and those that it is made of.
+    ///
+    /// # Errors
+    /// [`Lack::Method`], which lists the names.
+    pub fn with_parts(name: &str, of: &[String]) -> Result<Vec<&'static Self>, Lack> {
+        let names = std::iter::once(name).chain(of.iter().map(String::as_str));
+        names.map(Self::named).collect()
     }
 
     /// The names of all methods that satisfy a condition.
@@ -60,6 +70,12 @@ impl Choice<'_> {
     pub fn method(&self) -> Result<Box<dyn Method>, Lack> {
         let kind = Kind::named(self.name)?;
         self.profile()?;
+        if kind.of_parts {
+            return (kind.make)(self);
+        }
+        if !self.of.is_empty() {
+            return Err(Lack::NotMixed(kind.name));
+        }
         if self.body == Body::Opaque && !kind.takes_opaque {
             let others = in_words(&Kind::names(|kind| kind.takes_opaque));
             return Err(Lack::Index { method: kind.name, others });
@@ -95,7 +111,9 @@ mod tests {
         let clear = Body::Dielectric { ior: 1.49 };
         for kind in &KINDS {
             let asked = |name: &str| kind.optional.contains(&name);
+            let of = if kind.of_parts { vec!["ggx".to_owned(); 2] } else { Vec::new() };
             let choice = Choice {
+                of: &of,
                 asked: &asked,
                 lobe: Some(Lobe::Transmission),
                 wavelength_nm: Some(550.0),

@@ -35,7 +35,9 @@ impl Model {
         let body = self.surface()?;
         let in_method = |lack: Lack| ("method".to_owned(), lack.to_string());
         let kind = Kind::named(&self.method).map_err(in_method)?;
-        if kind.has_profile && self.law.is_none() {
+        let kinds = Kind::with_parts(&self.method, &self.of)
+            .map_err(|lack| ("of".to_owned(), lack.to_string()))?;
+        if kinds.iter().any(|kind| kind.has_profile) && self.law.is_none() {
             let what = "`law` is missing; write gauss or cauchy";
             return Err(("method".into(), what.into()));
         }
@@ -77,12 +79,14 @@ impl Model {
             seed: self.surface_seed.unwrap_or(1),
             lobe: self.lobe.map(Into::into),
             wavelength_nm: self.wavelength_nm,
+            of: &self.of,
             ..Choice::new(&self.method, body)
         };
         let method = choice.method().map_err(|lack| match lack {
             Lack::Bounces(_) | Lack::NoBounces { .. } | Lack::FixedBounces => {
                 ("bounces".to_owned(), lack.to_string())
             }
+            Lack::Mix(_) | Lack::NoParts | Lack::NotMixed(_) => ("of".to_owned(), lack.to_string()),
             lack => in_method(lack),
         })?;
         // A fit of a plate keeps these two besides the method's own.
@@ -123,7 +127,9 @@ impl Model {
                 BuildError::OutOfDomain { name, .. } | BuildError::Missing(name) => name,
                 BuildError::Ior(_) => "ior",
                 BuildError::Map(_) => "map",
-                BuildError::TooBright { .. } => "parameters",
+                BuildError::TooBright { .. } | BuildError::Shares { .. } | BuildError::Order => {
+                    "parameters"
+                }
             };
             (key.to_owned(), e.to_string())
         })

@@ -143,6 +143,9 @@ pub struct Model {
     /// How many facets light may meet, `all` or `walk`, for methods of microfacets; one if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bounces: Option<String>,
+    /// The methods that a mix is made of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub of: Vec<String>,
     /// The measured map, for methods that have one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub map: Option<MapRecord>,
@@ -257,6 +260,7 @@ impl Model {
             method: method.name().into(),
             law: method.profile().map(Into::into),
             bounces: (method.bounces() != Bounces::One).then(|| method.bounces().word().into()),
+            of: method.of().to_vec(),
             map: None,
             wave: method.wave().cloned(),
             surface_seed: method.seed(),

@@ -129,7 +129,7 @@ impl CheckRequest {
         };
         let tolerance = match (boundary, boundary.wavelengths()) {
             (Boundary::Table(_), _) => OF_TABLES,
-            (Boundary::AllGgx(_) | Boundary::AllMicrofacet(_), _) => OF_BOUNCES,
+            (law, _) if law.has_later_bounces() => OF_BOUNCES,
             (_, Some(_)) => MOST_EXCESS,
             (_, None) => TOLERANCE,
         };

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::plate::RoughSide;
 
@@ -156,8 +155,8 @@ impl Task<'_> {
                 });
                 missed.into_iter().collect()
             }
-            Boundary::Tail(law) if self.setup.quantity == Quantity::Bsdf => {
-                let kept = law.coherent_flux(Direction::normal());
+            law if law.keeps_direction() && self.setup.quantity == Quantity::Bsdf => {
+                let kept = law.coherent(Direction::normal());
                 let kept = kept.reflected + kept.transmitted;
                 let said = format!(
                     "{kept:.3} of the light along the normal is taken to stay specular, which values of a BSDF do not show; \

@@ -225,7 +225,7 @@ impl ScanRequest {
             None => (Sample::Opaque, Geometry::Reflection),
         };
         let usual = match boundary {
-            Boundary::Tail(law) if law.lobe() == Lobe::Reflection => Geometry::Reflection,
+            law if law.lobe() == Some(Lobe::Reflection) => Geometry::Reflection,
             _ => usual,
         };
         let geometry = self.geometry.unwrap_or(usual);
@@ -244,8 +244,7 @@ impl ScanRequest {
             Boundary::Wave(_) => true,
             Boundary::Table(table) => table.is_coherent(),
             // values of a BSDF leave it out, as instruments that give them do
-            Boundary::Tail(_) => quantity == Quantity::Flux,
-            _ => false,
+            law => law.keeps_direction() && quantity == Quantity::Flux,
         };
         if is_coherent && aperture_deg <= 0.0 {
             return Err(NoScan::CoherentNeedsAperture);

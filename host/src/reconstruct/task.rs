@@ -30,6 +30,8 @@ pub struct Task<'a> {
     pub bounces: Option<Bounces>,
     /// The file of the measurement.
     pub input: Option<&'a InputFile>,
+    /// The methods that a mix is made of.
+    pub of: &'a [String],
     /// Whether laws that describe a sheet are those of the face inside the plate instead.
     pub in_plate: bool,
     /// Whether causes are looked for where a fit is not within noise; readings of a model have none.
@@ -58,7 +60,7 @@ pub enum Unusable {
 
 /// The optional parameters that are fitted unless the user says otherwise.
 pub fn usually_asked(parameter: &str) -> bool {
-    matches!(parameter, "cutoff_um" | "m")
+    matches!(parameter, "cutoff_um" | "m" | "m2")
 }
 
 impl<'a> Task<'a> {
@@ -74,6 +76,7 @@ impl<'a> Task<'a> {
             light: Light { wavelengths: of_header.and_then(Result::ok), ..Light::default() },
             bounces: None,
             input: None,
+            of: &[],
             in_plate: false,
             diagnose: true,
         }
@@ -81,7 +84,8 @@ impl<'a> Task<'a> {
 
     /// The same for a method: of the sheet, where it describes that.
     pub(super) fn of_body(&self, method: &str) -> Self {
-        let describes_sheet = Kind::named(method).is_ok_and(|kind| kind.describes_sheet);
+        let kinds = Kind::with_parts(method, self.of).unwrap_or_default();
+        let describes_sheet = kinds.iter().any(|kind| kind.describes_sheet);
         let here = Situation { body: self.options.body, setup: self.setup };
         let mut same = self.clone();
         if describes_sheet
@@ -106,9 +110,10 @@ impl<'a> Task<'a> {
         asked: &dyn Fn(&str) -> bool,
     ) -> Result<Trials, Unusable> {
         let kind = Kind::named(name)?;
+        let kinds = Kind::with_parts(name, self.of)?;
         let body = self.of_body(name).options.body;
         let profiles: &[Option<&str>] = match profile {
-            None if kind.has_profile => &[Some("gauss"), Some("cauchy")],
+            None if kinds.iter().any(|kind| kind.has_profile) => &[Some("gauss"), Some("cauchy")],
             profile => &[profile],
         };
         let map = self.map.map(|m| (&m.map, m.edges));
@@ -117,14 +122,16 @@ impl<'a> Task<'a> {
         } else {
             vec![None]
         };
-        let has_bounces = kind.has_bounces() && self.options.body != Body::Opaque;
+        let has_bounces =
+            kinds.iter().any(|kind| kind.has_bounces()) && self.options.body != Body::Opaque;
         let bounces = self.bounces.filter(|_| has_bounces);
         let bounces = bounces.map(Bounces::word);
         let with = |(profile, wave): (Option<&str>, Option<&WaveOptions>)| {
             let seed = self.options.rays.seed;
             let lobe = Some(self.setup.lobe());
             let wavelength_nm = self.light.wavelengths.as_ref().and_then(Wavelengths::only_nm);
-            let usual = Choice { lobe, wavelength_nm, ..Choice::new(name, body) };
+            let usual = Choice { lobe, wavelength_nm, of: self.of, ..Choice::new(name, body) };
+            let usual = Choice { ordered: true, ..usual };
             Choice { profile, bounces, asked, map, wave, seed, ..usual }.method()
         };
         let variants =

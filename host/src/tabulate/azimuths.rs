@@ -44,6 +44,7 @@ fn pattern(boundary: &Boundary) -> Option<Anisotropy> {
         | Boundary::Normals(_)
         | Boundary::Opaque(_)
         | Boundary::Tail(_)
+        | Boundary::Mix(_)
         | Boundary::Table(_) => None,
     };
     found.filter(Anisotropy::is_directional)

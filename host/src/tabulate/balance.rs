@@ -52,8 +52,8 @@ pub(super) fn incident(side: Side, cos: f64) -> Direction<f64> {
 
 /// Coherent reflected and transmitted flux, and the shares of Fresnel's that they are.
 pub(super) fn coherent(boundary: &Boundary, side: Side, cos: f64) -> [f64; 4] {
-    let (Boundary::Wave(wave), Some(eta)) = (boundary, boundary.eta()) else { return [0.0; 4] };
-    let flux = wave.coherent(incident(side, cos));
+    let Some(eta) = boundary.eta() else { return [0.0; 4] };
+    let flux = boundary.coherent(incident(side, cos));
     let beyond = if side == Side::Air { eta } else { 1.0 / eta };
     let fresnel = asperity_core::fresnel::dielectric(cos, beyond);
     let share = |part: f64, of: f64| if of > 0.0 { (part / of).clamp(0.0, 1.0) } else { 0.0 };

@@ -153,7 +153,7 @@ pub fn tabulate(
     if matches!(boundary, Boundary::Table(_)) {
         return Err(NoTable::Table);
     }
-    if matches!(boundary, Boundary::Tail(_)) {
+    if boundary.lobe().is_some() {
         return Err(NoTable::Specular);
     }
     let mut wanted = plan.lobes;

@@ -78,6 +78,10 @@ pub fn rows(subject: &Subject<'_>, work: &Work<'_>) -> (Vec<Row>, Vec<String>) {
         Boundary::Normals(law) => bench.formula(&**law, Some(&Payload::normals(law))),
         Boundary::Opaque(law) => bench.formula(law, None),
         Boundary::Tail(law) => bench.formula(law, None),
+        Boundary::Mix(mix) => {
+            let eval = eval_ns::<f64, _>(&**mix, &bench.pairs);
+            bench.model(&**mix, Some(eval));
+        }
         Boundary::Wave(wave) => {
             let eval = eval_ns::<f64, _>(&**wave, &bench.pairs);
             bench.model(&**wave, Some(eval));

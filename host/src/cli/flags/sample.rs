@@ -97,6 +97,7 @@ impl Loaded {
             light: self.light.clone(),
             bounces: None,
             input: Some(&self.input),
+            of: &[],
             in_plate: self.in_plate,
             diagnose: true,
         }

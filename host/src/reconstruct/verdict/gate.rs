@@ -103,7 +103,7 @@ fn moved(
 
 /// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.
 pub(super) fn excess(fit: &Fit, fluxes: &[Flux]) -> Option<String> {
-    let level = fit.parameters.iter().filter(|p| matches!(p.name, "gain" | "A" | "b0"));
+    let level = fit.parameters.iter().filter(|p| matches!(p.name.strip_suffix('2').unwrap_or(p.name), "gain" | "A" | "b0"));
     let relative = level.filter_map(|p| Some(p.std_error? / p.value)).fold(0.0, f64::max);
     let tolerance = match &fit.boundary {
         Boundary::Wave(_) => MOST_EXCESS,
