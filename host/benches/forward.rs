@@ -129,10 +129,7 @@ fn fits(c: &mut Criterion) {
         .collect();
     let scan = Measurement::new(Metadata::default(), readings).unwrap();
     let body = Body::Dielectric { ior: IOR };
-    let options = FitOptions {
-        max_evaluations: 5000,
-        ..FitOptions::new(body)
-    };
+    let options = FitOptions { max_evaluations: 5000, ..FitOptions::new(body) };
     let method = GgxMethod::new(body);
     c.bench_function("fit of 5 x 1801 readings, ggx", |bencher| {
         bencher

@@ -43,6 +43,7 @@ mod refusal;
 mod help;
 mod effect;
 mod snapshots;
+mod believe;
 mod book;
 mod bounces;
 mod mix;

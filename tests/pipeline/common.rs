@@ -158,10 +158,7 @@ pub(crate) fn measurement(
 
 /// The options of a plain fit.
 pub(crate) fn options(body: Body) -> FitOptions {
-    FitOptions {
-        max_evaluations: 4000,
-        ..FitOptions::new(body)
-    }
+    FitOptions { max_evaluations: 4000, ..FitOptions::new(body) }
 }
 
 /// A fit that nobody stops.

@@ -52,17 +52,16 @@ fn fitted(law: &Law, random: &mut Random) -> Entry {
     };
     let angles = Angles { incidences: TILTS.iter().map(truly).collect() };
     let none = Rays { count: 1, seed: 0 };
-    let light =
-        simulate(&made.boundary, &made.setup, &angles, Effort::Full, none, Watch::nobody()).unwrap();
+    let light = simulate(&made.boundary, &made.setup, &angles, Effort::Full, none, Watch::nobody())
+        .unwrap();
     let largest = light.values.iter().copied().fold(0.0, f64::max);
     let count = shown.len();
     let mut readings = Vec::new();
     for (k, value) in light.values.iter().enumerate() {
         let (line, place) = (k / count, k % count);
         let along = |k: usize, of: usize| k as f64 / (of - 1) as f64 - 0.5;
-        let drift = 1.0
-            + drifts[line] * along(place, count)
-            + drifts[3] * along(k, light.values.len());
+        let drift =
+            1.0 + drifts[line] * along(place, count) + drifts[3] * along(k, light.values.len());
         let shot = SHOT * (value * largest).sqrt() * random.normal();
         let reading = gain * drift * value + shot;
         readings.push(Reading::in_plane(TILTS[line], shown[place], reading));
@@ -79,9 +78,8 @@ fn fitted(law: &Law, random: &mut Random) -> Entry {
 /// Each quantity that has an error: its name, its value, its error.
 fn quantities(entry: &Entry) -> Vec<(String, f64, f64)> {
     let parameters = entry.fit.parameters.iter();
-    let mut all: Vec<(String, f64, f64)> = parameters
-        .map(|p| (p.name.to_owned(), p.value, p.std_error.unwrap_or(f64::NAN)))
-        .collect();
+    let mut all: Vec<(String, f64, f64)> =
+        parameters.map(|p| (p.name.to_owned(), p.value, p.std_error.unwrap_or(f64::NAN))).collect();
     for flux in entry.fluxes.iter().filter(|f| f.side == "dielectric" && f.incidence_deg < 40.0) {
         let at = flux.incidence_deg;
         let error = |e: Option<f64>| e.unwrap_or(f64::NAN);
@@ -126,7 +124,9 @@ fn intervals_hold_the_truth_as_often_as_they_claim() {
         for _ in 0..replicas {
             let found = quantities(&fitted(&law, &mut random));
             names = found.iter().map(|(name, ..)| name.clone()).collect();
-            for (count, ((_, value, error), truth)) in inside.iter_mut().zip(found.iter().zip(&truths)) {
+            for (count, ((_, value, error), truth)) in
+                inside.iter_mut().zip(found.iter().zip(&truths))
+            {
                 *count += u32::from((value - truth).abs() <= 1.96 * error);
             }
         }

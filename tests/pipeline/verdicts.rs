@@ -18,7 +18,8 @@ pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     pub(crate) fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
@@ -177,7 +178,8 @@ fn broken(case: Case, random: &mut Random) -> Option<(Case, &'static [&'static s
         10 => {
             let at = random.within(-6.0, 6.0);
             let blind = |r: &Reading| {
-                let value = if (r.theta_deg - r.sigma_deg - at).abs() < 3.5 { 0.0 } else { r.value };
+                let value =
+                    if (r.theta_deg - r.sigma_deg - at).abs() < 3.5 { 0.0 } else { r.value };
                 Some(Reading { value, ..*r })
             };
             (case.changed(blind), &["--drop zeros"])

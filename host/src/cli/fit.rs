@@ -189,7 +189,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.nuisance.replicas() > 0 && trials.iter().any(|trial| trial.is_traced()) {
         return Err(Failure::bad("--bootstrap is for methods without rays of their own noise"));
     }
-    if task.options.signature.is_some() && trials.iter().any(|t| t.is_traced() || t.wave().is_some()) {
+    if task.options.signature.is_some()
+        && trials.iter().any(|t| t.is_traced() || t.wave().is_some())
+    {
         return Err(Failure::bad("--signature and --beam-width are for laws in closed form"));
     }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;

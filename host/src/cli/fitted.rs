@@ -74,7 +74,10 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
         );
     }
     if let Some(score) = entry.verdict.tail_score {
-        let _ = writeln!(text, "tails        {score:.3} decades  (rms of log10 of fitted over measured)");
+        let _ = writeln!(
+            text,
+            "tails        {score:.3} decades  (rms of log10 of fitted over measured)"
+        );
     }
     for line in fluxes(&entry.fluxes) {
         let _ = writeln!(text, "{line}");
@@ -126,7 +129,9 @@ fn fluxes(all: &[Flux]) -> Vec<String> {
         let from = if f.side == "air" { "from air" } else { "from inside" };
         let doubt = |e: Option<f64>| e.map_or(String::new(), |e| format!(" ± {e:.4}"));
         let [r, t] = [f.std_reflected, f.std_transmitted].map(doubt);
-        format!("{from:12} R {reflected:.4}{r}  T {transmitted:.4}{t}  lost {lost:.4}  at {incidence_deg} deg")
+        format!(
+            "{from:12} R {reflected:.4}{r}  T {transmitted:.4}{t}  lost {lost:.4}  at {incidence_deg} deg"
+        )
     };
     all.iter().filter(is_shown).map(line).collect()
 }

@@ -29,11 +29,7 @@ pub(super) struct Given {
 }
 
 /// Reads a scan, or measures the model in a file.
-pub(super) fn read(
-    path: &Path,
-    read: &ReadFlags,
-    setup: &SetupFlags,
-) -> Result<Given, Failure> {
+pub(super) fn read(path: &Path, read: &ReadFlags, setup: &SetupFlags) -> Result<Given, Failure> {
     let bytes = csv::load(path)?;
     if !law_file::is_law(path, &bytes) {
         let (scan, input) = read.read(path, setup.geometry)?;

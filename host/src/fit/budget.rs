@@ -164,7 +164,8 @@ pub(super) fn contributions(
     let row = |effect: &Effect| {
         let mut squares = vec![0.0; curvature.columns.len()];
         for part in &effect.parts {
-            for (square, moved) in squares.iter_mut().zip(moves(problem, curvature, simulated, part))
+            for (square, moved) in
+                squares.iter_mut().zip(moves(problem, curvature, simulated, part))
             {
                 *square += moved * moved;
             }

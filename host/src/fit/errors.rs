@@ -40,8 +40,7 @@ impl Errors {
             return None;
         }
         let row = |row: &Vec<f64>| row.iter().zip(derivatives).map(|(c, d)| c * d).sum::<f64>();
-        let variance: f64 =
-            self.covariance.iter().zip(derivatives).map(|(r, d)| d * row(r)).sum();
+        let variance: f64 = self.covariance.iter().zip(derivatives).map(|(r, d)| d * row(r)).sum();
         Some(variance.max(0.0).sqrt())
     }
 }
@@ -66,7 +65,8 @@ pub(super) fn found(
             profile.map(|p| p.stated()).or_else(|| curvature.as_ref()?.std_errors[k])
         })
         .collect();
-    let errors = curvature.as_ref().map(|c| together(near, values, simulated, c, &of_noise, options));
+    let errors =
+        curvature.as_ref().map(|c| together(near, values, simulated, c, &of_noise, options));
     let errors = errors.unwrap_or_default();
     let combined = |k: usize| match errors.covariance.get(k) {
         Some(row) => of_noise[k].map(|_| row[k].sqrt()),
@@ -125,8 +125,7 @@ fn together(
     let mut samples = Vec::new();
     if options.replicas > 0 && !problem.is_traced() {
         let draws = (options.replicas, options.rays.seed);
-        samples =
-            bootstrap::replicas(problem, values, simulated, &effects, draws, problem.watch());
+        samples = bootstrap::replicas(problem, values, simulated, &effects, draws, problem.watch());
     }
     Errors { names, covariance, budget, samples }
 }

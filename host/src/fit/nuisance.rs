@@ -71,10 +71,9 @@ impl Nuisance {
         };
         let each = self.gains.into_iter().flat_map(|width| {
             let sigmas = measurement.incidences();
-            sigmas.into_iter().map(move |sigma| Known {
-                parameter: factor(name_at(sigma)),
-                prior: (1.0, width),
-            })
+            sigmas
+                .into_iter()
+                .map(move |sigma| Known { parameter: factor(name_at(sigma)), prior: (1.0, width) })
         });
         single.into_iter().filter_map(known).chain(each).collect()
     }

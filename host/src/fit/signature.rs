@@ -60,7 +60,8 @@ impl Signature {
         let weight: f64 = lit().map(|r| r.value).sum();
         let centre = lit().map(|r| r.value * r.theta_deg).sum::<f64>() / weight;
         let sides = |radius: f64| {
-            let at = |theta: f64| interpolated(readings.iter().map(|r| (r.theta_deg, r.value)), theta);
+            let at =
+                |theta: f64| interpolated(readings.iter().map(|r| (r.theta_deg, r.value)), theta);
             0.5 * (at(centre + radius) + at(centre - radius))
         };
         let reach = ends.into_iter().flatten().map(|r| (r.theta_deg - centre).abs());
@@ -154,10 +155,13 @@ fn overlap(a: f64, b: f64, distance: f64) -> f64 {
         return 1.0;
     }
     let angle = |r: f64, other: f64| {
-        ((distance * distance + r * r - other * other) / (2.0 * distance * r)).clamp(-1.0, 1.0).acos()
+        ((distance * distance + r * r - other * other) / (2.0 * distance * r))
+            .clamp(-1.0, 1.0)
+            .acos()
     };
     let (alpha, beta) = (angle(a, b), angle(b, a));
-    let lens = a * a * (alpha - 0.5 * (2.0 * alpha).sin()) + b * b * (beta - 0.5 * (2.0 * beta).sin());
+    let lens =
+        a * a * (alpha - 0.5 * (2.0 * alpha).sin()) + b * b * (beta - 0.5 * (2.0 * beta).sin());
     lens / (std::f64::consts::PI * b * b)
 }
 
@@ -179,7 +183,10 @@ mod tests {
         let cone = scan(|t| if t.abs() < 0.3 { 1.0 } else { 0.0 }, 100);
         let found = Signature::of_scan(&cone).unwrap();
         for (weight, aperture) in found.cones(1.0, Quantity::Flux) {
-            assert!((aperture - 0.6).abs() < 0.03 && (weight - 1.0 / 6.0).abs() < 1e-12, "{aperture}");
+            assert!(
+                (aperture - 0.6).abs() < 0.03 && (weight - 1.0 / 6.0).abs() < 1e-12,
+                "{aperture}"
+            );
         }
     }
 

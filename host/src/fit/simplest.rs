@@ -148,7 +148,8 @@ impl Sum {
             problem.simulate_last(values, Rays { seed, ..rays }, problem.watch())
         };
         let (Some(one), Some(other)) = (half(0)?, half(1 << 63)?) else { return Ok(None) };
-        let (a, b) = (problem.residuals(values, &one.values), problem.residuals(values, &other.values));
+        let (a, b) =
+            (problem.residuals(values, &one.values), problem.residuals(values, &other.values));
         let lifted = |readings: &crate::forward::Readings| -> Vec<f64> {
             let errors = readings.std_errors.iter().flatten();
             readings.values.iter().zip(errors).map(|(value, error)| value + error).collect()

@@ -120,8 +120,7 @@ mod tests {
             25 => -1e-5,
             _ => (-f64::from(k * k) / 60.0).exp().max(1e-5),
         };
-        let readings =
-            (-40..=40).map(|k| Reading::in_plane(0.0, f64::from(k), value(k))).collect();
+        let readings = (-40..=40).map(|k| Reading::in_plane(0.0, f64::from(k), value(k))).collect();
         let scan = Measurement::new(Metadata::default(), readings).unwrap();
         let cleaned = Cleaning::default().apply(&scan).unwrap();
         assert_eq!((cleaned.drop_outs, cleaned.zeros_kept, cleaned.negative_kept), (4, 11, 1));

@@ -111,7 +111,8 @@ fn plane_zeros(readings: &[Reading], light: f64) -> Vec<bool> {
 
 /// In reflection and transmission the beam goes to the same sign of theta; a file may have it on the other.
 fn one_sided(scan: &Measurement) -> Option<String> {
-    let tilted = scan.by_plane().filter(|plane| plane.sigma_deg > 5.0 && plane.phi_deg.abs() <= 0.0);
+    let tilted =
+        scan.by_plane().filter(|plane| plane.sigma_deg > 5.0 && plane.phi_deg.abs() <= 0.0);
     let (mut here, mut there) = (0_usize, 0_usize);
     for plane in tilted {
         let range = |r: f64| plane.readings.iter().any(|x| (x.theta_deg - r).abs() < 5.0);
@@ -133,9 +134,9 @@ fn one_sided(scan: &Measurement) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-        use super::{signs, zeros_in_light};
     use super::super::Metadata;
     use super::{Measurement, Reading};
+    use super::{signs, zeros_in_light};
 
     fn scan(value: impl Fn(f64, f64) -> f64) -> Measurement {
         let mut readings = Vec::new();

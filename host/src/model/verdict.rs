@@ -183,7 +183,8 @@ mod tests {
             peak_off_deg: Some(-1.5),
             tail_score: None,
         };
-        let said = "systematic misfit, 36.0 times the noise, peak off by -1.50 deg, worst at sigma 60 deg";
+        let said =
+            "systematic misfit, 36.0 times the noise, peak off by -1.50 deg, worst at sigma 60 deg";
         assert_eq!(verdict.sentence(), said);
         assert_eq!(verdict.refusal(), None);
         let refused = Verdict { grade: Grade::Unphysical, ..verdict };

@@ -19,8 +19,8 @@ use super::comparison::Attempt;
 use super::found::{Entry, Found};
 use super::record::record;
 use super::situation::{Said, Unclear};
-use super::verdict;
 use super::task::{Task, Trials, Unusable, usually_asked};
+use super::verdict;
 
 impl Task<'_> {
     /// Fits with every law and keeps the one with the lowest objective, also as a model file.

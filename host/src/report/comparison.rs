@@ -8,7 +8,8 @@ use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult};
 impl SampleResult {
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
-        let head = ["method", "error %", "noise floor %", "own noise %", "tails", "lost %", "parameters"];
+        let head =
+            ["method", "error %", "noise floor %", "own noise %", "tails", "lost %", "parameters"];
         let head = head.into_iter().chain(["verdict", "notes"]).map(String::from).collect();
         let percent = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |v| format!("{v:.3}"))
@@ -79,7 +80,9 @@ impl Comparison {
             let cells = sample.attempts.iter().map(|attempt| {
                 let text = match attempt.entry() {
                     None => "-".into(),
-                    Some(e) if !e.verdict.grade.is_accepted() => format!("{:.2} % (no)", e.fit.rmsd_percent),
+                    Some(e) if !e.verdict.grade.is_accepted() => {
+                        format!("{:.2} % (no)", e.fit.rmsd_percent)
+                    }
                     Some(e) => format!("{:.2} %", e.fit.rmsd_percent),
                 };
                 Cell { text, strong: sample.is_best(attempt) }

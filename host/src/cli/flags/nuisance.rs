@@ -10,9 +10,7 @@ use crate::reconstruct::Task;
 
 /// Numbers of the instrument that are fitted too, each with the standard deviation of its prior.
 #[derive(Debug, clap::Args)]
-#[command(
-    next_help_heading = "Instrument (fitted too, within what is known of it)"
-)]
+#[command(next_help_heading = "Instrument (fitted too, within what is known of it)")]
 pub(in crate::cli) struct NuisanceFlags {
     /// Fit the zeros of theta and sigma too, known to DEG [default: 0.3]
     #[arg(long, hide_short_help = true, value_name = "DEG", num_args = 0..=1, require_equals = true, default_missing_value = "0.3", value_parser = number)]
@@ -115,13 +113,14 @@ impl NuisanceFlags {
     }
 
     /// The response of the instrument, where it is no ideal cone.
-    pub(in crate::cli) fn signature(&self, aperture_deg: f64) -> Result<Option<Signature>, Failure> {
+    pub(in crate::cli) fn signature(
+        &self,
+        aperture_deg: f64,
+    ) -> Result<Option<Signature>, Failure> {
         if let Some(path) = &self.signature {
             let scan = csv::parse(&csv::load(path)?, path)?;
             let found = Signature::of_scan(&scan);
-            return found
-                .map(Some)
-                .map_err(|e| Failure::bad(format!("{}: {e}", path.display())));
+            return found.map(Some).map_err(|e| Failure::bad(format!("{}: {e}", path.display())));
         }
         let beam = self.beam_width.map(|beam| Signature::of_beam(beam, aperture_deg));
         beam.transpose().map_err(Failure::bad)
@@ -155,7 +154,10 @@ mod tests {
     #[test]
     fn doubts_have_units() {
         let found = doubts("offset=0.05,gain=1,drift=0.3,ior=0.002").unwrap();
-        assert_eq!((found.offset_deg, found.gain, found.ior), (Some(0.05), Some(0.01), Some(0.002)));
+        assert_eq!(
+            (found.offset_deg, found.gain, found.ior),
+            (Some(0.05), Some(0.01), Some(0.002))
+        );
         assert!((found.drift.unwrap() - 0.003).abs() < 1e-15 && found.stray.is_none());
         for bad in ["gain", "gain=x", "gain=-1", "weather=1", ""] {
             assert!(doubts(bad).is_err(), "{bad}");

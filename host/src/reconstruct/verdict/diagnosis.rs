@@ -287,7 +287,9 @@ fn level(gain: f64, quantity: Quantity, aperture_deg: f64) -> Option<String> {
         "they are reflectance factors; --quantity factor".into()
     } else if quantity == Quantity::Flux && aperture_deg > 0.0 && (0.1..10.0).contains(&gain) {
         let other = aperture_deg * gain.sqrt();
-        format!("an aperture of {other:.3} deg would do that (--aperture {other:.3}), or a calibration (--fit-gain)")
+        format!(
+            "an aperture of {other:.3} deg would do that (--aperture {other:.3}), or a calibration (--fit-gain)"
+        )
     } else {
         "counts of a detector, or normalised? --fit-gain".into()
     };

@@ -103,7 +103,10 @@ fn moved(
 
 /// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.
 pub(super) fn excess(fit: &Fit, fluxes: &[Flux]) -> Option<String> {
-    let level = fit.parameters.iter().filter(|p| matches!(p.name.strip_suffix('2').unwrap_or(p.name), "gain" | "A" | "b0"));
+    let level = fit
+        .parameters
+        .iter()
+        .filter(|p| matches!(p.name.strip_suffix('2').unwrap_or(p.name), "gain" | "A" | "b0"));
     let relative = level.filter_map(|p| Some(p.std_error? / p.value)).fold(0.0, f64::max);
     let tolerance = match &fit.boundary {
         Boundary::Wave(_) => MOST_EXCESS,
@@ -117,11 +120,10 @@ pub(super) fn excess(fit: &Fit, fluxes: &[Flux]) -> Option<String> {
         _ => true,
     };
     let is_too_much = |f: &&Flux| !(f.lost >= -tolerance && f.lost.is_finite());
-    let worst = fluxes
-        .iter()
-        .filter(counts)
-        .filter(is_too_much)
-        .max_by(|a, b| (a.reflected + a.transmitted).total_cmp(&(b.reflected + b.transmitted)))?;
+    let worst =
+        fluxes.iter().filter(counts).filter(is_too_much).max_by(|a, b| {
+            (a.reflected + a.transmitted).total_cmp(&(b.reflected + b.transmitted))
+        })?;
     let sum = worst.reflected + worst.transmitted;
     let normal = fluxes.iter().find(|f| f.side == "air").map_or(sum, |f| f.reflected);
     let what = if worst.transmitted > 0.0 { "R + T" } else { "R" };

@@ -57,7 +57,6 @@ fn traded(fit: &Fit, pair: &Correlation) -> Option<String> {
         has_scale(p, fit) && p.std_error.is_none_or(|error| error > MOST_ERROR * p.value.abs())
     };
     let is_mixed = is_nuisance(a, fit) != is_nuisance(b, fit);
-    (is_mixed || is_unsure(first) || is_unsure(second)).then(|| {
-        format!("{a} and {b} trade against each other (r = {:.3})", pair.r)
-    })
+    (is_mixed || is_unsure(first) || is_unsure(second))
+        .then(|| format!("{a} and {b} trade against each other (r = {:.3})", pair.r))
 }

@@ -1,15 +1,37 @@
-//! Parameters in which readings are linear, the level of a law, its Lambert floor, what stays specular: solved for, where the
-//! others stand, as non-negative least squares.
+//! Where a fit starts from: all combinations of the starts of the parameters, where those in which readings are linear (the
+//! level of a law, its Lambert floor, what stays specular) are solved for as non-negative least squares.
 
 use super::problem::Problem;
 use crate::forward::Effort;
 use crate::linear::inverse;
-use crate::method::BuildError;
+use crate::method::{Body, BuildError};
 
 /// Shares below which a solution stays inside the bounds of its parameter.
 const INSIDE: f64 = 1.01;
 
 impl Problem<'_> {
+    /// Points to start from: all combinations of the parameters' starts, the linear ones solved for.
+    pub(super) fn starts(&self) -> Vec<Vec<f64>> {
+        let mut points = vec![Vec::new()];
+        for p in &self.parameters {
+            let starts: Vec<f64> = match (p.name, self.options.body) {
+                ("ior", Body::Dielectric { ior }) => vec![ior.clamp(1.06, 3.9)],
+                _ if p.starts.is_empty() => vec![1.0],
+                _ => p.starts.to_vec(),
+            };
+            points = points
+                .iter()
+                .flat_map(|point: &Vec<f64>| {
+                    starts.iter().map(move |s| [point.as_slice(), &[*s]].concat())
+                })
+                .collect();
+        }
+        for point in &mut points {
+            self.solve_linear(point);
+        }
+        points
+    }
+
     /// Sets the linear parameters to their least-squares values, no higher than there is light.
     pub(super) fn solve_linear(&self, point: &mut [f64]) {
         let places: Vec<usize> =

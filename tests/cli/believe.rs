@@ -1,0 +1,178 @@
+//! Verdicts, causes and errors of `fit`, on files that are wrong in one way each.
+
+use std::fmt::Write;
+
+use asperity_needs::data;
+use serde_json::Value;
+
+use crate::program::Folder;
+
+/// A scan of a virtual plate with a little noise, the same each time.
+fn scan(folder: &Folder, name: &str, model: &str, flags: &str) {
+    folder.run(&format!("model {model} --ior 1.49 -o {name}.json")).ok();
+    folder.run(&format!("scan {name}.json --step 1 {flags} -o {name}.csv")).ok();
+}
+
+/// The same file with other angles or readings, and noise of 0.1 % of the largest.
+fn changed(folder: &Folder, from: &str, to: &str, change: impl Fn([f64; 3]) -> [f64; 3]) {
+    let text = folder.text(&format!("{from}.csv"));
+    let rows: Vec<[f64; 3]> = text
+        .lines()
+        .filter_map(|line| {
+            let cells: Vec<f64> = line.split(',').filter_map(|c| c.parse().ok()).collect();
+            cells.get(..3)?.try_into().ok()
+        })
+        .collect();
+    let largest = rows.iter().map(|r| r[2]).fold(0.0, f64::max);
+    let mut out: String =
+        text.lines().filter(|l| l.starts_with('#')).fold(String::new(), |s, l| s + l + "\n");
+    out += "sigma_deg,theta_deg,reading\n";
+    let mut seed = 9_u32;
+    for row in rows {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = 2e-3 * largest * (f64::from(seed) / f64::from(u32::MAX) - 0.5);
+        let [sigma, theta, value] = change([row[0], row[1], row[2]]);
+        if theta.abs() < 90.0 {
+            let _ =
+                writeln!(out, "{sigma},{theta},{}", value + if value > 0.0 { noise } else { 0.0 });
+        }
+    }
+    folder.write(&format!("{to}.csv"), out);
+}
+
+fn causes(model: &Value) -> String {
+    let causes = model["verdict"]["causes"].as_array().unwrap();
+    causes.iter().map(|c| c.as_str().unwrap()).collect::<Vec<_>>().join("; ")
+}
+
+fn value(model: &Value, name: &str) -> f64 {
+    model["parameters"][name]["value"].as_f64().unwrap()
+}
+
+#[test]
+fn reflectance_factors_are_no_bsdf() {
+    let folder = Folder::new();
+    let Some(path) = data("cases/reflectance-factor-as-bsdf/factor.csv") else { return };
+    let line = format!(
+        "fit {} --columns sigma=ti,theta=to,reading=f --quantity bsdf --method ggx --opaque -o f.json",
+        path.display()
+    );
+    let run = folder.run(&line).with_code(1);
+    assert!(run.err.contains("divide by pi") && run.out.contains("unphysical"), "{run:?}");
+    let model: Value = serde_json::from_str(&folder.text("f.json")).unwrap();
+    assert_eq!(model["verdict"]["grade"], "unphysical");
+    folder.run(&format!("{line} --accept")).ok();
+    let right = line.replace("--quantity bsdf", "--quantity factor");
+    let model = folder.run(&format!("{right} --json")).with_code(0);
+    assert!(!model.out.contains("unphysical"), "{}", model.out);
+}
+
+#[test]
+fn zeros_are_left_out_and_said() {
+    let folder = Folder::new();
+    let Some(path) = data("cases/relative-objective-zeros/zeros.csv") else { return };
+    let line = format!(
+        "fit {} --columns sigma=ti,theta=to,reading=f --quantity bsdf --method ggx --opaque --objective relative --json",
+        path.display()
+    );
+    let run = folder.run(&line);
+    assert!(run.err.contains("8 readings of exactly 0"), "{}", run.err);
+    let model = run.json();
+    assert!((value(&model, "alpha") - 0.4).abs() < 2e-3, "{model}");
+    assert!((value(&model, "gain") / 0.1176 - 1.0).abs() < 0.01, "{model}");
+}
+
+#[test]
+fn faults_of_a_file_are_named_and_their_flags_mend_them() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "");
+    changed(&folder, "plate", "sound", |row| row);
+    let sound = folder.run("fit sound.csv --method ggx --json").json();
+    assert_eq!(sound["verdict"]["grade"], "within-noise", "{}", causes(&sound));
+    assert_eq!(causes(&sound), "");
+    assert_eq!(sound["fluxes"].as_array().unwrap().len(), 10);
+
+    type Change = fn([f64; 3]) -> [f64; 3];
+    let faults: [(&str, Change, &str, &str); 4] = [
+        ("mirrored", |[s, t, v]| [s, -t, v], "--theta-sign", "--theta-sign minus"),
+        ("turned", |[s, t, v]| [s, t + 2.0, v], "zero of theta at 2.0", "--fit-offset=3"),
+        ("percent", |[s, t, v]| [s, t, 100.0 * v], "percent", "--fit-gain"),
+        ("wide", |[s, t, v]| [s, t, 1.36 * v], "--aperture 0.", "--fit-gain"),
+    ];
+    for (name, change, word, remedy) in faults {
+        changed(&folder, "plate", name, change);
+        let line = format!("fit {name}.csv --method ggx --accept --json");
+        let wrong = folder.run(&line).json();
+        assert!(causes(&wrong).contains(word), "{name}: {}", causes(&wrong));
+        assert_ne!(wrong["verdict"]["grade"], "within-noise");
+        let mended = folder.run(&format!("{line} {remedy}")).json();
+        let alpha = value(&mended, "alpha");
+        assert!((alpha - 0.2).abs() < 2e-3, "{name}: {alpha} {}", causes(&mended));
+        assert_eq!(mended["verdict"]["grade"], "within-noise", "{name}: {}", causes(&mended));
+    }
+}
+
+#[test]
+fn what_the_readings_do_not_tell_is_refused() {
+    let folder = Folder::new();
+    let Some(path) = data("scatter/eds10-btdf/inplane.csv") else { return };
+    let line = format!(
+        "fit {} --columns sigma=A,theta=B,reading=C --quantity bsdf --geometry transmission --ior 1.5 --rough-side detector \
+         --method ggx --fit-ior --fit-gain",
+        path.display()
+    );
+    let run = folder.run(&line).with_code(1);
+    assert!(
+        run.err.contains("not identifiable") && run.err.contains("trade against"),
+        "{}",
+        run.err
+    );
+    folder.run(&format!("{line} --accept")).ok();
+}
+
+#[test]
+fn doubts_enter_the_errors_and_the_bootstrap_agrees() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "");
+    changed(&folder, "plate", "noisy", |row| row);
+    let line = "fit noisy.csv --method ggx --json";
+    let plain = folder.run(line).json();
+    let doubts = "--uncertainty offset=0.05,gain=1,drift=0.3 --bootstrap 100";
+    let whole = folder.run(&format!("{line} {doubts}")).json();
+    let error = |model: &Value| model["parameters"]["alpha"]["std_error"].as_f64().unwrap();
+    assert!(error(&whole) > 2.0 * error(&plain), "{} {}", error(&plain), error(&whole));
+    let sources: Vec<&str> =
+        whole["budget"].as_array().unwrap().iter().map(|c| c["source"].as_str().unwrap()).collect();
+    assert_eq!(sources, ["noise", "zero of theta", "zero of sigma", "gain", "drift"]);
+    let draws: Vec<f64> =
+        whole["samples"].as_array().unwrap().iter().map(|d| d[0].as_f64().unwrap()).collect();
+    assert_eq!(draws.len(), 100);
+    let mean = draws.iter().sum::<f64>() / 100.0;
+    let spread = (draws.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / 99.0).sqrt();
+    // 100 draws know a spread to 7 %
+    assert!((spread / error(&whole) - 1.0).abs() < 0.25, "{spread} {}", error(&whole));
+    let again = folder.run(&format!("{line} {doubts}")).json();
+    assert_eq!(again["samples"], whole["samples"]);
+    for bad in
+        ["--uncertainty weather=1", "--uncertainty gain=-1", "--bootstrap 3", "--fit-offset=0"]
+    {
+        folder.run(&format!("{line} {bad}")).with_code(2);
+    }
+}
+
+#[test]
+fn a_measured_response_is_taken_for_the_cone() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "--aperture 4");
+    // a detector of 4 deg sees a narrow beam as a top hat
+    let rows: String = (-60..=60).map(|k| f64::from(k) * 0.1).fold(String::new(), |mut s, t| {
+        let _ = writeln!(s, "0,{t},{}", if t.abs() < 2.0 { 1.0 } else { 0.0 });
+        s
+    });
+    folder.write("scan0.csv", format!("sigma_deg,theta_deg,reading\n{rows}"));
+    let seen = folder.run("fit plate.csv --method ggx --signature scan0.csv --json").json();
+    assert!((value(&seen, "alpha") / 0.2 - 1.0).abs() < 1e-3, "{}", value(&seen, "alpha"));
+    folder.write("open.csv", "sigma_deg,theta_deg,reading\n0,-1,1\n0,0,1\n0,1,1\n0,2,1\n0,3,1\n");
+    let bad = folder.run("fit plate.csv --method ggx --signature open.csv").with_code(2);
+    assert!(bad.err.contains("open.csv"), "{}", bad.err);
+}
