@@ -1,7 +1,7 @@
 //! Fitting a model to a scan.
 
 use asperity::fit::MISFIT_PERCENT;
-use asperity::method::Kind;
+use asperity::method::{Bounces, Kind};
 use asperity::reconstruct::{Found, Trials, usually_asked};
 use pyo3::prelude::*;
 
@@ -22,8 +22,8 @@ use crate::work::interruptible;
 /// scan : Scan
 ///     The readings.
 /// method : {"ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid", "beckmann", "student",
-///     "smith-normals", "slopes"}
-///     The method; the measured ones need `map`.
+///     "smith-normals", "slopes", "abg", "harvey", "k-correlation", "super-gauss", "mix"}
+///     The method; the measured ones need `map`, and mix needs `of`.
 /// ior : float, optional
 ///     Index of the plate over that of the air.
 /// opaque : bool, default False
@@ -33,6 +33,12 @@ use crate::work::interruptible;
 /// free : sequence of str, optional
 ///     Optional parameters to fit too: ior, gain, theta0 (normals), n, h_max, z0 (heights), orientation (ggx, beckmann, student: two
 ///     widths with it).
+/// of : sequence of str, optional
+///     The one law or two that `mix` is made of.
+/// bounces : {"one", "all", "walk"}, optional
+///     Facets that light may meet, for microfacets.
+/// body : {"sheet", "plate"}, optional
+///     What abg, harvey, k-correlation and super-gauss describe; the sheet as measured without it.
 /// cutoff : bool, default True
 ///     Whether the filter of a map (`cutoff_um`) is fitted too.
 /// geometry : {"transmission", "reflection"}, optional
@@ -63,7 +69,7 @@ use crate::work::interruptible;
 /// Returns
 /// -------
 /// Model
-///     With standard errors, `rmsd_percent`, `termination` and `warnings`.
+///     With standard errors, `rmsd_percent`, `termination`, `verdict` and `warnings`.
 ///
 /// Raises
 /// ------
@@ -71,8 +77,8 @@ use crate::work::interruptible;
 ///     With the argument that mends it. A profile that fails beside a better one is a warning.
 #[pyfunction]
 #[pyo3(signature = (
-    scan, method="ggx", *, ior=None, opaque=false, profile=None, free=None, cutoff=true, geometry=None, rough_side=None,
-    aperture_deg=None, map=None, wavelength_nm=None, speckle=None, shadowing=None, objective="rmsd",
+    scan, method="ggx", *, ior=None, opaque=false, profile=None, free=None, of=None, bounces=None, body=None,
+    cutoff=true, geometry=None, rough_side=None, aperture_deg=None, map=None, wavelength_nm=None, speckle=None, shadowing=None, objective="rmsd",
     max_evaluations=4000, max_misfit_percent=MISFIT_PERCENT, rays=None, fit_rays=None, seed=1
 ))]
 #[expect(clippy::too_many_arguments, reason = "named arguments of Python")]
@@ -84,6 +90,9 @@ pub(crate) fn fit(
     opaque: bool,
     profile: Option<&str>,
     free: Option<Vec<String>>,
+    of: Option<Vec<String>>,
+    bounces: Option<&str>,
+    body: Option<&str>,
     cutoff: bool,
     geometry: Option<&str>,
     rough_side: Option<&str>,
@@ -127,6 +136,17 @@ pub(crate) fn fit(
     }
     let free = free.unwrap_or_default();
     let mut task = given.task(scan, map, wavelength_nm)?;
+    let of = of.unwrap_or_default();
+    task.of = &of;
+    task.bounces = bounces.map(Bounces::named).transpose().map_err(bad)?;
+    task.in_plate = match body {
+        None | Some("sheet") => false,
+        Some("plate") => true,
+        Some(other) => return Err(bad(format!("body `{other}` is unknown; write sheet or plate"))),
+    };
+    if body.is_some() && !kind.describes_sheet && !kind.of_parts {
+        return Err(bad(format!("method {method} describes a rough face; leave body out")));
+    }
     task.options.fit_ior = free.iter().any(|f| f == "ior");
     task.options.fit_gain = free.iter().any(|f| f == "gain");
     if opaque && (task.options.fit_ior || task.options.fit_gain) {

@@ -267,6 +267,18 @@ impl Model {
         self.record.validity.clone()
     }
 
+    /// str or None: What a fit is worth: within-noise, misfit, not-identifiable, not-described, unphysical; None if it is no fit.
+    #[getter]
+    fn verdict(&self) -> Option<&'static str> {
+        self.record.verdict.as_ref().map(|verdict| verdict.grade.word())
+    }
+
+    /// list of str: Why the verdict is not the best one.
+    #[getter]
+    fn causes(&self) -> Vec<String> {
+        self.record.verdict.as_ref().map(|verdict| verdict.causes.clone()).unwrap_or_default()
+    }
+
     /// The BSDF f(wi, wo), without cosine.
     #[doc = include_str!("docs/values_of_model.txt")]
     #[pyo3(signature = (wi, wo, *, rays=1_000_000, seed=1))]

@@ -85,10 +85,10 @@ fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::{Fit, Fitted, Objective, Termination};
+    use crate::fit::{Errors, Fit, Fitted, Objective, Termination};
     use crate::forward::Neglected;
     use crate::method::{Body, GgxMethod, Method};
-    use crate::model::Model;
+    use crate::model::{Grade, Model, Verdict};
     use crate::reconstruct::{Attempt, Comparison, Entry, Grounds, SampleResult};
 
     fn attempt(method: &str, rmsd_percent: f64, refusal: Option<&str>) -> Attempt {
@@ -105,6 +105,7 @@ mod tests {
         };
         let fit = Fit {
             parameters: vec![alpha],
+            errors: Errors::default(),
             boundary: ggx.boundary(&[0.187], body).unwrap(),
             ior: Some(1.5),
             readings: Vec::new(),
@@ -120,8 +121,17 @@ mod tests {
         };
         let mut model = Model::new(&ggx, body, []);
         model.validity = refusal.map(String::from).into_iter().collect();
-        let refusal = refusal.map(String::from);
-        let entry = Entry { label: method.into(), fit, refusal, warnings: Vec::new() };
+        let grade = if refusal.is_some() { Grade::NotDescribed } else { Grade::WithinNoise };
+        let verdict = Verdict {
+            grade,
+            causes: model.validity.clone(),
+            times_noise: None,
+            worst_sigma_deg: None,
+            peak_off_deg: None,
+            tail_score: Some(0.12),
+        };
+        let (label, fluxes, warnings) = (method.into(), Vec::new(), Vec::new());
+        let entry = Entry { label, fit, verdict, fluxes, warnings };
         Attempt { method: method.into(), result: Ok((entry, model)) }
     }
 
@@ -154,7 +164,7 @@ mod tests {
             "| sample | a | b | map |",
             "| one (Rq = 1.47 um) | 1.54 % | **1.09 %** | - |",
             "| two (Rq = 1.47 um) | 2.50 % (no) | 3.50 % (no) | - |",
-            "| b | **1.089** | 0.125 | - | alpha = 0.1870 ± 0.0009 | best |  |",
+            "| b | **1.089** | 0.125 | - | 0.12 | - | alpha = 0.1870 ± 0.0009 | best (within noise) |  |",
             "| one (Rq = 1.47 um) | b | 0.25 |",
             "1. map: needs a map",
             "2. b: does not describe, \"limit\"",

@@ -123,6 +123,12 @@ class Model:
     @property
     def warnings(self) -> list[str]:
         """Why the model should not be trusted, in plain words; empty if there is no reason."""
+    @property
+    def verdict(self) -> Literal["within-noise", "misfit", "not-identifiable", "not-described", "unphysical"] | None:
+        """What a fit is worth; None if it is no fit."""
+    @property
+    def causes(self) -> list[str]:
+        """Why the verdict is not the best one."""
     def eval(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
         """The BSDF f(wi, wo), 1/sr, without cosine."""
     def ars(self, wi: ArrayLike, wo: ArrayLike, *, rays: int = 1_000_000, seed: int = 1) -> _Values:
@@ -234,12 +240,15 @@ def read_map(
 
 def fit(
     scan: Scan,
-    method: Literal["ggx", "normals", "heights", "measured-ray", "measured-wave", "measured-hybrid"] = "ggx",
+    method: str = "ggx",
     *,
     ior: float | None = None,
     opaque: bool = False,
     profile: Literal["gauss", "cauchy"] | None = None,
     free: Sequence[str] | None = None,
+    of: Sequence[str] | None = None,
+    bounces: Literal["one", "all", "walk"] | None = None,
+    body: Literal["sheet", "plate"] | None = None,
     cutoff: bool = True,
     geometry: Literal["transmission", "reflection"] | None = None,
     rough_side: Literal["source", "detector"] | None = None,
