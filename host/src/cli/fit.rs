@@ -147,7 +147,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         setup,
         options: FitOptions {
             fit_ior: args.fit_ior,
-            fit_gain: args.fit_gain,
+            fit_gain: args.fit_gain || measurement.is_relative(),
             ..args.effort.options(body)
         },
         max_misfit: args.effort.max_misfit,

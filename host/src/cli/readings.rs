@@ -28,7 +28,7 @@ pub(super) fn read(
 ) -> Result<(Measurement, InputFile), Failure> {
     let bytes = csv::load(path)?;
     if !law_file::is_law(path, &bytes) {
-        return read.read(path, setup.geometry);
+        return read.read(path, setup);
     }
     without_effect(&read.given(), "a model is measured, not read")?;
     let subject = Subject::read(path)?;
