@@ -63,13 +63,8 @@ struct Split<'a> {
 }
 
 impl<'a> Split<'a> {
-    /// At most `most` rows of a text.
-    fn of(
-        text: &'a str,
-        separator: Separator,
-        map: &ColumnMap,
-        most: usize,
-    ) -> Result<Self, ::csv::Error> {
+    /// The rows of a text.
+    fn of(text: &'a str, separator: Separator, map: &ColumnMap) -> Result<Self, ::csv::Error> {
         let text = separator.single(text);
         let mut reader = ReaderBuilder::new()
             .delimiter(separator.mark())
@@ -78,7 +73,7 @@ impl<'a> Split<'a> {
             .flexible(true)
             .has_headers(false)
             .from_reader(text.as_bytes());
-        let rows: Result<Vec<_>, _> = reader.records().take(most).collect();
+        let rows: Result<Vec<_>, _> = reader.records().collect();
         let mut rows = rows?;
         let begin = |record: &StringRecord| record.position().map_or(0, ::csv::Position::byte);
         let top = rows.first().map_or(1, |first| line_of(&text, begin(first)));
@@ -147,11 +142,24 @@ fn commented_names(text: &str, below: u64, separator: Separator) -> Option<(Stri
     Some((separator.fields(names.trim()).collect::<Vec<_>>().into(), line))
 }
 
+/// The text up to so many lines that are no comments.
+fn beginning(text: &str) -> &str {
+    let (mut end, mut rows) = (0, 0);
+    for line in text.split_inclusive('\n') {
+        end += line.len();
+        rows += usize::from(!line.trim().is_empty() && !line.trim_start().starts_with('#'));
+        if rows > LOOKED_AT {
+            break;
+        }
+    }
+    text.get(..end).unwrap_or(text)
+}
+
 /// What separates the values of a table: that by which most rows have angles.
 fn separator_of(text: &str, map: &ColumnMap) -> Separator {
     let mut best = (Separator::default(), (0, false));
     for separator in Separator::SOUGHT {
-        let split = Split::of(text, separator, map, LOOKED_AT);
+        let split = Split::of(beginning(text), separator, map);
         let score = split.map_or((0, false), |split| split.score(map));
         if score > best.1 {
             best = (separator, score);
@@ -167,7 +175,7 @@ impl<'a> Table<'a> {
         name: &'a Path,
     ) -> Result<Self, ScanError> {
         let separator = map.separator.unwrap_or_else(|| separator_of(text, map));
-        let split = Split::of(text, separator, map, usize::MAX);
+        let split = Split::of(text, separator, map);
         let split = split.map_err(|error| ScanError::new(name, error))?;
         let place = |column| Self::place(&split, column, separator, name);
         let mut places = [None; 5];
