@@ -14,7 +14,7 @@ type Row = [f64; 3];
 /// A folder with the readings of a metal of alpha 0.3 and gain 0.5.
 fn metal() -> (Folder, Vec<Row>) {
     let folder = Folder::new();
-    folder.run("model ggx --set alpha=0.3 gain=0.5 --opaque -o o.json").ok();
+    folder.run("model ggx --set alpha=0.3 gain=0.5 lambert=0 --opaque -o o.json").ok();
     let text = folder.run("scan o.json --sigma 10,40 --step 2 --quantity bsdf --aperture 0").ok();
     let rows = text.lines().skip_while(|line| !line.starts_with("sigma_deg")).skip(1);
     let row = |line: &str| -> Row {
