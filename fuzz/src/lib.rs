@@ -3,7 +3,7 @@
 
 use std::io::{Cursor, Write};
 
-use asperity::measurement::{ColumnMap, Import, Quantity, Selection, csv};
+use asperity::measurement::{ColumnMap, Import, Selection, Stated, csv};
 use asperity::model::Model;
 use asperity::surface::io::{FORMATS, MapFault, OpenOptions, RawMap, parse};
 use asperity::surface::{Form, Roughness};
@@ -117,7 +117,8 @@ pub fn foreign(bytes: &[u8]) {
         for skip_missing in [false, true] {
             let import = Import {
                 columns: columns.clone(),
-                quantity: Quantity::Bsdf,
+                quantity: Some(Stated::Bsdf),
+                said: Vec::new(),
                 selection: Selection::default(),
                 skip_missing,
             };

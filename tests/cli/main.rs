@@ -18,6 +18,7 @@
 //! | `trade` | error against cost of every evaluator |
 //! | `tables` | tables in place of models |
 //! | `exchange` | models in the formats of other programs, and scans from them |
+//! | `foreign` | scatter as other programs write it |
 //! | `malformed` | every mistake is answered in a line or two, and nothing is written |
 //! | `malformed_maps` | the same for files of height maps, in bounded memory |
 //! | `map_files` | height maps of all formats, made here |
@@ -58,6 +59,7 @@ mod compare;
 mod trade;
 mod tables;
 mod exchange;
+mod foreign;
 mod malformed;
 mod map_files;
 mod malformed_maps;

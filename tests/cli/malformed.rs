@@ -59,8 +59,9 @@ fn scans_that_are_none() {
         readings.iter().map(|r| r[..r.rfind(',').unwrap()].to_owned() + ",0\n").collect();
     let columns = format!("{header}sigma_deg,theta_deg,reading\n");
     let one = |line: &str| format!("{columns}{line}\n");
-    let utf16: Vec<u8> =
+    let mut utf16: Vec<u8> =
         [0xff, 0xfe].into_iter().chain(SCAN.bytes().flat_map(|b| [b, 0])).collect();
+    utf16.pop();
     refused(vec![
         case("fit none.csv --method ggx", &["none.csv: there is no such file"]),
         case("fit folder --method ggx", &["folder: is a folder"]),
@@ -69,7 +70,8 @@ fn scans_that_are_none() {
         fit(b"\xef\xbb\xbf\n\n  \n", &["bad.csv", "empty"]),
         fit(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\xff\xfe", &["bad.csv:1", "not UTF-8 text"]),
         fit(&[0; 5000], &["bad.csv:1"]),
-        fit(&utf16, &["bad.csv:1", "UTF-8"]),
+        // half a character at its end
+        fit(&utf16, &["bad.csv:", "UTF-16"]),
         fit(header.as_bytes(), &["bad.csv", "the end of the file"]),
         fit(columns.as_bytes(), &["bad.csv", "no readings"]),
         fit(b"{ \"sigma\": [0, 15] }\n", &["bad.csv:1", "expected the line"]),

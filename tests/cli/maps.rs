@@ -151,3 +151,54 @@ fn what_does_not_fit_the_map_is_refused() {
             .file("map.txt", matrix(|x, y| if x < 3.0 { f64::NAN } else { wavy(x, y) })),
     ]);
 }
+
+#[test]
+fn stats_speak_iso_25178_and_say_what_was_levelled() {
+    let folder = Folder::new();
+    // a plane of slopes 0.3 and -0.4, with a wave across x
+    let k = std::f64::consts::TAU / 16.0;
+    let row = |y: i32| {
+        let heights = (0..64).map(|x| {
+            let (x, y) = (f64::from(x), f64::from(y));
+            format!("{:.9}", 0.3 * x - 0.4 * y + 0.2 * (k * x).sin())
+        });
+        heights.collect::<Vec<_>>().join(" ")
+    };
+    let rows: Vec<String> = (0..48).map(row).collect();
+    folder.write("map.txt", format!("# heights in um, pixel 1 um\n{}\n", rows.join("\n")));
+    let flat = folder.run("stats map.txt --form none --json").json();
+    assert_eq!(flat["form"], "nothing");
+    // slopes 0.3 +- chords of the wave, and 0.4
+    let chord = 0.2 * 2.0 * (0.5 * k).sin() / 2.0_f64.sqrt();
+    let sdq = flat["iso25178"]["sdq"].as_f64().unwrap();
+    assert!((sdq - (0.25 + chord * chord).sqrt()).abs() < 3e-3, "{sdq}");
+    let levelled = folder.run("stats map.txt --json").json();
+    assert_eq!(levelled["form"], "plane");
+    let of = |name: &str| levelled["iso25178"][name].as_f64();
+    close(&levelled["iso25178"]["sq_um"], levelled["rq_um"].as_f64().unwrap(), 0.0);
+    assert!((of("sdq").unwrap() / chord - 1.0).abs() < 0.05, "{levelled}");
+    assert!((of("sal_um").unwrap() / (0.2_f64.acos() / k) - 1.0).abs() < 0.05, "{levelled}");
+    assert!(of("str").is_none() && of("str_at_most").unwrap() < 0.2, "{levelled}");
+    let text = folder.run("stats map.txt").ok();
+    for part in [
+        "ISO 25178-2, plane subtracted",
+        "\nSq          0.1",
+        "\nSdr         ",
+        "\nStr         at most 0.",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn a_unit_that_the_file_gives_already_is_said_to_change_nothing() {
+    let folder = Folder::new();
+    folder.write("map.txt", "# heights in nm, pixel 1 um\n0 10 0 10\n10 0 10 0\n0 10 0 10\n");
+    let plain = folder.run("stats map.txt --json").json();
+    let done = folder.run("stats map.txt --json --z-um 0.001").with_code(0);
+    assert!(done.err.contains("--z-um says the same"), "{}", done.err);
+    let again: serde_json::Value = serde_json::from_str(&done.out).unwrap();
+    assert_eq!(again, plain);
+    let done = folder.run("stats map.txt --z-um 1").with_code(2);
+    assert!(done.err.contains("contradicts"), "{}", done.err);
+}

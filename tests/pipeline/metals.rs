@@ -2,7 +2,7 @@
 
 use asperity::fit::{Fit, FitOptions, MISFIT_PERCENT, Objective};
 use asperity::forward::{Sample, Setup};
-use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection};
+use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection, Stated};
 use asperity::method::{Body, GgxMethod};
 use asperity_core::gonio::Geometry;
 use asperity_core::math::Real;
@@ -22,7 +22,8 @@ fn read(surface: &str) -> Option<Measurement> {
     let columns = map.parse::<asperity::measurement::ColumnMap>().unwrap();
     let import = Import {
         columns: columns.with_filter(&format!("surface={surface}")).unwrap(),
-        quantity: Quantity::Bsdf,
+        quantity: Some(Stated::Bsdf),
+        said: Vec::new(),
         selection: Selection {
             sigma: "5:75".parse().unwrap(),
             theta: ":60".parse().unwrap(),

@@ -4,7 +4,7 @@
 use asperity::boundary::Boundary;
 use asperity::fit::{FitOptions, Objective};
 use asperity::forward::{Angles, Effort, Rays, Setup, monte_carlo, simulate};
-use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection};
+use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection, Stated};
 use asperity::method::{Body, Choice, Method};
 use asperity::reconstruct::{Said, Situation, Task};
 use asperity::watch::Watch;
@@ -122,7 +122,8 @@ fn an_engineered_diffuser_is_followed_as_by_independent_fits() {
     let Some(path) = data::find("scatter/eds10-btdf/inplane.csv") else { return };
     let import = Import {
         columns: "sigma=A,theta=B,reading=C".parse().unwrap(),
-        quantity: Quantity::Bsdf,
+        quantity: Some(Stated::Bsdf),
+        said: Vec::new(),
         selection: Selection::default(),
         skip_missing: false,
     };

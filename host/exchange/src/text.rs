@@ -14,9 +14,18 @@ pub struct Lines<'a> {
 /// Characters of a text that a message shows.
 const SHOWN: usize = 40;
 
-/// A text of UTF-8, or of one byte a character; a byte-order mark is left out.
+/// A text of UTF-8, of UTF-16 with its byte-order mark, or of one byte a character; the mark is left out.
 pub fn decode(bytes: &[u8]) -> std::borrow::Cow<'_, str> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let wide = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect();
+        String::from_utf16_lossy(&units).into()
+    };
+    let bytes = match bytes {
+        [0xff, 0xfe, rest @ ..] => return wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => return wide(rest, u16::from_be_bytes),
+        [0xef, 0xbb, 0xbf, rest @ ..] => rest,
+        _ => bytes,
+    };
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),
         Err(_) => bytes.iter().map(|b| char::from(*b)).collect::<String>().into(),

@@ -14,6 +14,7 @@ use crate::boundary::Boundary;
 use crate::energy::side_name;
 use crate::kirchhoff::Speckle;
 use crate::reconstruct::{Check, CheckRequest, NoBalance, Subject};
+use crate::report::power_text;
 
 /// One side of the boundary, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -158,7 +159,7 @@ fn human(verdict: &str, check: &Check) -> String {
                 e.lost,
                 e.coherent_reflected,
                 e.coherent_transmitted,
-                r.map_or("-".to_owned(), |r| format!("{r:.1e}"))
+                r.map_or("-".to_owned(), power_text)
             );
         }
     }

@@ -168,7 +168,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         setup,
         options: FitOptions {
             fit_ior: args.fit_ior,
-            fit_gain: args.fit_gain,
+            fit_gain: args.fit_gain || measurement.is_relative(),
             nuisance: args.nuisance.nuisance(&measurement)?,
             signature: args.nuisance.signature(setup.aperture_deg)?,
             doubts: args.nuisance.doubts(),

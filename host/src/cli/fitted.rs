@@ -8,7 +8,7 @@ use crate::fit::{Errors, FitError, Fitted, Objective, Termination};
 use crate::measurement::Isotropy;
 use crate::model::Flux;
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
-use crate::report;
+use crate::report::{self, figure_text, power_text};
 
 /// A method with every law that is to be tried, or why it cannot be used.
 pub(super) fn trials(
@@ -46,31 +46,37 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
     if let Some(ior) = fit.ior.filter(|_| !task.options.fit_ior) {
         let _ = writeln!(text, "ior          {ior:.4} (given)");
     }
-    let noise = fit.noise_floor_percent.map_or("unknown".into(), |n| format!("{n:.3} %"));
-    let _ = writeln!(text, "RMSD         {:.3} %  (eq. 18; noise floor {noise})", fit.rmsd_percent);
+    let percent = |x: f64| figure_text(x, 3);
+    let noise = fit.noise_floor_percent.map_or("unknown".into(), |n| percent(n) + " %");
+    let rmsd = percent(fit.rmsd_percent);
+    let _ = writeln!(text, "RMSD         {rmsd} %  (eq. 18; noise floor {noise})");
     if let Some(isotropy) = Isotropy::of(task.measurement) {
         let Isotropy { compared, floor_percent, worst_percent } = isotropy;
         let _ = writeln!(
             text,
-            "isotropy     {floor_percent:.3} %  (what no isotropic law can follow, in the same terms; {compared} \
-             readings compared, worst {worst_percent:.2} %)"
+            "isotropy     {} %  (what no isotropic law can follow, in the same terms; {compared} readings compared, \
+             worst {} %)",
+            percent(floor_percent),
+            figure_text(worst_percent, 2)
         );
     }
     if let Some(noise) = fit.simulation_noise_percent {
         let _ = writeln!(
             text,
-            "{:12} {noise:.3} %  (of the simulated readings, in the same terms)",
-            if matches!(fit.boundary, Boundary::Wave(_)) { "speckle" } else { "ray noise" }
+            "{:12} {} %  (of the simulated readings, in the same terms)",
+            if matches!(fit.boundary, Boundary::Wave(_)) { "speckle" } else { "ray noise" },
+            percent(noise)
         );
     }
     if fit.objective.0 != Objective::Rmsd {
         let (objective, value) = fit.objective;
-        let _ = writeln!(text, "objective    {objective} {value:.3} {}", objective.unit());
+        let _ = writeln!(text, "objective    {objective} {} {}", percent(value), objective.unit());
     }
     if let Some((sigma, error)) = fit.worst_incidence() {
         let _ = writeln!(
             text,
-            "worst        {error:.2} % at sigma {sigma} deg, of its largest reading"
+            "worst        {} % at sigma {sigma} deg, of its largest reading",
+            figure_text(error, 2)
         );
     }
     if let Some(score) = entry.verdict.tail_score {
@@ -85,9 +91,9 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
     if fit.simulation_noise_percent.is_none() {
         let _ = writeln!(
             text,
-            "neglected    {:.1e} of the flux in internal passes, about {:.1e} % of the largest reading",
-            fit.neglected.flux,
-            100.0 * fit.neglected.reading / task.measurement.largest_reading()
+            "neglected    {} of the flux in internal passes, about {} % of the largest reading",
+            power_text(fit.neglected.flux),
+            power_text(100.0 * fit.neglected.reading / task.measurement.largest_reading())
         );
     }
     let _ = writeln!(

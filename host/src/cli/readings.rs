@@ -32,7 +32,7 @@ pub(super) struct Given {
 pub(super) fn read(path: &Path, read: &ReadFlags, setup: &SetupFlags) -> Result<Given, Failure> {
     let bytes = csv::load(path)?;
     if !law_file::is_law(path, &bytes) {
-        let (scan, input) = read.read(path, setup.geometry)?;
+        let (scan, input) = read.read(path, setup)?;
         return Ok(Given { scan, input, is_model: false });
     }
     without_effect(&read.given(), "a model is measured, not read")?;

@@ -13,6 +13,7 @@ use crate::kirchhoff::Speckle;
 use crate::measurement::{Quantity, write};
 use crate::output::AtomicFile;
 use crate::reconstruct::{NoScan, ScanRequest, VirtualScan};
+use crate::report::power_text;
 
 /// Simulate a goniophotometer scan of a model, or of a height map
 ///
@@ -178,7 +179,8 @@ fn summary(done: &VirtualScan, json: bool) -> String {
         let _ = write!(text, ", noise floor {noise:.3} %");
     }
     if let Some(neglected) = done.neglected {
-        let _ = write!(text, ", {neglected:.1e} of the flux neglected in internal passes");
+        let _ =
+            write!(text, ", {} of the flux neglected in internal passes", power_text(neglected));
     }
     text.push('\n');
     for (sigma, o) in &done.outcomes {

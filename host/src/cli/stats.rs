@@ -7,10 +7,10 @@ use super::flags::map::MapFlags;
 use super::flags::waves::{self, KirchhoffFlags};
 use super::{print, say};
 use crate::reconstruct::validity_json;
-use crate::report::{MapFigureFiles, MapFigures};
+use crate::report::{MapFigureFiles, MapFigures, figure_text};
 use crate::surface::sanity::Insane;
 use crate::surface::spectrum::Anisotropy;
-use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
+use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
 
 /// Print the roughness figures of a height map
 ///
@@ -28,6 +28,9 @@ use crate::surface::{Edges, Prepared, Purpose, Roughness, Spectrum};
 /// Figures are those of the paper's eqs 12-17 (Rz5 is of single points, as there), the ten-point
 /// height Rz JIS of JIS B 0601 (five peaks and valleys of each sampling length, a fifth of a row or
 /// column), rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e.
+/// Beside them are the parameters of ISO 25178-2, of the map as it is after --form: Sa, Sq, Sp, Sv,
+/// Sz, Ssk, Sku, the gradient Sdq and the developed area Sdr of the triangles between points, and of
+/// the autocorrelation Sal, the lag of its fastest decay to 0.2, and Str, Sal over that of its slowest.
 /// The anisotropy is 0 where slopes have no preferred direction and 1 for parallel grooves; it
 /// needs a map without missing points. A periodic map is taken with its tilt there, in the spectrum
 /// and for waves: to subtract it would tear the borders open.
@@ -83,6 +86,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if !figures.is_finite() {
         return Err(Failure::bad(format!("{}: {}", args.map.display(), Insane::Infinite)));
     }
+    let areal = Areal::of(map, loaded.edges, &figures);
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
     let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
@@ -103,6 +107,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             (answer.as_object_mut(), numbers)
         {
             answer.extend(numbers);
+            answer.insert("iso25178".into(), serde_json::to_value(areal).map_err(Failure::bad)?);
+            answer.insert("form".into(), form_of(&loaded).into());
             answer.insert("anisotropy".into(), anisotropy.map(|a| a.strength).into());
             answer.insert("anisotropy_chance".into(), anisotropy.map(|a| a.chance).into());
             answer.insert("directional".into(), anisotropy.map(|a| a.is_directional()).into());
@@ -117,7 +123,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&format!("{answer:#}\n"))?;
     } else {
         let waves = verdict.as_ref().map(waves::human).unwrap_or_default();
-        print(&format!("{}{waves}", human(&loaded, &figures, anisotropy)))?;
+        let iso = iso_25178(&loaded, &areal);
+        print(&format!("{}{iso}{waves}", human(&loaded, &figures, anisotropy)))?;
     }
     files.map_or(Ok(()), |files| draw(files, &args.map, &loaded, spectrum.as_ref()))
 }
@@ -144,14 +151,62 @@ fn draw(
 fn ten_point(r: &Roughness) -> String {
     match (r.rz_jis_um, r.rz_jis_length_um) {
         (Some(height), Some(length)) => {
-            format!("{height:.6} um (five peaks and valleys, sampling length {length:.6} um)")
+            let [height, length] = [height, length].map(|x| figure_text(x, 6));
+            format!("{height} um (five peaks and valleys, sampling length {length} um)")
         }
         _ => "- (no five peaks and valleys a line)".to_owned(),
     }
 }
 
+/// A skewness or kurtosis, in which rounding is nothing to see.
+fn shape(x: f64) -> String {
+    figure_text((x * 1e6).round() / 1e6, 6)
+}
+
+/// What was subtracted from the heights.
+fn form_of(loaded: &Prepared) -> &'static str {
+    loaded.preparation.form.unwrap_or_default().name()
+}
+
+/// The areal parameters.
+fn iso_25178(loaded: &Prepared, a: &Areal) -> String {
+    let um = |x: f64| figure_text(x, 6) + " um";
+    let or_none = |x: Option<f64>, unit: &str| {
+        x.map_or("-".to_owned(), |x| format!("{}{unit}", figure_text(x, 6)))
+    };
+    let sal = match a.sal_um {
+        Some(sal) => um(sal),
+        None => "- (the autocorrelation does not fall to 0.2)".to_owned(),
+    };
+    let aspect = match (a.str, a.str_at_most) {
+        (Some(aspect), _) => figure_text(aspect, 3),
+        (None, Some(most)) => format!(
+            "at most {} (in some direction the autocorrelation does not fall to 0.2)",
+            figure_text(most, 3)
+        ),
+        (None, None) => "-".to_owned(),
+    };
+    format!(
+        "ISO 25178-2, {} subtracted, no other filter\n\
+         Sa          {}\nSq          {}\nSp          {}\nSv          {}\nSz          {}\n\
+         Ssk         {}\nSku         {}\nSdq         {}\nSdr         {}\n\
+         Sal         {sal}\nStr         {aspect}\n",
+        form_of(loaded),
+        um(a.sa_um),
+        um(a.sq_um),
+        um(a.sp_um),
+        um(a.sv_um),
+        um(a.sz_um),
+        shape(a.ssk),
+        shape(a.sku),
+        or_none(a.sdq, ""),
+        or_none(a.sdr_percent, " %"),
+    )
+}
+
 fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> String {
-    let or_none = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.6}"));
+    let six = |x: f64| figure_text(x, 6);
+    let or_none = |x: Option<f64>| x.map_or("-".to_owned(), six);
     let direction = match anisotropy {
         None => "-".to_owned(),
         Some(a) if a.is_directional() => {
@@ -162,16 +217,16 @@ fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> St
     format!(
         "format      {}{}\n\
          points      {} x {}, {:.3} % missing\n\
-         pitch       {:.6} x {:.6} um\n\
-         Ra          {:.6} um\n\
-         Rq          {:.6} um\n\
-         Rv          {:.6} um\n\
-         Rp          {:.6} um\n\
-         Rz          {:.6} um\n\
-         Rz5         {:.6} um (five highest and five deepest points)\n\
+         pitch       {} x {} um\n\
+         Ra          {} um\n\
+         Rq          {} um\n\
+         Rv          {} um\n\
+         Rp          {} um\n\
+         Rz          {} um\n\
+         Rz5         {} um (five highest and five deepest points)\n\
          Rz JIS      {}\n\
-         Rsk         {:.6}\n\
-         Rku         {:.6}\n\
+         Rsk         {}\n\
+         Rku         {}\n\
          rms slope   {} (x), {} (y)\n\
          acl 1/e     {} um\n\
          anisotropy  {direction}\n\
@@ -181,17 +236,17 @@ fn human(loaded: &Prepared, r: &Roughness, anisotropy: Option<Anisotropy>) -> St
         loaded.map.nx(),
         loaded.map.ny(),
         100.0 * r.missing_fraction,
-        loaded.map.dx_um(),
-        loaded.map.dy_um(),
-        r.ra_um,
-        r.rq_um,
-        r.rv_um,
-        r.rp_um,
-        r.rz_um,
-        r.rz5_um,
+        six(loaded.map.dx_um()),
+        six(loaded.map.dy_um()),
+        six(r.ra_um),
+        six(r.rq_um),
+        six(r.rv_um),
+        six(r.rp_um),
+        six(r.rz_um),
+        six(r.rz5_um),
         ten_point(r),
-        r.rsk,
-        r.rku,
+        shape(r.rsk),
+        shape(r.rku),
         or_none(r.rms_slope_x),
         or_none(r.rms_slope_y),
         or_none(r.acl_um),

@@ -3,12 +3,14 @@
 //! ```text
 //! --columns sigma=theta_i_deg,theta=theta_o_deg,reading=brdf_per_sr --where "surface=brushed steel"
 //! ```
-//! A column is named by its heading or by its number, counted from 1.
+//! A column is named by its heading or by its number, counted from 1. Further roles: `phi`, `rotation`.
 
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
 use thiserror::Error;
+
+use super::layout::Separator;
 
 /// One column of a foreign file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,20 +24,44 @@ pub enum Column {
 /// The columns of a foreign CSV file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColumnMap {
-    /// Angle of incidence in degrees.
+    /// Angle of incidence.
     pub sigma: Column,
-    /// Angle of observation in degrees.
+    /// Angle of observation.
     pub theta: Column,
     /// The reading.
     pub reading: Column,
     /// The azimuth of observation from the plane of incidence; without it all readings are in that plane.
     pub phi: Option<Column>,
+    /// The rotation of the sample about its normal; without it 0.
+    pub rotation: Option<Column>,
+    /// The unit of all angles.
+    pub angles: AngleUnit,
     /// Only rows whose columns have these values are used; values match as texts or as numbers.
     pub filters: Vec<(Column, String)>,
-    /// The character between values, `,` unless said otherwise.
-    pub delimiter: u8,
-    /// Whether numbers are written `1,25`.
+    /// What separates values; found in the file where it is not said.
+    pub separator: Option<Separator>,
+    /// Whether numbers are said to be written `1,25`; found in the file where it is not said.
     pub decimal_comma: bool,
+}
+
+/// Units of the angles of a foreign file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AngleUnit {
+    /// Degrees.
+    #[default]
+    Degree,
+    /// Radians.
+    Radian,
+}
+
+impl AngleUnit {
+    /// An angle of the file in degrees; what is left of a decimal angle after the way through radians is rounded away.
+    pub(super) fn degrees(self, angle: f64) -> f64 {
+        match self {
+            Self::Degree => angle,
+            Self::Radian => (angle.to_degrees() * 1e7).round() / 1e7,
+        }
+    }
 }
 
 /// A flag that does not say which column is what.
@@ -44,14 +70,14 @@ pub enum ColumnMapError {
     /// Not `sigma=..,theta=..,reading=..`.
     #[error(
         "`{0}` does not map columns; write sigma=NAME,theta=NAME,reading=NAME (or numbers from 1), \
-         and phi=NAME for azimuths of observation"
+         phi=NAME for azimuths of observation, rotation=NAME for those of the sample"
     )]
     Map(String),
     /// Not `column=value`.
     #[error("`{0}` is no filter; write COLUMN=VALUE, such as --where \"surface=brushed steel\"")]
     Filter(String),
     /// Not one ASCII character.
-    #[error("`{0}` cannot separate values; write one character such as `;`, or `tab`")]
+    #[error("`{0}` cannot separate values; write one character such as `;`, or `tab` or `blanks`")]
     Delimiter(String),
 }
 
@@ -68,16 +94,17 @@ impl ColumnMap {
         Ok(self)
     }
 
-    /// Sets the character between values: one ASCII character, or the word `tab`.
+    /// Sets the character between values: one ASCII character, or the words `tab` and `blanks`.
     ///
     /// # Errors
     /// [`ColumnMapError::Delimiter`].
     pub fn with_delimiter(mut self, text: &str) -> Result<Self, ColumnMapError> {
-        self.delimiter = match text.as_bytes() {
-            b"tab" | b"\\t" => b'\t',
-            &[byte] if byte.is_ascii() && !b"\r\n\"#".contains(&byte) => byte,
+        self.separator = Some(match text.as_bytes() {
+            b"tab" | b"\\t" => Separator::Character(b'\t'),
+            b"blanks" | b"blank" | b"space" | b" " => Separator::Blanks,
+            &[byte] if byte.is_ascii() && !b"\r\n\"#".contains(&byte) => Separator::Character(byte),
             _ => return Err(ColumnMapError::Delimiter(text.to_owned())),
-        };
+        });
         Ok(self)
     }
 }
@@ -88,21 +115,22 @@ impl FromStr for ColumnMap {
     /// Reads `sigma=NAME,theta=NAME,reading=NAME`, in any order.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let fault = || ColumnMapError::Map(text.to_owned());
-        let mut found = [const { None }; 4];
+        let mut found = [const { None }; 5];
         for part in text.split(',') {
             let (role, name) = part.split_once('=').ok_or_else(fault)?;
-            let role =
-                ["sigma", "theta", "reading", "phi"].iter().position(|known| *known == role.trim());
+            let roles = ["sigma", "theta", "reading", "phi", "rotation"];
+            let role = roles.iter().position(|known| *known == role.trim());
             let slot = &mut found[role.ok_or_else(fault)?];
             if slot.replace(column(name).ok_or_else(fault)?).is_some() {
                 return Err(fault());
             }
         }
-        let [Some(sigma), Some(theta), Some(reading), phi] = found else {
+        let [Some(sigma), Some(theta), Some(reading), phi, rotation] = found else {
             return Err(fault());
         };
-        let (filters, delimiter, decimal_comma) = (Vec::new(), b',', false);
-        Ok(Self { sigma, theta, reading, phi, filters, delimiter, decimal_comma })
+        let (filters, separator, decimal_comma) = (Vec::new(), None, false);
+        let angles = AngleUnit::Degree;
+        Ok(Self { sigma, theta, reading, phi, rotation, angles, filters, separator, decimal_comma })
     }
 }
 
@@ -135,7 +163,7 @@ mod tests {
         assert_eq!(map.theta, Column::Name("o=x".to_owned()));
         let map = map.with_filter("surface = a=b").unwrap().with_delimiter("tab").unwrap();
         assert_eq!(map.filters, [(Column::Name("surface".to_owned()), "a=b".to_owned())]);
-        assert_eq!((map.delimiter, map.decimal_comma), (b'\t', false));
+        assert_eq!((map.separator, map.decimal_comma), (Some(Separator::Character(b'\t')), false));
     }
 
     #[test]

@@ -11,15 +11,16 @@
 //! `rotation_deg`, that of the sample about its normal, and `wavelength_nm`.
 //!
 //! Lines that begin with `#` and hold `key: value` are the header, see [`Metadata`]; all other such
-//! lines are comments. A byte order mark, both kinds of line ends, blank lines and spaces around
-//! values are accepted. Readings may stand in any order.
+//! lines are comments. UTF-16, semicolons, tabs or blanks between values, decimal commas ([`layout`](super::layout)), all kinds
+//! of line ends, blank lines and spaces around values are accepted. Readings may stand in any order.
 
 use std::io::ErrorKind;
 use std::path::Path;
 
 use super::error::{MAX_BYTES, ScanError, ScanFault};
+use super::layout::{Layout, Separator, decode, has_decimal_comma};
 use super::meta::known_key;
-use super::{Measurement, Metadata, Reading};
+use super::{Measurement, Metadata, Reading, Stated};
 use crate::input::read_file;
 use crate::message::excerpt;
 
@@ -77,33 +78,72 @@ pub fn parse_band(
     name: impl AsRef<Path>,
     wavelength_nm: Option<f64>,
 ) -> Result<Measurement, ScanError> {
-    let name = name.as_ref();
-    let mut scan = Parser { name, ..Parser::default() };
-    for (line, text) in (1..).zip(text(bytes.as_ref(), name)?.lines()) {
+    parse_stated(bytes.as_ref(), name.as_ref(), wavelength_nm, None).map(|(scan, _)| scan)
+}
+
+/// The same with what its numbers are, whatever the header says, and with how it is written.
+pub(super) fn parse_stated(
+    bytes: &[u8],
+    name: &Path,
+    wavelength_nm: Option<f64>,
+    stated: Option<Stated>,
+) -> Result<(Measurement, Layout), ScanError> {
+    let (text, encoding) = decode(bytes, name)?;
+    let mut scan = Parser { name, layout: layout_of(&text), ..Parser::default() };
+    scan.ignored.extend(stated.map(|_| "quantity"));
+    for (line, text) in (1..).zip(text.lines()) {
         scan.line(line, text.trim())?;
     }
     if scan.columns.is_empty() {
         return Err(scan.fail(ScanFault::NoColumnLine { found: None }));
     }
     scan.keep_band(wavelength_nm)?;
+    if let Some(stated) = stated {
+        scan.meta.state(stated);
+    }
+    let layout = Layout { encoding, ..scan.layout };
     let lines = scan.lines;
     let invalid = |error| ScanError::of_reading(name, error, |row| lines[row]);
-    Measurement::new(scan.meta, scan.readings).map_err(invalid)
+    Ok((Measurement::new(scan.meta, scan.readings).map_err(invalid)?, layout))
 }
 
-/// The text of a file without its byte order mark.
-pub(super) fn text<'a>(bytes: &'a [u8], name: &Path) -> Result<&'a str, ScanError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let not_text =
-        |offset: usize| ScanError::new(name, ScanFault::NotText).at(newlines(&bytes[..offset]) + 1);
-    let text = std::str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))?;
-    if let Some(offset) = text.find('\0') {
-        return Err(not_text(offset));
+/// The header of a foreign file: the `# key: value` lines above all others. Keys of `ignored` are not read.
+pub(super) fn header(
+    text: &str,
+    name: &Path,
+    ignored: &[&'static str],
+) -> Result<Metadata, ScanError> {
+    let mut scan = Parser { name, ignored: ignored.to_vec(), ..Parser::default() };
+    for (line, text) in (1..).zip(text.lines()) {
+        match (text.trim().strip_prefix('#'), text.trim()) {
+            (Some(comment), _) => scan.comment(line, comment)?,
+            (None, "") => {}
+            (None, _) => break,
+        }
     }
-    if text.trim().is_empty() {
-        return Err(ScanError::new(name, ScanFault::Empty));
-    }
-    Ok(text)
+    Ok(scan.meta)
+}
+
+/// How a standard file is written, but for its encoding: what separates the names of its columns, and how its numbers look.
+fn layout_of(text: &str) -> Layout {
+    let mut rows = text.lines().map(str::trim).filter(|l| !l.is_empty() && !l.starts_with('#'));
+    let Some(names) = rows.next() else { return Layout::default() };
+    let separates = |separator: &Separator| columns_of(names, *separator).is_some();
+    let Some(separator) = Separator::SOUGHT.into_iter().find(separates) else {
+        return Layout::default();
+    };
+    let decimal_comma = separator != Separator::default()
+        && has_decimal_comma(rows.flat_map(|row| separator.fields(row)));
+    Layout { separator, decimal_comma, ..Layout::default() }
+}
+
+/// The columns that a line names, as places in [`COLUMNS`]; `None` unless it names those needed, and each but once.
+fn columns_of(line: &str, separator: Separator) -> Option<Vec<usize>> {
+    let place = |name: &str| COLUMNS.iter().position(|known| *known == name);
+    let columns: Vec<usize> = separator.fields(line).map(place).collect::<Option<_>>()?;
+    let count = |k| columns.iter().filter(|column| **column == k).count();
+    let once = (0..COLUMNS.len()).all(|k| count(k) == 1 || (k >= NEEDED && count(k) == 0));
+    once.then_some(columns)
 }
 
 /// The number of line ends in `bytes`.
@@ -114,7 +154,10 @@ pub(super) fn newlines(bytes: &[u8]) -> u64 {
 #[derive(Debug)]
 struct Parser<'a> {
     name: &'a Path,
+    layout: Layout,
     meta: Metadata,
+    /// Known keys that the user has said.
+    ignored: Vec<&'static str>,
     /// Known keys seen so far and their lines.
     keys: Vec<(&'static str, u64)>,
     /// Those of the file, as places in [`COLUMNS`]; none before the line of their names.
@@ -130,7 +173,9 @@ impl Default for Parser<'_> {
     fn default() -> Self {
         Self {
             name: Path::new(""),
+            layout: Layout::default(),
             meta: Metadata::default(),
+            ignored: Vec::new(),
             keys: Vec::new(),
             columns: Vec::new(),
             readings: Vec::new(),
@@ -155,13 +200,7 @@ impl Parser<'_> {
         if !self.columns.is_empty() {
             return self.row(line, text);
         }
-        let place = |name: &str| COLUMNS.iter().position(|known| *known == name.trim());
-        let columns: Option<Vec<usize>> = text.split(',').map(place).collect();
-        let once = |columns: &Vec<usize>| {
-            let count = |k| columns.iter().filter(|column| **column == k).count();
-            (0..COLUMNS.len()).all(|k| count(k) == 1 || (k >= NEEDED && count(k) == 0))
-        };
-        let Some(columns) = columns.filter(once) else {
+        let Some(columns) = columns_of(text, self.layout.separator) else {
             let found = Some(format!("`{}`", excerpt(text)));
             return Err(self.fail(ScanFault::NoColumnLine { found }).at(line));
         };
@@ -182,6 +221,9 @@ impl Parser<'_> {
                 return Err(self.fail(ScanFault::RepeatedKey { key, first_line }).at(line));
             }
             self.keys.push((key, line));
+            if self.ignored.contains(&key) {
+                return Ok(());
+            }
         } else if !self.columns.is_empty() || key.is_empty() || value.starts_with("//") {
             // a remark on readings, a sentence, an address
             return Ok(());
@@ -191,12 +233,12 @@ impl Parser<'_> {
 
     fn row(&mut self, line: u64, text: &str) -> Result<(), ScanError> {
         let mut values = [0.0; COLUMNS.len()];
-        let mut fields = text.split(',');
+        let mut fields = self.layout.separator.fields(text);
         for &k in &self.columns {
             let Some(field) = fields.next() else {
                 return Err(self.field_count(text).at(line));
             };
-            let value = number(field);
+            let value = number(&self.layout.pointed(field));
             values[k] = value.map_err(|fault| self.fail(fault).at(line).in_column(COLUMNS[k]))?;
         }
         if fields.next().is_some() {
@@ -213,7 +255,10 @@ impl Parser<'_> {
 
     fn field_count(&self, text: &str) -> ScanError {
         let columns = self.columns.iter().map(|k| COLUMNS[*k]).collect();
-        self.fail(ScanFault::FieldCount { columns, found: text.split(',').count() })
+        self.fail(ScanFault::FieldCount {
+            columns,
+            found: self.layout.separator.fields(text).count(),
+        })
     }
 
     /// Keeps the readings of one wavelength: that asked for, or that of all of them.
@@ -274,6 +319,31 @@ mod tests {
         assert!(several.contains("450, 550 nm") && several.contains("--band"), "{several}");
         let other = parse_band(text, "a.csv", Some(500.0)).unwrap_err().to_string();
         assert!(other.contains("no reading is of 500 nm"), "{other}");
+    }
+
+    #[test]
+    fn semicolons_tabs_blanks_and_commas_in_numbers_are_found_in_the_file() {
+        let plain = "# ior: 1.5\nsigma_deg,theta_deg,reading\n0,-1.5,0.25\n0,2,1e-3\n";
+        let expected = parse(plain, "a.csv").unwrap();
+        for (mark, words) in [
+            (";", "separated by `;`, with decimal commas"),
+            ("\t", "separated by tabs"),
+            ("  ", "separated by blanks"),
+        ] {
+            let body = plain.replace(',', mark).replace("ior: 1,5", "ior: 1.5");
+            let text = if mark == ";" {
+                body.replace("-1.5", "-1,5").replace("0.25", "0,25")
+            } else {
+                body
+            };
+            let found = parse_stated(text.as_bytes(), Path::new("a.csv"), None, None);
+            let (scan, layout) = found.unwrap();
+            assert_eq!((scan, layout.to_string()), (expected.clone(), words.to_owned()), "{text}");
+        }
+        // two marks for one thing
+        let mixed = "sigma_deg;theta_deg;reading\n0;1,5;0.25\n";
+        let error = parse(mixed, "a.csv").unwrap_err().to_string();
+        assert!(error.contains("a.csv:2, column theta_deg: `1,5` is not a number"), "{error}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use super::layout::Separator;
 use super::meta::HeaderFault;
 use super::select::SelectionFault;
 use super::{InvalidReading, Reading, ReadingFault};
@@ -48,7 +49,9 @@ pub enum ScanFault {
     #[error("is larger than {} MiB, no scan is; check the path, or cut the file", MAX_BYTES >> 20)]
     TooLarge,
     /// Binary content, or text in another encoding.
-    #[error("is not UTF-8 text; save the scan as CSV with encoding UTF-8")]
+    #[error(
+        "is not UTF-8 text, nor UTF-16 with a byte order mark; save the scan as CSV with encoding UTF-8"
+    )]
     NotText,
     /// Nothing in it.
     #[error(
@@ -159,12 +162,18 @@ pub enum ScanFault {
     /// The column names of a mapped file stand in one field.
     #[error(
         "the line holds one column only; if values are separated by something else than \
-         `{delimiter}`, say so with --delimiter"
+         {separator}, say so with --delimiter"
     )]
     OneColumn {
-        /// The delimiter in use.
-        delimiter: char,
+        /// What separates values.
+        separator: Separator,
     },
+    /// Nothing says what the numbers of a mapped file are.
+    #[error(
+        "nothing says what the readings are; give --quantity flux (in the detector's aperture, over that of the beam), bsdf \
+         (1/sr), ars (f cos theta), factor (pi f, white is 1) or counts, or write a line `# quantity: bsdf` above the columns"
+    )]
+    NoQuantity,
     /// A row of a mapped file ends before a column that is needed.
     #[error("the row has {found} values, column {needed} is needed; complete or delete the row")]
     ShortRow {

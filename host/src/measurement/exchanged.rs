@@ -7,7 +7,8 @@ use asperity_exchange::{Band, Incidence, Lobe, SampledBsdf, Side};
 
 use super::csv;
 use super::error::{ScanError, ScanFault};
-use super::{Measurement, Metadata, Quantity, Reading};
+use super::layout::Layout;
+use super::{Measurement, Metadata, Quantity, Reading, Stated};
 
 /// The format whose files do not say whether light is reflected or transmitted: what the user says counts.
 const STATES_NO_LOBE: &str = "fred";
@@ -19,6 +20,8 @@ pub struct Part {
     pub geometry: Option<Geometry>,
     /// A wavelength in nm, or the name of a band such as `Visible`.
     pub band: Option<String>,
+    /// What the numbers are, whatever the file says.
+    pub quantity: Option<Stated>,
 }
 
 /// Reads the content of a scan file, or of a file of scatter of any format of [`asperity_exchange::FORMATS`], whichever it is;
@@ -27,6 +30,18 @@ pub struct Part {
 /// # Errors
 /// [`ScanError`] with the place and the remedy.
 pub fn parse(bytes: &[u8], name: impl AsRef<Path>, part: &Part) -> Result<Measurement, ScanError> {
+    parse_noting(bytes, name, part).map(|(scan, _)| scan)
+}
+
+/// The same with how a scan file is written.
+///
+/// # Errors
+/// [`ScanError`] with the place and the remedy.
+pub fn parse_noting(
+    bytes: &[u8],
+    name: impl AsRef<Path>,
+    part: &Part,
+) -> Result<(Measurement, Layout), ScanError> {
     let name = name.as_ref();
     let of_file = |fault| ScanError::new(name, fault);
     let file = name.file_name().unwrap_or_default().to_string_lossy();
@@ -34,7 +49,7 @@ pub fn parse(bytes: &[u8], name: impl AsRef<Path>, part: &Part) -> Result<Measur
         let band = part.band.as_ref().map(|text| text.trim().parse::<f64>().map_err(|_| text));
         let nm = band.transpose();
         let nm = nm.map_err(|text| of_file(ScanFault::NoBand { asked: text.clone() }))?;
-        return csv::parse_band(bytes, name, nm);
+        return csv::parse_stated(bytes, name, nm, part.quantity);
     }
     let (format, mut lobes) = asperity_exchange::read_bytes(&file, bytes)
         .map_err(|fault| of_file(ScanFault::Exchanged(Box::new(fault))))?;
@@ -58,7 +73,7 @@ pub fn parse(bytes: &[u8], name: impl AsRef<Path>, part: &Part) -> Result<Measur
     if readings.is_empty() {
         return Err(refuse("it holds no direction above the surface".into()));
     }
-    let meta = Metadata {
+    let mut meta = Metadata {
         geometry: Some(geometry(&lobe)),
         ior: lobe.index,
         wavelength_nm: match lobe.bands.get(band) {
@@ -68,7 +83,11 @@ pub fn parse(bytes: &[u8], name: impl AsRef<Path>, part: &Part) -> Result<Measur
         quantity: Some(Quantity::Bsdf),
         ..Metadata::default()
     };
-    Measurement::new(meta, readings).map_err(|e| ScanError::of_reading(name, e, |_| 1))
+    if let Some(stated) = part.quantity {
+        meta.state(stated);
+    }
+    let scan = Measurement::new(meta, readings).map_err(|e| ScanError::of_reading(name, e, |_| 1));
+    Ok((scan?, Layout::default()))
 }
 
 fn geometry(lobe: &SampledBsdf) -> Geometry {

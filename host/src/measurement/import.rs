@@ -1,24 +1,28 @@
 //! Reading any CSV file whose columns are named by a [`ColumnMap`].
 //!
-//! Lines that begin with `#` are comments: the program does not interpret the header of such a file; flags give what
-//! is needed of it. A file without headings is read by column numbers alone.
+//! Lines that begin with `#` are comments; above the columns they may be a header, as in a standard file, and what the user says goes
+//! before it. A file without headings is read by column numbers alone, or by names in the last comment above the numbers.
+//! Encoding, separator and decimal mark are found in the file ([`layout`](super::layout)).
 
 use std::path::Path;
 
 use super::columns::ColumnMap;
-use super::csv::{load, text};
+use super::csv::{header, load};
 use super::error::{ScanError, ScanFault};
+use super::layout::{Layout, decode};
 use super::select::SelectionFault;
 use super::table::{Role, Table};
-use super::{Measurement, Metadata, Quantity, Reading, Selection};
+use super::{Measurement, Reading, Selection, Stated};
 
 /// The import of a foreign file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Import {
     /// Which column is what.
     pub columns: ColumnMap,
-    /// The quantity of the readings, which a foreign file cannot give.
-    pub quantity: Quantity,
+    /// What the numbers are; where it is not said the header must.
+    pub quantity: Option<Stated>,
+    /// Keys of the header that are not read because the user has said them.
+    pub said: Vec<&'static str>,
     /// The angles used; rows outside are not read.
     pub selection: Selection,
     /// Whether rows without a measured value (nothing, `nan`, `NA`, infinite) are left out; they
@@ -26,7 +30,7 @@ pub struct Import {
     pub skip_missing: bool,
 }
 
-/// The counts of the rows of a foreign file.
+/// The counts of the rows of a foreign file, and how it is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RowCounts {
     /// All rows below the headings.
@@ -39,10 +43,12 @@ pub struct RowCounts {
     pub out_of_range: usize,
     /// Rows without a measured value, left out on request.
     pub missing: usize,
+    /// How the file is written.
+    pub layout: Layout,
 }
 
 impl Import {
-    /// Reads a foreign file. The header of the result holds the quantity and nothing else.
+    /// Reads a foreign file.
     ///
     /// # Errors
     /// [`ScanError`] with the place and the remedy.
@@ -61,17 +67,26 @@ impl Import {
         name: impl AsRef<Path>,
     ) -> Result<(Measurement, RowCounts), ScanError> {
         let name = name.as_ref();
-        let text = text(bytes.as_ref(), name)?;
-        let table = Table::read(text, &self.columns, name)?;
+        let (text, encoding) = decode(bytes.as_ref(), name)?;
+        let mut said = self.said.clone();
+        said.extend(self.quantity.map(|_| "quantity"));
+        let mut meta = header(&text, name, &said)?;
+        if let Some(stated) = self.quantity {
+            meta.state(stated);
+        } else if meta.quantity.is_none() {
+            return Err(ScanError::new(name, ScanFault::NoQuantity));
+        }
+        let table = Table::read(&text, &self.columns, name)?;
         table.check_filters()?;
-        let mut counts = RowCounts { total: table.rows.len(), ..RowCounts::default() };
+        let layout = Layout { encoding, ..table.layout };
+        let mut counts = RowCounts { total: table.rows.len(), layout, ..RowCounts::default() };
         let (mut readings, mut rows, mut outside) = (Vec::new(), Vec::new(), Vec::new());
         for (row, record) in table.rows.iter().enumerate() {
             if !table.passes(record) {
                 counts.filtered += 1;
                 continue;
             }
-            let [sigma, theta] = [table.value(row, Role::Sigma)?, table.value(row, Role::Theta)?];
+            let [sigma, theta] = [table.angle(row, Role::Sigma)?, table.angle(row, Role::Theta)?];
             if let (Some(sigma), Some(theta)) = (sigma, theta)
                 && !self.selection.contains(sigma, theta)
             {
@@ -79,18 +94,22 @@ impl Import {
                 outside.push((sigma, theta));
                 continue;
             }
-            let (value, phi) = (table.value(row, Role::Reading)?, table.phi(row)?);
-            let role = match (sigma, theta, value, phi) {
-                (Some(sigma_deg), Some(theta_deg), Some(value), Some(phi_deg)) => {
-                    let azimuth = if theta_deg < 0.0 { phi_deg + 180.0 } else { phi_deg };
-                    readings.push(Reading::at(sigma_deg, [theta_deg.abs(), azimuth], value));
+            let value = table.value(row, Role::Reading)?;
+            let [phi, rotation] = [table.angle(row, Role::Phi)?, table.angle(row, Role::Rotation)?];
+            let role = match (sigma, theta, value, phi, rotation) {
+                (Some(sigma), Some(theta), Some(value), Some(phi), Some(rotation)) => {
+                    let azimuth = if theta < 0.0 { phi + 180.0 } else { phi };
+                    let rotation_deg = rotation.rem_euclid(360.0);
+                    let reading = Reading::at(sigma, [theta.abs(), azimuth], value);
+                    readings.push(Reading { rotation_deg, ..reading });
                     rows.push(row);
                     continue;
                 }
                 (None, ..) => Role::Sigma,
                 (_, None, ..) => Role::Theta,
-                (_, _, None, _) => Role::Reading,
-                _ => Role::Phi,
+                (_, _, None, ..) => Role::Reading,
+                (_, _, _, None, _) => Role::Phi,
+                _ => Role::Rotation,
             };
             if !self.skip_missing {
                 return Err(table.missing(row, role));
@@ -111,7 +130,6 @@ impl Import {
             };
             return Err(ScanError::new(name, fault));
         }
-        let meta = Metadata { quantity: Some(self.quantity), ..Metadata::default() };
         let invalid = |error| ScanError::of_reading(name, error, |index| table.line(rows[index]));
         Ok((Measurement::new(meta, readings).map_err(invalid)?, counts))
     }
@@ -119,14 +137,16 @@ impl Import {
 
 #[cfg(test)]
 mod tests {
-    use super::super::columns::Column;
+    use super::super::columns::{AngleUnit, Column};
+    use super::super::{Metadata, Quantity};
     use super::*;
 
     fn import(columns: &str, filters: &[&str]) -> Import {
         let map: ColumnMap = columns.parse().unwrap();
         let columns = filters.iter().fold(map, |map, filter| map.with_filter(filter).unwrap());
         let selection = Selection::default();
-        Import { columns, quantity: Quantity::Bsdf, selection, skip_missing: false }
+        let quantity = Some(Stated::Bsdf);
+        Import { columns, quantity, said: Vec::new(), selection, skip_missing: false }
     }
 
     const FILE: &str = "# remark\r\nname,t,\"s, deg\",f\r\n\r\n# more\r\nA,1,0,2\r\nB,1,0,nan\r\n\
@@ -160,7 +180,9 @@ mod tests {
         import.selection.sigma = "0:5".parse().unwrap();
         let (scan, counts) = import.parse(FILE, "f.csv").unwrap();
         assert_eq!(scan.readings(), [Reading::in_plane(0.0, 1.0, 2.0)]);
-        let expected = RowCounts { total: 5, kept: 1, filtered: 1, out_of_range: 2, missing: 1 };
+        let layout = Layout::default();
+        let expected =
+            RowCounts { total: 5, kept: 1, filtered: 1, out_of_range: 2, missing: 1, layout };
         assert_eq!(counts, expected);
         import.skip_missing = false;
         let error = import.parse(FILE, "f.csv").unwrap_err().to_string();
@@ -170,10 +192,105 @@ mod tests {
     #[test]
     fn numbers_alone_read_a_file_without_headings() {
         let mut import = import("sigma=2,theta=1,reading=3", &["4=0.50"]);
+        let found = import.clone();
         import.columns = import.columns.with_delimiter(";").unwrap();
         import.columns.decimal_comma = true;
-        let (scan, _) = import.parse("1,5;0;2,5;0,5\n2;0;3;0,6\n", "f.csv").unwrap();
-        assert_eq!(scan.readings(), [Reading::in_plane(0.0, 1.5, 2.5)]);
+        for import in [import, found] {
+            let (scan, rows) = import.parse("1,5;0;2,5;0,5\n2;0;3;0,6\n", "f.csv").unwrap();
+            assert_eq!(scan.readings(), [Reading::in_plane(0.0, 1.5, 2.5)]);
+            assert_eq!(rows.layout.to_string(), "separated by `;`, with decimal commas");
+        }
+    }
+
+    #[test]
+    fn a_header_counts_and_what_the_user_says_goes_before_it() {
+        let text =
+            "# sample: x\n# ior: glass\n# quantity: ars\n# note: y\nt,s,f\n60,10,3\n# seed: -1\n";
+        let mut import = import("sigma=s,theta=t,reading=f", &[]);
+        import.quantity = None;
+        let error = import.parse(text, "f.csv").unwrap_err().to_string();
+        assert!(error.starts_with("f.csv:2: `glass`"), "{error}");
+        import.said = vec!["ior"];
+        let (scan, _) = import.parse(text, "f.csv").unwrap();
+        let meta = Metadata {
+            sample: Some("x".into()),
+            quantity: Some(Quantity::Bsdf),
+            other: vec![("note".into(), "y".into())],
+            ..Metadata::default()
+        };
+        assert_eq!(scan.meta, meta);
+        assert!((scan.readings()[0].value - 6.0).abs() < 1e-14);
+        import.quantity = Some(Stated::Bsdf);
+        let (scan, _) = import.parse(text.replace("ars", "lumen"), "f.csv").unwrap();
+        assert_eq!(scan.readings(), [Reading::in_plane(10.0, 60.0, 3.0)]);
+        import.quantity = None;
+        let error = import.parse("t,s,f\n60,10,3\n", "f.csv").unwrap_err().to_string();
+        assert!(error.contains("--quantity") && error.contains("# quantity: bsdf"), "{error}");
+    }
+
+    #[test]
+    fn separators_decimal_marks_and_encodings_are_found() {
+        let import = import("sigma=s,theta=t,reading=f", &[]);
+        let expected = [Reading::in_plane(0.0, -1.5, 0.25), Reading::in_plane(0.5, 2.0, 1.25e-3)];
+        let plain = "n,s,t,f\n\"a b\",0,-1.5,0.25\n\"c\",0.5,2,1.25e-3\n";
+        let comma = plain.replace(',', ";").replace('.', ",");
+        let tabs = plain.replace(',', "\t");
+        let comma_tabs = comma.replace(';', "\t");
+        let blanks = plain.replace(',', "   ").replace("\n", "  \n");
+        let named = "# measured\n# s t f\n0 -1.5 0.25\n0.5 2 1.25e-3\n".to_owned();
+        let wide: Vec<u8> = "\u{feff}"
+            .encode_utf16()
+            .chain(comma.encode_utf16())
+            .flat_map(u16::to_le_bytes)
+            .collect();
+        for (text, words) in [
+            (plain.as_bytes(), ""),
+            (comma.as_bytes(), "separated by `;`, with decimal commas"),
+            (tabs.as_bytes(), "separated by tabs"),
+            (comma_tabs.as_bytes(), "separated by tabs, with decimal commas"),
+            (blanks.as_bytes(), "separated by blanks"),
+            (named.as_bytes(), "separated by blanks"),
+            (&wide, "UTF-16, separated by `;`, with decimal commas"),
+        ] {
+            let (scan, rows) = import.parse(text, "f.csv").unwrap();
+            assert_eq!((scan.readings(), rows.layout.to_string().as_str()), (&expected[..], words));
+        }
+        // quoted numbers between commas
+        let quoted = "s,t,f\n\"0\",\"-1,5\",\"0,25\"\n\"0,5\",2,\"1,25e-3\"\n";
+        let (scan, rows) = import.parse(quoted, "f.csv").unwrap();
+        assert_eq!(
+            (scan.readings(), rows.layout.to_string().as_str()),
+            (&expected[..], "with decimal commas")
+        );
+    }
+
+    #[test]
+    fn lines_are_counted_whatever_separates_values() {
+        let import = import("sigma=s,theta=t,reading=f", &[]);
+        for text in
+            ["# a\n\ns t  f\n0  1 2\n\n0 2 dark\n", "# a\r\n\r\ns;t;f\r\n0;1;2\r\n\r\n0;2;dark"]
+        {
+            let error = import.parse(text, "f.csv").unwrap_err().to_string();
+            assert!(error.starts_with("f.csv:6, column f: `dark`"), "{error}");
+        }
+        let error = import.parse("s;t;g\n0;1;2\n", "f.csv").unwrap_err().to_string();
+        assert!(
+            error.starts_with("f.csv:1: there is no column `f`; the columns are `s`"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn angles_in_radians_and_rotations_are_read() {
+        let mut import = import("sigma=1,theta=2,reading=3,rotation=4,phi=5", &[]);
+        import.columns.angles = AngleUnit::Radian;
+        import.selection.sigma = "30:30".parse().unwrap();
+        let sixth = std::f64::consts::FRAC_PI_6;
+        let text = format!("{sixth},-{sixth},2,{},{sixth}\n1,0,1,0,0\n", -sixth);
+        let (scan, _) = import.parse(text, "f.csv").unwrap();
+        let expected =
+            Reading { rotation_deg: 330.0, phi_deg: 30.0, ..Reading::in_plane(30.0, -30.0, 2.0) };
+        assert_eq!(scan.readings(), [expected]);
     }
 
     #[test]
@@ -197,7 +314,7 @@ mod tests {
             ),
             (map, &["t=3"], FILE, &["f.csv:9: ", "incidence 90", "--sigma-range"]),
             (map, &["t=4"], FILE, &["f.csv:10, column f: `dark`"]),
-            (map, &[], "name;t;s;f\nA;1;2;3\n", &["f.csv:1: ", "--delimiter"]),
+            (map, &[], "name|t|s|f\nA|1|2|3\n", &["f.csv:1: ", "`,`", "--delimiter"]),
             (map, &[], "n,t,s,f\nA,1,2,3\nA,1\n", &["f.csv:3, column 3: ", "column 3 is needed"]),
             (map, &[], "n,t,s,f\n#x\nA,1,2,3\n\nB,1,2,3\n", &["f.csv:5: ", "line 3", "--where"]),
         ];

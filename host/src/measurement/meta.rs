@@ -29,6 +29,36 @@ pub enum Quantity {
     Bsdf,
 }
 
+/// What the numbers of a file are, of which readings are made ([`Measurement::new`](super::Measurement::new)).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stated {
+    /// [`Quantity::Flux`].
+    Flux,
+    /// [`Quantity::Bsdf`].
+    Bsdf,
+    /// f cos `theta_o` in 1/sr ("cosine-corrected BSDF"), flux per solid angle for unit incident flux; becomes a BSDF, and what
+    /// is read at the horizon, where it is 0 whatever f is, is left out.
+    Ars,
+    /// pi f, the reflectance or radiance factor: 1 for a white Lambert reflector; becomes a BSDF.
+    Factor,
+    /// Proportional to flux by a factor that nobody knows, such as a photocurrent; becomes flux in units of
+    /// [`COUNTS_PEAK`](Self::COUNTS_PEAK) at the largest.
+    Counts,
+}
+
+impl Stated {
+    /// The largest reading of a scan of counts: for any flux from 1e-6 to 1 the factor that is fitted is in 1e-3 to 1e3.
+    pub const COUNTS_PEAK: f64 = 1e-3;
+
+    /// The quantity of the readings that are made of such numbers.
+    pub const fn quantity(self) -> Quantity {
+        match self {
+            Self::Flux | Self::Counts => Quantity::Flux,
+            Self::Bsdf | Self::Ars | Self::Factor => Quantity::Bsdf,
+        }
+    }
+}
+
 /// The header of a scan. What the file does not contain is `None`: the program asks for it and never guesses.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Metadata {
@@ -52,6 +82,9 @@ pub struct Metadata {
     pub seed: Option<u64>,
     /// The quantity of the readings; a standard file without it holds [`Quantity::Flux`].
     pub quantity: Option<Quantity>,
+    /// What the numbers are, where that is more than the quantity says. A [`Measurement`](super::Measurement) has its readings
+    /// converted, and nothing here but [`Stated::Counts`], which is to be fitted with a free gain.
+    pub stated: Option<Stated>,
     /// RMS noise over all readings / largest reading x 100, where it is known.
     pub noise_floor_percent: Option<f64>,
     /// Keys unknown to this program, in the order of the file; they are written back.
@@ -136,7 +169,7 @@ impl Metadata {
             }
             "calibration" => self.calibration = text,
             "seed" => self.seed = Some(number(known, value, "a whole number from 0", |_| true)?),
-            "quantity" => self.quantity = Some(word(known, value, &QUANTITIES)?),
+            "quantity" => self.state(word(known, value, &STATED)?),
             _ => {
                 let allowed = "a percentage from 0";
                 let inside = |noise: f64| noise >= 0.0 && noise.is_finite();
@@ -144,6 +177,12 @@ impl Metadata {
             }
         }
         Ok(())
+    }
+
+    /// Says what the numbers are.
+    pub fn state(&mut self, stated: Stated) {
+        self.quantity = Some(stated.quantity());
+        self.stated = Some(stated).filter(|s| !matches!(s, Stated::Flux | Stated::Bsdf));
     }
 
     /// All keys that are set, in the order in which they are written: known ones, then others.
@@ -160,7 +199,7 @@ impl Metadata {
             shown(self.wavelength_nm),
             text(&self.calibration),
             self.seed.map(|seed| seed.to_string()),
-            self.quantity.map(|quantity| quantity.to_string()),
+            self.stated.map(|s| s.to_string()).or(self.quantity.map(|q| q.to_string())),
             shown(self.noise_floor_percent),
         ];
         let known = Self::KEYS.iter().zip(values);
@@ -175,6 +214,21 @@ impl Display for Quantity {
             Self::Flux => "flux",
             Self::Bsdf => "bsdf",
         })
+    }
+}
+
+impl Display for Stated {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&name(self, &STATED))
+    }
+}
+
+impl FromStr for Stated {
+    type Err = HeaderFault;
+
+    /// Reads `flux`, `bsdf`, `ars`, `factor` or `counts`.
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        word("quantity", text.trim(), &STATED)
     }
 }
 
@@ -207,6 +261,16 @@ const ROUGH_SIDES: Words<RoughSide, 2> = Words {
 };
 const QUANTITIES: Words<Quantity, 2> =
     Words { values: [("flux", Quantity::Flux), ("bsdf", Quantity::Bsdf)], allowed: "flux, bsdf" };
+const STATED: Words<Stated, 5> = Words {
+    values: [
+        ("flux", Stated::Flux),
+        ("bsdf", Stated::Bsdf),
+        ("ars", Stated::Ars),
+        ("factor", Stated::Factor),
+        ("counts", Stated::Counts),
+    ],
+    allowed: "flux, bsdf, ars, factor, counts",
+};
 
 fn word<T: Copy, const N: usize>(
     key: &'static str,

@@ -18,6 +18,7 @@
 //! | [`meta`] | the header of a scan |
 //! | [`select`] | ranges of angles |
 //! | [`error`] | faults of a scan file, and their places |
+//! | [`layout`] | encodings, separators, decimal marks |
 //! | [`csv`] | reading the standard file |
 //! | [`columns`] | the columns of a foreign CSV file |
 //! | [`import`] | reading such a file |
@@ -34,6 +35,7 @@ pub mod meta;
 mod reading;
 pub mod select;
 pub mod error;
+pub mod layout;
 pub mod csv;
 pub mod columns;
 mod table;
@@ -47,11 +49,12 @@ pub mod clean;
 #[cfg(test)]
 mod malformed;
 
-pub use self::columns::ColumnMap;
+pub use self::columns::{AngleUnit, ColumnMap};
 pub use self::error::{ScanError, ScanFault};
 pub use self::import::{Import, RowCounts};
 pub use self::isotropy::Isotropy;
-pub use self::meta::{Metadata, Quantity};
+pub use self::layout::Layout;
+pub use self::meta::{Metadata, Quantity, Stated};
 pub use self::noise::NoiseEstimate;
 pub use self::reading::{InvalidReading, Reading, ReadingFault};
 pub use self::select::{AngleRange, Selection};
@@ -94,7 +97,13 @@ pub struct Plane<'a> {
 }
 
 impl Measurement {
-    /// Sorts and checks readings given in any order.
+    /// Sorts and checks readings given in any order, and converts them if the header states more than their quantity:
+    ///
+    /// | [`stated`](Metadata::stated) | reading |
+    /// |---|---|
+    /// | `ars` | f = ars / cos theta; readings at the horizon are left out |
+    /// | `factor` | f = factor / pi |
+    /// | `counts` | flux = counts [`COUNTS_PEAK`](Stated::COUNTS_PEAK) / the largest |
     ///
     /// # Errors
     /// [`InvalidReading`] with the index of the first offending reading.
@@ -127,7 +136,30 @@ impl Measurement {
             return Err(at(pair[1])(ReadingFault::Repeated { reading, first_row: pair[0] }));
         }
         let readings = order.into_iter().map(|row| readings[row]).collect();
-        Ok(Self { meta, readings })
+        Self { meta, readings }.converted().map_err(whole)
+    }
+
+    /// The same with its readings in their quantity.
+    fn converted(mut self) -> Result<Self, ReadingFault> {
+        let Some(stated) = self.meta.stated else { return Ok(self) };
+        if stated == Stated::Ars {
+            self.readings.retain(|reading| reading.theta_deg.abs() < 90.0);
+        }
+        if self.readings.is_empty() || self.largest_reading() <= 0.0 {
+            return Err(ReadingFault::AllDark);
+        }
+        let peak = self.largest_reading();
+        for Reading { theta_deg, value, .. } in &mut self.readings {
+            *value /= match stated {
+                Stated::Flux | Stated::Bsdf => 1.0,
+                Stated::Ars => theta_deg.to_radians().cos(),
+                Stated::Factor => std::f64::consts::PI,
+                Stated::Counts => peak / Stated::COUNTS_PEAK,
+            };
+        }
+        self.meta.state(stated);
+        self.meta.stated = self.meta.stated.filter(|s| *s == Stated::Counts);
+        Ok(self)
     }
 
     /// All readings, by incidence, then by observation angle; never empty.
@@ -138,6 +170,11 @@ impl Measurement {
     /// The quantity of the readings, from the header; [`Quantity::Flux`] without one.
     pub fn quantity(&self) -> Quantity {
         self.meta.quantity.unwrap_or_default()
+    }
+
+    /// Whether the readings are proportional to flux by an unknown factor, which a fit has to find.
+    pub fn is_relative(&self) -> bool {
+        self.meta.stated == Some(Stated::Counts)
     }
 
     /// The distinct angles of incidence in degrees, increasing.
@@ -205,6 +242,46 @@ mod tests {
         let values: Vec<f64> = scan.readings().iter().map(|reading| reading.value).collect();
         assert_eq!(values, [0.5, 3.0, 1.0, 2.0]);
         assert_eq!((scan.largest_reading(), scan.quantity()), (3.0, Quantity::Flux));
+    }
+
+    #[test]
+    fn what_is_stated_becomes_a_quantity() {
+        let scan = |stated: &str| {
+            let mut meta = Metadata::default();
+            meta.set("quantity", stated).unwrap();
+            let readings =
+                vec![reading(10.0, 60.0, 3.0), reading(10.0, 90.0, 0.0), reading(10.0, 0.0, 1.0)];
+            Measurement::new(meta, readings).unwrap()
+        };
+        let values =
+            |scan: &Measurement| scan.readings().iter().map(|r| r.value).collect::<Vec<_>>();
+        let near = |scan: &Measurement, expected: &[f64]| {
+            let values = values(scan);
+            assert_eq!(values.len(), expected.len());
+            for (a, b) in values.iter().zip(expected) {
+                assert!((a - b).abs() <= 1e-15 * b.abs(), "{values:?} is not {expected:?}");
+            }
+        };
+        let bsdf = Some(Quantity::Bsdf);
+        // ars = f cos 60 deg = f / 2; at 90 deg it says nothing
+        let ars = scan("ars");
+        assert_eq!((ars.meta.quantity, ars.meta.stated), (bsdf, None));
+        near(&ars, &[1.0, 6.0]);
+        let factor = scan("factor");
+        assert_eq!((factor.meta.quantity, factor.meta.stated), (bsdf, None));
+        near(&factor, &[1.0, 3.0, 0.0].map(|r| r / std::f64::consts::PI));
+        let counts = scan("counts");
+        assert!(counts.is_relative() && counts.quantity() == Quantity::Flux);
+        near(&counts, &[1e-3 / 3.0, 1e-3, 0.0]);
+        // what is converted once stays as it is
+        for made in [ars, factor, counts] {
+            assert_eq!(Measurement::new(made.meta.clone(), made.readings.clone()).unwrap(), made);
+        }
+        assert_eq!(values(&scan("bsdf")), values(&scan("flux")));
+        let mut meta = Metadata::default();
+        meta.state(Stated::Ars);
+        let dark = Measurement::new(meta, vec![reading(0.0, 90.0, 1.0)]).unwrap_err();
+        assert_eq!(dark.fault, ReadingFault::AllDark);
     }
 
     #[test]

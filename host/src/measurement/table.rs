@@ -1,5 +1,6 @@
 //! The rows of a foreign CSV file and the columns of it that are in use.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -8,31 +9,163 @@ use ::csv::{ReaderBuilder, StringRecord, Trim};
 use super::columns::{Column, ColumnMap};
 use super::csv::{newlines, number};
 use super::error::{Names, ScanError, ScanFault};
+use super::layout::{self, LOOKED_AT, Layout, Separator, has_decimal_comma};
 use crate::message::excerpt;
 
 /// Words that stand for a value that was not measured, besides numbers that are not finite.
 const MISSING: [&str; 5] = ["", "na", "n/a", "null", "-"];
 
-/// The use of a column; the number is its place in [`Table::indices`].
-#[derive(Clone, Copy)]
+/// The use of a column; the number is its place in [`Table::places`].
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     Sigma,
     Theta,
     Reading,
     Phi,
+    Rotation,
+}
+
+impl Role {
+    const ALL: [Self; 5] = [Self::Sigma, Self::Theta, Self::Reading, Self::Phi, Self::Rotation];
+
+    /// The column of a mapping that has this role.
+    fn of(self, map: &ColumnMap) -> Option<&Column> {
+        match self {
+            Self::Sigma => Some(&map.sigma),
+            Self::Theta => Some(&map.theta),
+            Self::Reading => Some(&map.reading),
+            Self::Phi => map.phi.as_ref(),
+            Self::Rotation => map.rotation.as_ref(),
+        }
+    }
 }
 
 /// The rows of a file and the positions of the columns in use.
 pub(super) struct Table<'a> {
     name: &'a Path,
-    text: &'a str,
+    text: Cow<'a, str>,
     map: &'a ColumnMap,
-    headings: StringRecord,
+    pub(super) layout: Layout,
     pub(super) rows: Vec<StringRecord>,
-    /// sigma, theta, reading, then filters.
-    indices: Vec<usize>,
-    /// Azimuth of the plane of observation, if there is a column of it.
-    phi: Option<usize>,
+    /// Of the roles, in their order; `None` for those that no column has.
+    places: [Option<usize>; 5],
+    /// Of the filters, in their order.
+    filtered: Vec<usize>,
+}
+
+/// A table as one separator splits it.
+struct Split<'a> {
+    text: Cow<'a, str>,
+    headings: StringRecord,
+    /// The line of the headings, or of the first row, counted from 1.
+    top: u64,
+    rows: Vec<StringRecord>,
+}
+
+impl<'a> Split<'a> {
+    /// The rows of a text.
+    fn of(text: &'a str, separator: Separator, map: &ColumnMap) -> Result<Self, ::csv::Error> {
+        let text = separator.single(text);
+        let mut reader = ReaderBuilder::new()
+            .delimiter(separator.mark())
+            .comment(Some(b'#'))
+            .trim(Trim::All)
+            .flexible(true)
+            .has_headers(false)
+            .from_reader(text.as_bytes());
+        let rows: Result<Vec<_>, _> = reader.records().collect();
+        let mut rows = rows?;
+        let begin = |record: &StringRecord| record.position().map_or(0, ::csv::Position::byte);
+        let top = rows.first().map_or(1, |first| line_of(&text, begin(first)));
+        // numbers in the place of headings are readings already, if nothing is called by name
+        let is_number = |first: &StringRecord, column: &Column| match column {
+            Column::Number(column) => first.get(column - 1).is_some_and(layout::is_number),
+            Column::Name(_) => false,
+        };
+        if rows.first().is_some_and(|first| !is_number(first, &map.sigma)) {
+            let first = rows.remove(0);
+            // names may stand in the last comment above the numbers
+            let all_numbers = first.iter().all(layout::is_number);
+            let named = if all_numbers { commented_names(&text, top, separator) } else { None };
+            match named {
+                Some((headings, line)) => {
+                    rows.insert(0, first);
+                    return Ok(Self { text, headings, top: line, rows });
+                }
+                None => return Ok(Self { text, headings: first, top, rows }),
+            }
+        }
+        Ok(Self { text, headings: StringRecord::new(), top, rows })
+    }
+
+    fn width(&self) -> usize {
+        self.rows.first().map_or(0, StringRecord::len).max(self.headings.len())
+    }
+
+    /// The place of a column, if it is there.
+    fn place(&self, column: &Column) -> Option<usize> {
+        match column {
+            Column::Name(name) => self.headings.iter().position(|heading| heading == name),
+            Column::Number(number) => number.checked_sub(1).filter(|k| *k < self.width()),
+        }
+    }
+
+    /// All fields at some places.
+    fn fields(&self, places: &[Option<usize>]) -> impl Iterator<Item = &str> {
+        let places: Vec<usize> = places.iter().flatten().copied().collect();
+        self.rows.iter().flat_map(move |row| {
+            let fields: Vec<&str> = places.iter().filter_map(|k| row.get(*k)).collect();
+            fields
+        })
+    }
+
+    /// Rows in which all angles are numbers, and whether the rows are as wide as the headings.
+    fn score(&self, map: &ColumnMap) -> (usize, bool) {
+        let angles = [Role::Sigma, Role::Theta, Role::Phi, Role::Rotation];
+        let columns = angles.into_iter().filter_map(|role| role.of(map));
+        let places: Option<Vec<usize>> = columns.map(|column| self.place(column)).collect();
+        let is_reading = |row: &&StringRecord| {
+            let number = |k: &usize| row.get(*k).is_some_and(layout::is_number);
+            places.as_ref().is_some_and(|places| places.iter().all(number))
+        };
+        let width = self.width();
+        let is_even = width > 2 && self.rows.iter().all(|row| row.len() == width);
+        (self.rows.iter().filter(is_reading).count(), is_even)
+    }
+}
+
+/// The fields of the last comment above line `below`, and its line.
+fn commented_names(text: &str, below: u64, separator: Separator) -> Option<(StringRecord, u64)> {
+    let above = (1..below).zip(text.lines());
+    let comments = above.filter_map(|(k, line)| Some((k, line.trim().strip_prefix('#')?)));
+    let (line, names) = comments.last()?;
+    Some((separator.fields(names.trim()).collect::<Vec<_>>().into(), line))
+}
+
+/// The text up to so many lines that are no comments.
+fn beginning(text: &str) -> &str {
+    let (mut end, mut rows) = (0, 0);
+    for line in text.split_inclusive('\n') {
+        end += line.len();
+        rows += usize::from(!line.trim().is_empty() && !line.trim_start().starts_with('#'));
+        if rows > LOOKED_AT {
+            break;
+        }
+    }
+    text.get(..end).unwrap_or(text)
+}
+
+/// What separates the values of a table: that by which most rows have angles.
+fn separator_of(text: &str, map: &ColumnMap) -> Separator {
+    let mut best = (Separator::default(), (0, false));
+    for separator in Separator::SOUGHT {
+        let split = Split::of(beginning(text), separator, map);
+        let score = split.map_or((0, false), |split| split.score(map));
+        if score > best.1 {
+            best = (separator, score);
+        }
+    }
+    best.0
 }
 
 impl<'a> Table<'a> {
@@ -41,66 +174,53 @@ impl<'a> Table<'a> {
         map: &'a ColumnMap,
         name: &'a Path,
     ) -> Result<Self, ScanError> {
-        let mut reader = ReaderBuilder::new()
-            .delimiter(map.delimiter)
-            .comment(Some(b'#'))
-            .trim(Trim::All)
-            .flexible(true)
-            .has_headers(false)
-            .from_reader(text.as_bytes());
-        let rows: Result<Vec<_>, _> = reader.records().collect();
-        let mut rows = rows.map_err(|error| ScanError::new(name, error))?;
-        // numbers in the place of headings are readings already, if nothing is called by name
-        let is_data = |first: &StringRecord| match &map.sigma {
-            Column::Number(column) => first.get(column - 1).is_some_and(|x| number(x).is_ok()),
-            Column::Name(_) => false,
-        };
-        let with_headings = rows.first().is_some_and(|first| !is_data(first));
-        let headings = if with_headings { rows.remove(0) } else { StringRecord::new() };
-        let mut table = Self { name, text, map, headings, rows, indices: Vec::new(), phi: None };
-        let angles_and_reading = [&map.sigma, &map.theta, &map.reading];
-        let filters = map.filters.iter().map(|(column, _)| column);
-        for column in angles_and_reading.into_iter().chain(filters) {
-            table.indices.push(table.index(column)?);
+        let separator = map.separator.unwrap_or_else(|| separator_of(text, map));
+        let split = Split::of(text, separator, map);
+        let split = split.map_err(|error| ScanError::new(name, error))?;
+        let place = |column| Self::place(&split, column, separator, name);
+        let mut places = [None; 5];
+        for role in Role::ALL {
+            places[role as usize] = role.of(map).map(place).transpose()?;
         }
-        table.phi = map.phi.as_ref().map(|column| table.index(column)).transpose()?;
-        Ok(table)
+        let filtered = map.filters.iter().map(|(column, _)| place(column));
+        let filtered = filtered.collect::<Result<_, _>>()?;
+        let decimal_comma = map.decimal_comma || has_decimal_comma(split.fields(&places));
+        let layout = Layout { separator, decimal_comma, ..Layout::default() };
+        let Split { text, rows, .. } = split;
+        Ok(Self { name, text, map, layout, rows, places, filtered })
     }
 
     fn fail(&self, fault: ScanFault) -> ScanError {
         ScanError::new(self.name, fault)
     }
 
-    fn index(&self, column: &Column) -> Result<usize, ScanError> {
-        let width = self.rows.first().map_or(0, StringRecord::len).max(self.headings.len());
-        let (found, asked) = match column {
-            Column::Name(name) => {
-                (self.headings.iter().position(|head| head == name), name.clone())
-            }
-            Column::Number(number) => (Some(number - 1).filter(|&k| k < width), number.to_string()),
-        };
-        found.ok_or_else(|| {
-            let headings = self.headings.iter().map(str::to_owned);
-            let numbers = (self.headings.len()..width).map(|index| (index + 1).to_string());
+    fn place(
+        split: &Split<'_>,
+        column: &Column,
+        separator: Separator,
+        name: &Path,
+    ) -> Result<usize, ScanError> {
+        split.place(column).ok_or_else(|| {
+            let width = split.width();
+            let headings = split.headings.iter().map(str::to_owned);
+            let numbers = (split.headings.len()..width).map(|index| (index + 1).to_string());
             let available = Names(headings.chain(numbers).collect());
-            let line =
-                line_of(self.text, self.headings.position().map_or(0, ::csv::Position::byte));
-            self.fail(if width == 1 {
-                ScanFault::OneColumn { delimiter: char::from(self.map.delimiter) }
+            let fault = if width == 1 {
+                ScanFault::OneColumn { separator }
             } else {
-                ScanFault::NoColumn { column: excerpt(&asked), available }
-            })
-            .at(line)
+                ScanFault::NoColumn { column: excerpt(&column.to_string()), available }
+            };
+            ScanError::new(name, fault).at(split.top)
         })
     }
 
     /// The line of a row, counted from 1.
     pub(super) fn line(&self, row: usize) -> u64 {
-        line_of(self.text, self.rows[row].position().map_or(0, ::csv::Position::byte))
+        line_of(&self.text, self.rows[row].position().map_or(0, ::csv::Position::byte))
     }
 
     fn filters(&self) -> impl Iterator<Item = (usize, &'a Column, &'a str)> {
-        let filters = self.indices[3..].iter().zip(&self.map.filters);
+        let filters = self.filtered.iter().zip(&self.map.filters);
         filters.map(|(&index, (column, value))| (index, column, value.as_str()))
     }
 
@@ -130,25 +250,22 @@ impl<'a> Table<'a> {
     }
 
     fn field(&self, row: usize, role: Role) -> Option<&str> {
-        self.rows[row].get(self.place(role))
+        self.places[role as usize].and_then(|place| self.rows[row].get(place))
+    }
+
+    /// An angle of a row in degrees, 0 where no column has the role; `None` where it is missing.
+    pub(super) fn angle(&self, row: usize, role: Role) -> Result<Option<f64>, ScanError> {
+        if self.places[role as usize].is_none() {
+            return Ok(Some(0.0));
+        }
+        Ok(self.value(row, role)?.map(|angle| self.map.angles.degrees(angle)))
     }
 
     /// A number of a row; `None` where it is missing.
-    /// The azimuth of observation in a row: 0 without a column of it.
-    pub(super) fn phi(&self, row: usize) -> Result<Option<f64>, ScanError> {
-        if self.phi.is_some() { self.value(row, Role::Phi) } else { Ok(Some(0.0)) }
-    }
-
-    fn place(&self, role: Role) -> usize {
-        match (role, self.phi) {
-            (Role::Phi, Some(place)) => place,
-            _ => self.indices[role as usize],
-        }
-    }
-
     pub(super) fn value(&self, row: usize, role: Role) -> Result<Option<f64>, ScanError> {
         let Some(field) = self.field(row, role) else {
-            let (found, needed) = (self.rows[row].len(), self.place(role) + 1);
+            let needed = self.places[role as usize].map_or(0, |place| place + 1);
+            let found = self.rows[row].len();
             return Err(self.fail_at(row, role, ScanFault::ShortRow { found, needed }));
         };
         if MISSING.iter().any(|word| field.eq_ignore_ascii_case(word)) {
@@ -167,17 +284,12 @@ impl<'a> Table<'a> {
     }
 
     fn fail_at(&self, row: usize, role: Role, fault: ScanFault) -> ScanError {
-        let column = match role {
-            Role::Sigma => &self.map.sigma,
-            Role::Theta => &self.map.theta,
-            Role::Reading => &self.map.reading,
-            Role::Phi => self.map.phi.as_ref().unwrap_or(&self.map.theta),
-        };
-        self.fail(fault).at(self.line(row)).in_column(column.to_string())
+        let column = role.of(self.map).map(ToString::to_string).unwrap_or_default();
+        self.fail(fault).at(self.line(row)).in_column(column)
     }
 
     fn number(&self, field: &str) -> Result<f64, ScanFault> {
-        if self.map.decimal_comma { number(&field.replace(',', ".")) } else { number(field) }
+        number(&self.layout.pointed(field))
     }
 }
 

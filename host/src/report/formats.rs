@@ -164,7 +164,7 @@ mod tests {
             "| sample | a | b | map |",
             "| one (Rq = 1.47 um) | 1.54 % | **1.09 %** | - |",
             "| two (Rq = 1.47 um) | 2.50 % (no) | 3.50 % (no) | - |",
-            "| b | **1.089** | 0.125 | - | 0.12 | - | alpha = 0.1870 ± 0.0009 | best (within noise) |  |",
+            "| b | **1.089** | 0.125 | - | 0.12 | - | alpha = 0.18700 ± 0.00090 | best (within noise) |  |",
             "| one (Rq = 1.47 um) | b | 0.25 |",
             "1. map: needs a map",
             "2. b: does not describe, \"limit\"",

@@ -25,7 +25,7 @@
 //!   answered by a map or an error, in bounded memory.
 //! - [`HeightMap`]: heights in um over a regular grid; points may be missing ([`Fill`] makes them up, [`Crop`] avoids them).
 //! - [`Form`] removes a mean, a plane or a quadratic surface; [`Roughness`] has Ra, Rq, Rz and their kin, slopes and the
-//!   autocorrelation length; [`Spectrum`] the power spectral density; [`structure`] the structure function.
+//!   autocorrelation length; [`Areal`] the parameters of ISO 25178-2; [`Spectrum`] the power spectral density; [`structure`] the structure function.
 //! - [`LowPass`], [`split`] and [`scaled`] make other maps of one; [`Edges`] says how a map goes on.
 //! - [`GaussianSurface`] and [`RandomHeights`] make surfaces, from a seed.
 //! - [`Preparation`] does all of it in the usual order, from a file to the map that is used, and can be written down.
@@ -46,6 +46,8 @@ pub mod form;
 mod ten_point;
 pub mod roughness;
 pub mod edges;
+pub mod autocorrelation;
+pub mod areal;
 mod nearest;
 mod membrane;
 pub mod fill;
@@ -62,6 +64,7 @@ pub mod sanity;
 pub mod prepare;
 pub mod random;
 
+pub use areal::Areal;
 pub use crop::Crop;
 pub use edges::Edges;
 pub use fill::Fill;

@@ -86,6 +86,8 @@ pub struct Prepared {
     pub instrument: Option<String>,
     /// Whether the file gives its own pixel size.
     pub has_pixel_size: bool,
+    /// Whether the file says the unit of its heights, or its format has one.
+    pub has_height_unit: bool,
     /// Fraction of the points that were missing before they were filled.
     pub missing_fraction: f64,
     /// Warnings about the file.
@@ -120,6 +122,7 @@ impl Preparation {
         };
         let (raw, bytes) = open(path, &options).map_err(|e| e.to_string())?;
         let (format, instrument) = (raw.format, raw.instrument.clone());
+        let has_height_unit = raw.sources.z == Source::File;
         let has_pixel_size = raw.dx_um.is_some() && raw.sources.xy == Source::File;
         if let (Some(found), Some(given), false) = (raw.dx_um, self.pixel_um, has_pixel_size)
             && (found / given - 1.0).abs() > SAME_PIXEL
@@ -187,6 +190,7 @@ impl Preparation {
             format,
             instrument,
             has_pixel_size,
+            has_height_unit,
             missing_fraction,
             warnings,
         })

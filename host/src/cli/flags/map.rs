@@ -165,6 +165,13 @@ impl MapFlags {
                 "note: the file gives its own pixel size; --pixel-um is not used"
             ));
         }
+        if prepared.has_height_unit && (self.z_um.is_some() || self.z_unit.is_some()) {
+            let flag = if self.z_um.is_some() { "--z-um" } else { "--z-unit" };
+            say::note(format_args!(
+                "note: {}: the file gives the unit of its heights, and {flag} says the same: it changes nothing",
+                path.display()
+            ));
+        }
         for warning in &prepared.warnings {
             say::note(format_args!("note: {}: {warning}", path.display()));
         }

@@ -74,11 +74,12 @@ impl SampleFlags {
         scan: &Path,
         map: Option<&PathBuf>,
     ) -> Result<Loaded, Failure> {
-        let (measurement, input) = self.read.read(scan, self.setup.geometry)?;
+        let (measurement, input) = self.read.read(scan, &self.setup)?;
         let (body, setup) = self.setup.resolve(&measurement, scan, false)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
         let light = self.light.light(Some(&measurement.meta))?;
-        let options = self.effort.options(body);
+        let fit_gain = measurement.is_relative();
+        let options = FitOptions { fit_gain, ..self.effort.options(body) };
         let max_misfit = self.effort.max_misfit;
         let in_plate = self.setup.in_plate();
         Ok(Loaded { measurement, input, setup, map, options, light, max_misfit, in_plate })

@@ -11,7 +11,9 @@ use crate::cli::say;
 use crate::forward::Setup;
 use crate::measurement::exchanged::{self, Part};
 use crate::measurement::import::Import;
-use crate::measurement::{ColumnMap, Measurement, Quantity, Selection, csv};
+use crate::measurement::{
+    AngleUnit, ColumnMap, Layout, Measurement, Metadata, Quantity, Selection, Stated, csv,
+};
 use crate::method::Body;
 use crate::provenance::InputFile;
 use crate::reconstruct::{Said, Situation, Unclear};
@@ -70,6 +72,42 @@ impl From<QuantityFlag> for Quantity {
     }
 }
 
+/// What the numbers of a file are, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum StatedFlag {
+    /// Flux in the detector's aperture over that of the beam
+    Flux,
+    /// BSDF in 1/sr, without cosine
+    Bsdf,
+    /// BSDF times cos theta, 1/sr
+    Ars,
+    /// Reflectance factor, pi times the BSDF: 1 for a white Lambert reflector
+    Factor,
+    /// Flux in unknown units; the gain is fitted
+    Counts,
+}
+
+impl From<StatedFlag> for Stated {
+    fn from(flag: StatedFlag) -> Self {
+        match flag {
+            StatedFlag::Flux => Self::Flux,
+            StatedFlag::Bsdf => Self::Bsdf,
+            StatedFlag::Ars => Self::Ars,
+            StatedFlag::Factor => Self::Factor,
+            StatedFlag::Counts => Self::Counts,
+        }
+    }
+}
+
+/// Units of angles, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum AngleFlag {
+    /// Degrees
+    Deg,
+    /// Radians
+    Rad,
+}
+
 /// What a law of one lobe describes, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(in crate::cli) enum BodyFlag {
@@ -110,19 +148,22 @@ pub(in crate::cli) const READING: &str = "Reading the scan";
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = READING)]
 pub(in crate::cli) struct ReadFlags {
-    /// Columns of a foreign CSV, by name or number: sigma=A,theta=B,reading=C
+    /// Columns of a foreign CSV, by name or number: sigma=A,theta=B,reading=C[,phi=D,rotation=E]
     #[arg(long, value_name = "MAP")]
     columns: Option<ColumnMap>,
-    /// What the readings are; needed with --columns
+    /// What the readings are; --columns needs it unless the header says it
     #[arg(long, value_enum)]
-    quantity: Option<QuantityFlag>,
+    quantity: Option<StatedFlag>,
     /// Keep the rows where a column has a value: "surface=brushed steel"; may be repeated
     #[arg(long = "where", value_name = "COLUMN=VALUE", requires = "columns")]
     filters: Vec<String>,
-    /// Character between the values of a foreign CSV, or `tab`
+    /// Unit of the angles of a foreign CSV [default: deg]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "columns", hide_short_help = true)]
+    angle_unit: Option<AngleFlag>,
+    /// Character between the values of a foreign CSV, `tab` or `blanks` [default: as the file shows]
     #[arg(long, requires = "columns")]
     delimiter: Option<String>,
-    /// Numbers of a foreign CSV have a decimal comma
+    /// Numbers of a foreign CSV have a decimal comma [default: as the file shows]
     #[arg(long, requires = "columns")]
     decimal_comma: bool,
     /// Drop rows of a foreign CSV without a finite reading, and say how many
@@ -159,51 +200,32 @@ impl ReadFlags {
     pub(in crate::cli) fn read(
         &self,
         path: &Path,
-        geometry: Option<GeometryFlag>,
+        setup: &SetupFlags,
     ) -> Result<(Measurement, InputFile), Failure> {
-        let range = |flag: &str, text: &Option<String>| match text {
-            Some(text) => text.parse().map_err(|e| Failure::bad(format!("--{flag}: {e}"))),
-            None => Ok(crate::measurement::AngleRange::ALL),
-        };
-        let selection = Selection {
-            sigma: range("sigma-range", &self.sigma_range)?,
-            theta: range("theta-range", &self.theta_range)?,
-            phi: range("phi-range", &self.phi_range)?,
-        };
+        let selection = self.selection()?;
         let bytes = csv::load(path)?;
         let input = InputFile::of_bytes(path, &bytes);
-        let part = Part { geometry: geometry.map(Geometry::from), band: self.band.clone() };
-        let Some(columns) = &self.columns else {
-            let mut scan = exchanged::parse(&bytes, path, &part)?;
-            if let Some(quantity) = self.quantity {
-                scan.meta.quantity = Some(quantity.into());
-            }
+        let quantity = self.quantity.map(Stated::from);
+        let Some(columns) = self.columns()? else {
+            let geometry = setup.geometry.map(Geometry::from);
+            let part = Part { geometry, band: self.band.clone(), quantity };
+            let (scan, layout) = exchanged::parse_noting(&bytes, path, &part)?;
+            say_layout(path, layout);
             let scan = selection
                 .apply(&scan)
                 .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
+            say_counts(path, &scan);
             return Ok((scan, input));
         };
-        let Some(quantity) = self.quantity else {
-            return Err(Failure::bad(
-                "--columns needs --quantity: `flux` if the readings are the flux in the detector's \
-                 aperture over that of the beam, `bsdf` if they are a BSDF in 1/sr",
-            ));
-        };
-        let mut columns = columns.clone();
-        for filter in &self.filters {
-            columns = columns.with_filter(filter).map_err(Failure::bad)?;
-        }
-        if let Some(delimiter) = &self.delimiter {
-            columns = columns.with_delimiter(delimiter).map_err(Failure::bad)?;
-        }
-        columns.decimal_comma = self.decimal_comma;
         let import = Import {
             columns,
-            quantity: quantity.into(),
+            quantity,
+            said: setup.said_keys(),
             selection,
             skip_missing: self.skip_missing,
         };
         let (scan, rows) = import.parse(&bytes, path)?;
+        say_layout(path, rows.layout);
         say::note(format_args!(
             "{}: {} of {} rows used ({} filtered, {} out of range, {} missing)",
             path.display(),
@@ -213,7 +235,94 @@ impl ReadFlags {
             rows.out_of_range,
             rows.missing
         ));
+        self.say_origins(path, &scan, setup);
+        self.say_doubt_of_angles(path, &scan);
+        say_counts(path, &scan);
         Ok((scan, input))
+    }
+
+    /// The angles in use.
+    fn selection(&self) -> Result<Selection, Failure> {
+        let range = |flag: &str, text: &Option<String>| match text {
+            Some(text) => text.parse().map_err(|e| Failure::bad(format!("--{flag}: {e}"))),
+            None => Ok(crate::measurement::AngleRange::ALL),
+        };
+        Ok(Selection {
+            sigma: range("sigma-range", &self.sigma_range)?,
+            theta: range("theta-range", &self.theta_range)?,
+            phi: range("phi-range", &self.phi_range)?,
+        })
+    }
+
+    /// The columns of a foreign file, with all that is said of them.
+    fn columns(&self) -> Result<Option<ColumnMap>, Failure> {
+        let Some(mut columns) = self.columns.clone() else { return Ok(None) };
+        for filter in &self.filters {
+            columns = columns.with_filter(filter).map_err(Failure::bad)?;
+        }
+        if let Some(delimiter) = &self.delimiter {
+            columns = columns.with_delimiter(delimiter).map_err(Failure::bad)?;
+        }
+        columns.decimal_comma = self.decimal_comma;
+        if self.angle_unit == Some(AngleFlag::Rad) {
+            columns.angles = AngleUnit::Radian;
+        }
+        Ok(Some(columns))
+    }
+
+    /// Says what the header of a foreign file gives, and what flags give.
+    fn say_origins(&self, path: &Path, scan: &Measurement, setup: &SetupFlags) {
+        let said = [setup.said_keys(), self.quantity.map(|_| "quantity").into_iter().collect()];
+        let said = said.concat();
+        let known = |key: &str| Metadata::KEYS.contains(&key) && !said.contains(&key);
+        let entries = scan.meta.entries();
+        let of_header = entries.iter().filter(|(key, _)| known(key));
+        let of_header: Vec<_> = of_header.map(|(key, value)| format!("{key} {value}")).collect();
+        if of_header.is_empty() {
+            return;
+        }
+        let of_flags = if said.is_empty() {
+            String::new()
+        } else {
+            format!("; flags give {}", said.join(", "))
+        };
+        say::note(format_args!(
+            "{}: its header gives {}{of_flags}",
+            path.display(),
+            of_header.join(", ")
+        ));
+    }
+
+    /// Says if angles look like radians.
+    fn say_doubt_of_angles(&self, path: &Path, scan: &Measurement) {
+        let angles = scan.readings().iter().flat_map(|r| [r.sigma_deg, r.theta_deg]);
+        let largest = angles.fold(0.0_f64, |most, angle| most.max(angle.abs()));
+        if self.angle_unit.is_none() && largest > 0.0 && largest <= RIGHT_ANGLE {
+            say::note(format_args!(
+                "note: {}: no angle is above {largest} degrees; if they are radians give --angle-unit rad",
+                path.display()
+            ));
+        }
+    }
+}
+
+/// A right angle in radians, and a little more.
+const RIGHT_ANGLE: f64 = 1.571;
+
+/// Says how a file is written if it is not as usual.
+fn say_layout(path: &Path, layout: Layout) {
+    if !layout.is_usual() {
+        say::note(format_args!("{}: the file is {layout}", path.display()));
+    }
+}
+
+/// Says what readings without a level cannot tell.
+fn say_counts(path: &Path, scan: &Measurement) {
+    if scan.is_relative() {
+        say::note(format_args!(
+            "note: {}: counts have no level; a gain is fitted with the law, and says nothing of the surface",
+            path.display()
+        ));
     }
 }
 
@@ -228,6 +337,17 @@ impl SetupFlags {
             ("--rough-side", self.rough_side.is_some()),
             ("--aperture", self.aperture.is_some()),
         ]
+    }
+
+    /// The keys of a header that the flags say.
+    fn said_keys(&self) -> Vec<&'static str> {
+        let said = [
+            ("geometry", self.geometry.is_some()),
+            ("ior", self.ior.is_some() || self.opaque),
+            ("rough_side", self.rough_side.is_some()),
+            ("aperture_deg", self.aperture.is_some()),
+        ];
+        said.into_iter().filter(|(_, is_said)| *is_said).map(|(key, _)| key).collect()
     }
 
     /// Refuses what has no effect on an opaque body.
@@ -249,6 +369,12 @@ impl SetupFlags {
         path: &Path,
         sheet: bool,
     ) -> Result<(Body, Setup), Failure> {
+        if sheet && scan.is_relative() {
+            return Err(Failure::bad(format!(
+                "{}: counts have no level, and laws of a sheet are nothing without one; give flux or a BSDF, or fit a law of the face",
+                path.display()
+            )));
+        }
         let said = Said {
             geometry: self.geometry.map(Geometry::from),
             ior: self.ior,
