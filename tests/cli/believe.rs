@@ -165,8 +165,13 @@ fn a_measured_response_is_taken_for_the_cone() {
     let folder = Folder::new();
     scan(&folder, "plate", "ggx --set alpha=0.2", "--aperture 4");
     // a detector of 4 deg sees a narrow beam as a top hat
-    let rows: String = (-60..=60).map(|k| f64::from(k) * 0.1).fold(String::new(), |mut s, t| {
-        let _ = writeln!(s, "0,{t},{}", if t.abs() < 2.0 { 1.0 } else { 0.0 });
+    let rows: String = (-120_i32..=120).fold(String::new(), |mut s, k| {
+        let value = match k.abs() {
+            ..40 => 1.0,
+            40 => 0.5,
+            _ => 0.0,
+        };
+        let _ = writeln!(s, "0,{},{value}", f64::from(k) * 0.05);
         s
     });
     folder.write("scan0.csv", format!("sigma_deg,theta_deg,reading\n{rows}"));

@@ -52,7 +52,7 @@ fn tables_are_written_together_or_not_at_all() {
 #[test]
 fn a_comparison_keeps_models_and_tables_where_plots_do_not_fit() {
     let folder = prepared();
-    let done = shell(&folder, "ulimit -f 16; \"$0\" compare s.csv --methods ggx,normals -o out");
+    let done = shell(&folder, "ulimit -f 32; \"$0\" compare s.csv --methods ggx,normals -o out");
     let done = done.with_code(1);
     assert!(done.err.contains(": cannot be written"), "{}", done.err);
     assert!(done.out.contains("Best: "), "{}", done.out);

@@ -4,7 +4,7 @@
 use asperity::boundary::Boundary;
 use asperity::fit::{FitOptions, Objective};
 use asperity::forward::{Angles, Effort, Rays, Sample, Setup, monte_carlo, simulate};
-use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection};
+use asperity::measurement::{Import, Measurement, Metadata, Quantity, Reading, Selection, Stated};
 use asperity::method::{Body, Choice, Method};
 use asperity::reconstruct::{Found, Situation, Task};
 use asperity::watch::Watch;
@@ -97,7 +97,7 @@ fn what_was_mixed_is_found_again() {
         for (p, wanted) in fit.parameters.iter().zip(values) {
             assert!((p.value / wanted - 1.0).abs() < 1e-2, "{of:?} {}: {}", p.name, p.value);
         }
-        assert!(found.entry.refusal.is_none(), "{of:?}: {:?}", found.entry.refusal);
+        assert!(found.entry.refusal().is_none(), "{of:?}: {:?}", found.entry.refusal());
         assert_eq!(found.model.of, names(of));
     }
 }
@@ -126,7 +126,8 @@ fn an_engineered_diffuser_is_followed_as_by_an_independent_fit() {
     let Some(path) = data::find("scatter/eds10-btdf/inplane.csv") else { return };
     let import = Import {
         columns: "sigma=A,theta=B,reading=C".parse().unwrap(),
-        quantity: Quantity::Bsdf,
+        quantity: Some(Stated::Bsdf),
+        said: Vec::new(),
         selection: Selection::default(),
         skip_missing: false,
     };

@@ -124,10 +124,10 @@ impl Case {
 }
 
 /// The ways in which a scan may be broken, with words of which the causes must contain one.
-fn broken(case: Case, random: &mut Random) -> Option<(Case, &'static [&'static str])> {
+fn broken(case: Case, kind: usize, random: &mut Random) -> Option<(Case, &'static [&'static str])> {
     let opaque = case.is_opaque();
     let largest = case.scan.largest_reading();
-    Some(match random.choose(13) {
+    Some(match kind {
         0 => (case.times(100.0), &["percent", "counts"]),
         1 => (case.times(1000.0), &["1000", "percent", "counts"]),
         2 => (case.times(1e6 / largest), &["counts"]),
@@ -200,7 +200,7 @@ fn broken(case: Case, random: &mut Random) -> Option<(Case, &'static [&'static s
 
 #[test]
 fn sound_scans_are_never_accused() {
-    let count = if extensive() { 200 } else { 12 };
+    let count = if extensive() { 200 } else { 6 };
     let mut random = Random(11);
     for k in 0..count {
         let case = sound(&mut random);
@@ -213,11 +213,13 @@ fn sound_scans_are_never_accused() {
 
 #[test]
 fn broken_scans_are_never_accepted_without_their_cause() {
-    let count = if extensive() { 1000 } else { 40 };
+    let count = if extensive() { 1000 } else { 13 };
     let mut random = Random(5);
     let (mut tried, mut missed) = (0, Vec::new());
     while tried < count {
-        let Some((case, words)) = broken(sound(&mut random), &mut random) else { continue };
+        let Some((case, words)) = broken(sound(&mut random), tried % 13, &mut random) else {
+            continue;
+        };
         tried += 1;
         let verdict = case.fit().verdict;
         let causes = verdict.causes.join("; ");

@@ -72,7 +72,7 @@ pub(super) struct Args {
     #[arg(long, value_enum)]
     bounces: Option<BouncesFlag>,
     /// The one law or two that `mix` is made of
-    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    #[arg(long, hide_short_help = true, value_name = "A,B", value_delimiter = ',')]
     of: Vec<String>,
     /// Fit the centre theta0 of the law of `normals` too
     #[arg(long)]
@@ -115,7 +115,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
     /// Exit 0 whatever the verdict
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     accept: bool,
     /// Print the fit as JSON
     #[arg(long)]

@@ -18,8 +18,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use super::error::{MAX_BYTES, ScanError, ScanFault};
-use super::layout::{Layout, Separator, decode, has_decimal_comma};
+use super::layout::{Layout, Separator, has_decimal_comma};
 use super::meta::known_key;
+use super::text::decode;
 use super::{Measurement, Metadata, Reading, Stated};
 use crate::input::read_file;
 use crate::message::excerpt;
@@ -144,11 +145,6 @@ fn columns_of(line: &str, separator: Separator) -> Option<Vec<usize>> {
     let count = |k| columns.iter().filter(|column| **column == k).count();
     let once = (0..COLUMNS.len()).all(|k| count(k) == 1 || (k >= NEEDED && count(k) == 0));
     once.then_some(columns)
-}
-
-/// The number of line ends in `bytes`.
-pub(super) fn newlines(bytes: &[u8]) -> u64 {
-    bytes.split(|&byte| byte == b'\n').count() as u64 - 1
 }
 
 #[derive(Debug)]

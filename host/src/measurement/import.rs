@@ -9,9 +9,10 @@ use std::path::Path;
 use super::columns::ColumnMap;
 use super::csv::{header, load};
 use super::error::{ScanError, ScanFault};
-use super::layout::{Layout, decode};
+use super::layout::Layout;
 use super::select::SelectionFault;
 use super::table::{Role, Table};
+use super::text::decode;
 use super::{Measurement, Reading, Selection, Stated};
 
 /// The import of a foreign file.

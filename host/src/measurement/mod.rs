@@ -36,6 +36,7 @@ mod reading;
 pub mod select;
 pub mod error;
 pub mod layout;
+mod text;
 pub mod csv;
 pub mod columns;
 mod table;

@@ -242,7 +242,7 @@ pub(crate) fn dim_noise(scan: &Measurement) -> f64 {
 }
 
 /// The number of which all readings are whole multiples, found upwards from the smallest gap.
-pub(super) fn quantum(readings: &[Reading]) -> Option<f64> {
+fn quantum(readings: &[Reading]) -> Option<f64> {
     let mut values: Vec<f64> = readings.iter().map(|reading| reading.value).collect();
     values.push(0.0);
     values.sort_by(f64::total_cmp);

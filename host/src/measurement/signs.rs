@@ -1,6 +1,5 @@
 //! What readings themselves say of how they were made, before any fit.
 
-use super::noise::{dim_noise, quantum};
 use super::{Measurement, Plane, Reading};
 
 /// Readings in a row that are the same to the last digit and the largest of their plane: more than chance.
@@ -9,11 +8,11 @@ const SATURATED: usize = 4;
 const RADIANS: f64 = 1.58;
 /// Readings that a plane needs before its shape says anything.
 const MANY: usize = 12;
-/// A reading beside zeros is light if it is above this share of its plane's largest, so many times the noise of dim readings,
-/// and so many counts.
+/// A reading beside zeros is light if it is above this share of its plane's largest, and so many times the scatter of the readings
+/// beside, of which this many are looked at.
 const LIGHT: f64 = 1e-3;
-const TIMES_NOISE: f64 = 10.0;
-const QUANTA: f64 = 20.0;
+const TIMES_SCATTER: f64 = 6.0;
+const BESIDE: usize = 6;
 /// Angles of observation from which on there is no flux, degrees.
 const ALONG_DEG: f64 = 89.5;
 
@@ -78,35 +77,49 @@ fn dropped_out(scan: &Measurement) -> Option<String> {
     })
 }
 
-/// Which readings are exactly zero next to light: a run of zeros in a plane, with a bright reading on each side that it has.
+/// Which readings are exactly zero next to light: a run of zeros in a plane with bright readings on each side that it has.
 ///
-/// Counts may be none by chance: there light is many of them. Along the surface there is no flux.
+/// Counts may be none by chance: readings beside zeros are light only if they are far above their own scatter. Along the surface there is
+/// no flux.
 pub fn zeros_in_light(scan: &Measurement) -> Vec<bool> {
-    let noise = dim_noise(scan);
     let mut found = Vec::with_capacity(scan.readings().len());
     for plane in scan.by_plane() {
-        let largest = plane.readings.iter().map(|r| r.value).fold(0.0, f64::max);
-        let counts = QUANTA * quantum(plane.readings).unwrap_or(0.0);
-        let light = (LIGHT * largest).max(TIMES_NOISE * noise).max(counts);
-        found.extend(plane_zeros(plane.readings, light));
+        found.extend(plane_zeros(plane.readings));
     }
     found
 }
 
-fn plane_zeros(readings: &[Reading], light: f64) -> Vec<bool> {
+fn plane_zeros(readings: &[Reading]) -> Vec<bool> {
+    let light = LIGHT * readings.iter().map(|r| r.value).fold(0.0, f64::max);
     let is_zero = |r: &Reading| r.value.abs() <= 0.0 && r.theta_deg.abs() < ALONG_DEG;
     let mut found = Vec::with_capacity(readings.len());
     for run in readings.chunk_by(|a, b| is_zero(a) == is_zero(b)) {
-        let from = found.len();
-        let before = from.checked_sub(1).and_then(|k| readings.get(k));
-        let after = readings.get(from + run.len());
-        let mut beside = [before, after].into_iter().flatten().peekable();
+        let (from, to) = (found.len(), found.len() + run.len());
+        let before: Vec<f64> = near(readings[..from].iter().rev());
+        let after: Vec<f64> = near(readings[to..].iter());
+        let sides = [before, after];
+        let mut known = sides.iter().filter(|side| !side.is_empty()).peekable();
         let is_lit = is_zero(&run[0])
-            && beside.peek().is_some()
-            && beside.all(|r| r.value >= light || r.theta_deg.abs() >= ALONG_DEG);
+            && known.peek().is_some()
+            && known.all(|side| side[0] > light && side[0] > TIMES_SCATTER * scatter(side));
         found.extend(std::iter::repeat_n(is_lit, run.len()));
     }
     found
+}
+
+/// The readings nearest to a run, those along the surface left out.
+fn near<'a>(side: impl Iterator<Item = &'a Reading>) -> Vec<f64> {
+    side.take(BESIDE).filter(|r| r.theta_deg.abs() < ALONG_DEG).map(|r| r.value).collect()
+}
+
+/// The scatter of neighbours about a line: of second differences, which have six times the variance. Infinite if there are too few.
+fn scatter(side: &[f64]) -> f64 {
+    if side.len() < 3 {
+        return f64::INFINITY;
+    }
+    let bends = side.windows(3).map(|w| w[0] - 2.0 * w[1] + w[2]);
+    let count = (side.len() - 2) as f64;
+    (bends.map(|b| b * b).sum::<f64>() / (6.0 * count)).sqrt()
 }
 
 /// In reflection and transmission the beam goes to the same sign of theta; a file may have it on the other.

@@ -7,9 +7,10 @@ use std::path::Path;
 use ::csv::{ReaderBuilder, StringRecord, Trim};
 
 use super::columns::{Column, ColumnMap};
-use super::csv::{newlines, number};
+use super::csv::number;
 use super::error::{Names, ScanError, ScanFault};
 use super::layout::{self, LOOKED_AT, Layout, Separator, has_decimal_comma};
+use super::text::newlines;
 use crate::message::excerpt;
 
 /// Words that stand for a value that was not measured, besides numbers that are not finite.

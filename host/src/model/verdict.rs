@@ -100,6 +100,8 @@ impl Verdict {
         }
         Some(match &self.causes[..] {
             [] => self.sentence(),
+            // the first of these says it already
+            causes if self.grade == Grade::NotDescribed => causes.join("; "),
             causes => format!("{}: {}", self.grade, causes.join("; ")),
         })
     }

@@ -30,8 +30,8 @@ struct Alternative {
     scan: Option<Measurement>,
     setup: Setup,
     options: FitOptions,
-    /// Whether it has a number more than the fit.
-    has_number: bool,
+    /// How many numbers more than the fit it has.
+    numbers: i32,
     /// The cause in words, from the quick fit; `None` if that is no cause.
     says: Box<dyn Fn(&Quick) -> Option<String> + Send + Sync>,
 }
@@ -56,8 +56,7 @@ pub(super) fn diagnose(task: &Task<'_>, method: &dyn Method, watch: Watch<'_>) -
         .collect();
     for (alternative, found) in all.iter().zip(found) {
         let Some(found) = found else { continue };
-        let handicap = if alternative.has_number { 1.0 / SIMPLER } else { 1.0 };
-        let error = found.rmsd_percent * handicap;
+        let error = found.rmsd_percent / SIMPLER.powi(alternative.numbers);
         let limit = best.as_ref().map_or(EXPLAINS * base.rmsd_percent, |(least, _)| *least);
         if error < limit
             && let Some(cause) = (alternative.says)(&found)
@@ -91,7 +90,7 @@ impl Plain<'_> {
             scan: None,
             setup: self.task.setup,
             options: self.task.options,
-            has_number: false,
+            numbers: 0,
             says: Box::new(says),
         }
     }
@@ -114,7 +113,7 @@ impl Plain<'_> {
         says: impl Fn(&Quick) -> Option<String> + Send + Sync + 'static,
     ) -> Alternative {
         let options = FitOptions { nuisance, ..self.task.options };
-        Alternative { options, has_number: true, ..self.with(says) }
+        Alternative { options, numbers: 1, ..self.with(says) }
     }
 
     /// Signs and units of angles.
@@ -158,7 +157,7 @@ impl Plain<'_> {
         let is_flux = self.task.setup.quantity == Quantity::Flux;
         let freed = of.map(|a| Alternative {
             options: FitOptions { fit_gain: a.options.fit_gain || is_flux, ..a.options },
-            has_number: is_flux,
+            numbers: i32::from(is_flux),
             ..a
         });
         freed.into_iter().collect()
@@ -210,7 +209,7 @@ impl Plain<'_> {
         };
         let index = Alternative {
             options: FitOptions { fit_ior: true, ..self.task.options },
-            has_number: true,
+            numbers: 1,
             ..self.with(|q| {
                 let ior = q.value("ior")?;
                 Some(format!("with an index of {ior:.3} it fits; --ior {ior:.3}, or --fit-ior"))
@@ -230,7 +229,7 @@ impl Plain<'_> {
         if is_plate && !self.task.options.fit_gain {
             let options = FitOptions { fit_gain: true, ..self.task.options };
             let says = move |q: &Quick| level(q.value("gain")?, quantity, aperture);
-            all.push(Alternative { options, has_number: true, ..self.with(says) });
+            all.push(Alternative { options, numbers: 1, ..self.with(says) });
         }
         let zero = |name: &'static str, angle: &'static str| {
             move |q: &Quick| {
@@ -264,9 +263,11 @@ impl Plain<'_> {
         }
         let tilts = self.task.measurement.incidences();
         if (2..=8).contains(&tilts.len()) {
-            all.push(self.with_nuisance(Nuisance { gains: Some(ANY_FACTOR), ..given }, |_| {
+            let numbers = tilts.len() as i32;
+            let each = self.with_nuisance(Nuisance { gains: Some(ANY_FACTOR), ..given }, |_| {
                 Some("with a factor of its own for every incidence it fits: the incidences are not in one unit; --fit-gains".into())
-            }));
+            });
+            all.push(Alternative { numbers, ..each });
         }
         all
     }

@@ -7,6 +7,8 @@ use crate::model::Correlation;
 const MOST_CORRELATION: f64 = 0.95;
 /// The relative error from which on such a pair is not determined.
 const MOST_ERROR: f64 = 0.1;
+/// The relative error below which values are known however they go together: of readings without noise.
+const KNOWN: f64 = 1e-3;
 
 /// Whether a parameter is of the instrument or the medium, not of the surface: the gain of an opaque body is its own.
 fn is_nuisance(name: &str, fit: &Fit) -> bool {
@@ -56,7 +58,9 @@ fn traded(fit: &Fit, pair: &Correlation) -> Option<String> {
     let is_unsure = |p: &Fitted| {
         has_scale(p, fit) && p.std_error.is_none_or(|error| error > MOST_ERROR * p.value.abs())
     };
-    let is_mixed = is_nuisance(a, fit) != is_nuisance(b, fit);
+    let is_known = |p: &Fitted| p.std_error.is_some_and(|error| error < KNOWN * p.value.abs());
+    let is_mixed =
+        is_nuisance(a, fit) != is_nuisance(b, fit) && !(is_known(first) && is_known(second));
     (is_mixed || is_unsure(first) || is_unsure(second))
         .then(|| format!("{a} and {b} trade against each other (r = {:.3})", pair.r))
 }

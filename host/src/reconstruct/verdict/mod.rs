@@ -53,7 +53,7 @@ pub(super) fn judge(
         causes.insert(0, why);
     }
     let signs = crate::measurement::signs::signs(task.measurement);
-    if grade != Grade::WithinNoise && task.diagnose {
+    if !is_noise && task.diagnose {
         // what the readings say of themselves needs no fit to be named
         let named = diagnosis::diagnose(task, method, watch);
         causes.extend(named.filter(|cause| !signs.iter().any(|sign| same_flag(sign, cause))));
