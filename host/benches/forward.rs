@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use asperity::batch::{Directions, Vectorised, ggx_ars};
-use asperity::fit::{FitOptions, FitRays, Objective, fit};
+use asperity::fit::{FitOptions, fit};
 use asperity::forward::{Angles, Effort, Sample, Setup, quadrature};
 use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{Body, GgxMethod};

@@ -82,6 +82,8 @@ fn zeros_are_left_out_and_said() {
     assert!((value(&model, "gain") / 0.1176 - 1.0).abs() < 0.01, "{model}");
 }
 
+type Change = fn([f64; 3]) -> [f64; 3];
+
 #[test]
 fn faults_of_a_file_are_named_and_their_flags_mend_them() {
     let folder = Folder::new();
@@ -92,7 +94,6 @@ fn faults_of_a_file_are_named_and_their_flags_mend_them() {
     assert_eq!(causes(&sound), "");
     assert_eq!(sound["fluxes"].as_array().unwrap().len(), 10);
 
-    type Change = fn([f64; 3]) -> [f64; 3];
     let faults: [(&str, Change, &str, &str); 4] = [
         ("mirrored", |[s, t, v]| [s, -t, v], "--theta-sign", "--theta-sign minus"),
         ("turned", |[s, t, v]| [s, t + 2.0, v], "zero of theta at 2.0", "--fit-offset=3"),

@@ -67,10 +67,11 @@ fn sound(random: &mut Random) -> Case {
         _ => (Virtual::opaque(alpha, random.within(0.2, 0.9), random.within(0.001, 0.05)), "ggx"),
     };
     let noise = random.within(1e-3, 5e-3);
-    scan_of(virtual_sample.with_aperture(random.within(0.5, 2.0)), method, noise, random)
+    let sample = virtual_sample.with_aperture(random.within(0.5, 2.0));
+    scan_of(&sample, method, noise, random)
 }
 
-fn scan_of(sample: Virtual, method: &'static str, noise: f64, random: &mut Random) -> Case {
+fn scan_of(sample: &Virtual, method: &'static str, noise: f64, random: &mut Random) -> Case {
     let exact = sample.exact_scan(&TILTS, &GRID);
     let largest = exact.largest_reading();
     let noisy = |r: &Reading| {

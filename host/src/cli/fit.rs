@@ -146,7 +146,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let measurement = if is_model {
         scan
     } else {
-        args.clean.apply(scan, &args.scan, args.effort.objective())?
+        args.clean.apply(&scan, &args.scan, args.effort.objective())?
     };
     let of_sheet = args.describes_sheet()?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;

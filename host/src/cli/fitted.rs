@@ -149,7 +149,8 @@ fn uncertainty(errors: &Errors) -> Vec<String> {
         let cells: Vec<String> = values.map(|v| format!("{v:>12.3e}")).collect();
         format!("{name:28}{}", cells.join(""))
     };
-    let heads = || errors.names.iter().map(|name| format!("{name:>12}")).collect::<String>();
+    let head = |name: &&str| format!("{name:>12}");
+    let heads = || errors.names.iter().map(head).collect::<Vec<_>>().concat();
     if !errors.budget.is_empty() {
         lines.push(format!("{:28}{}", "budget, standard uncertainty", heads()));
         for c in &errors.budget {

@@ -52,7 +52,9 @@ impl Problem<'_> {
         }
         let build = |values: &[f64]| self.simulate(values, Effort::Draft).err();
         if let Some(BuildError::TooBright { scattered }) = build(&found) {
-            places.iter().for_each(|&k| found[k] *= 0.95 / scattered);
+            for &k in &places {
+                found[k] *= 0.95 / scattered;
+            }
         }
         point.copy_from_slice(&found);
     }

@@ -115,8 +115,7 @@ mod tests {
     #[test]
     fn drop_outs_go_and_dark_tails_stay() {
         let value = |k: i32| match k {
-            -2..=1 => 0.0,
-            30..=40 => 0.0,
+            -2..=1 | 30..=40 => 0.0,
             25 => -1e-5,
             _ => (-f64::from(k * k) / 60.0).exp().max(1e-5),
         };

@@ -237,7 +237,7 @@ mod tests {
         let comma = plain.replace(',', ";").replace('.', ",");
         let tabs = plain.replace(',', "\t");
         let comma_tabs = comma.replace(';', "\t");
-        let blanks = plain.replace(',', "   ").replace("\n", "  \n");
+        let blanks = plain.replace(',', "   ").replace('\n', "  \n");
         let named = "# measured\n# s t f\n0 -1.5 0.25\n0.5 2 1.25e-3\n".to_owned();
         let wide: Vec<u8> = "\u{feff}"
             .encode_utf16()

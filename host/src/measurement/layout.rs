@@ -111,7 +111,7 @@ impl Layout {
     }
 
     /// A number as it is read, with a decimal point.
-    pub(super) fn pointed<'a>(&self, field: &'a str) -> Cow<'a, str> {
+    pub(super) fn pointed(self, field: &str) -> Cow<'_, str> {
         if self.decimal_comma { field.replace(',', ".").into() } else { field.into() }
     }
 }

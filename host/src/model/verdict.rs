@@ -76,21 +76,21 @@ pub struct Verdict {
 impl Verdict {
     /// In one sentence.
     pub fn sentence(&self) -> String {
-        let mut text = self.grade.to_string();
+        let mut parts = vec![self.grade.to_string()];
         if self.grade == Grade::WithinNoise {
-            return text;
+            return parts.join(", ");
         }
         if let Some(times) = self.times_noise.filter(|t| t.is_finite()) {
             let digits = usize::from(times < 99.5) + usize::from(times < 9.95);
-            text += &format!(", {times:.digits$} times the noise");
+            parts.push(format!("{times:.digits$} times the noise"));
         }
         if let Some(off) = self.peak_off_deg.filter(|off| off.abs() > 0.0) {
-            text += &format!(", peak off by {off:.2} deg");
+            parts.push(format!("peak off by {off:.2} deg"));
         }
         if let Some(sigma) = self.worst_sigma_deg {
-            text += &format!(", worst at sigma {sigma} deg");
+            parts.push(format!("worst at sigma {sigma} deg"));
         }
-        text
+        parts.join(", ")
     }
 
     /// Why the fit is refused, in plain words; `None` if it may be used.

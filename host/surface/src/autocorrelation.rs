@@ -67,7 +67,7 @@ impl Autocorrelation {
         let stride = size.map(|n| n.div_ceil(SIDE));
         let part = Part { from: [0; 2], size: [0, 1].map(|k| size[k].div_ceil(stride[k])), stride };
         // a stride that is left over at a border breaks the period
-        let fits = [0, 1].iter().all(|k| size[*k] % stride[*k] == 0);
+        let fits = [0, 1].iter().all(|k| size[*k].is_multiple_of(stride[*k]));
         Self::of_parts(map, &[part], if fits { edges } else { Edges::Mirrored })
     }
 
@@ -188,7 +188,7 @@ fn lagged(
         },
         &mut waves,
     );
-    let power: Vec<f64> = waves.values().iter().map(|wave| wave.norm_sqr()).collect();
+    let power: Vec<f64> = waves.values().iter().map(|w| w.re * w.re + w.im * w.im).collect();
     drop(waves);
     // orders along y lie together: they are the lines now
     let transform = Fourier::<f64>::new((height, width), Edges::Periodic);
@@ -215,13 +215,15 @@ fn smooth(n: usize) -> usize {
     let is_smooth = |n: &usize| {
         let mut rest = *n;
         for factor in [2, 3, 5] {
-            while rest % factor == 0 {
+            while rest.is_multiple_of(factor) {
                 rest /= factor;
             }
         }
         rest == 1
     };
-    (n.max(1)..).find(is_smooth).unwrap_or(n)
+    let n = n.max(1);
+    // a power of two is one
+    (n..=n.next_power_of_two()).find(is_smooth).unwrap_or(n)
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ impl CleanFlags {
     /// The scan as it is used; says what is left out.
     pub(in crate::cli) fn apply(
         &self,
-        scan: Measurement,
+        scan: &Measurement,
         path: &Path,
         objective: Objective,
     ) -> Result<Measurement, Failure> {
@@ -67,7 +67,7 @@ impl CleanFlags {
             },
             negative: is_relative || asks(DropFlag::Negative),
         };
-        let cleaned = cleaning.apply(&scan).ok_or_else(|| {
+        let cleaned = cleaning.apply(scan).ok_or_else(|| {
             Failure::bad(format!("{}: no reading is left; --drop leaves out all", path.display()))
         })?;
         for note in cleaned.notes() {

@@ -25,6 +25,9 @@ const SAME: f64 = 0.02;
 /// Zeros of angles nearer to nothing than this explain nothing, degrees.
 const STRAIGHT: f64 = 0.02;
 
+/// A cause in words.
+type Says = dyn Fn(&Quick) -> Option<String> + Send + Sync;
+
 /// Another reading of the same data.
 struct Alternative {
     scan: Option<Measurement>,
@@ -33,7 +36,7 @@ struct Alternative {
     /// How many numbers more than the fit it has.
     numbers: i32,
     /// The cause in words, from the quick fit; `None` if that is no cause.
-    says: Box<dyn Fn(&Quick) -> Option<String> + Send + Sync>,
+    says: Box<Says>,
 }
 
 /// The cause that explains most, in words; `None` if nothing explains the readings.
