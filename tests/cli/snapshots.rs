@@ -46,7 +46,9 @@ fn steady(mut value: Value) -> String {
             }
             Value::Array(all) => all.iter_mut().for_each(visit),
             Value::Number(number) if number.is_f64() => {
-                let rounded = number.as_f64().map(|x| format!("{x:.2e}"));
+                // what is rounding differs from machine to machine
+                let whole = |x: f64| if x.abs() < 1e-12 { 0.0 } else { x };
+                let rounded = number.as_f64().map(|x| format!("{:.2e}", whole(x)));
                 *value = Value::String(rounded.unwrap_or_default());
             }
             _ => {}

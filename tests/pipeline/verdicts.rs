@@ -214,11 +214,12 @@ fn sound_scans_are_never_accused() {
 
 #[test]
 fn broken_scans_are_never_accepted_without_their_cause() {
-    let count = if extensive() { 1000 } else { 13 };
+    // every second way, unless there is time
+    let (count, step) = if extensive() { (1000, 1) } else { (7, 2) };
     let mut random = Random(5);
     let (mut tried, mut missed) = (0, Vec::new());
     while tried < count {
-        let Some((case, words)) = broken(sound(&mut random), tried % 13, &mut random) else {
+        let Some((case, words)) = broken(sound(&mut random), step * tried % 13, &mut random) else {
             continue;
         };
         tried += 1;

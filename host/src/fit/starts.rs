@@ -8,6 +8,8 @@ use crate::method::{Body, BuildError};
 
 /// Shares below which a solution stays inside the bounds of its parameter.
 const INSIDE: f64 = 1.01;
+/// The least share of what a parameter would be without the others.
+const SOME: f64 = 0.02;
 
 impl Problem<'_> {
     /// Points to start from: all combinations of the parameters' starts, the linear ones solved for.
@@ -39,15 +41,15 @@ impl Problem<'_> {
         if !places.iter().any(|&k| self.parameters()[k].is_level) {
             return;
         }
-        let Some(solved) = self.linear_parts(point, &places).and_then(|parts| parts.solve()) else {
-            return;
-        };
+        let Some(parts) = self.linear_parts(point, &places) else { return };
+        let Some(solved) = parts.solve() else { return };
         let mut found = point.to_vec();
-        for (&k, value) in places.iter().zip(&solved) {
+        for (place, (&k, value)) in places.iter().zip(&solved).enumerate() {
             let p = &self.parameters()[k];
             let (least, most) = (p.bounds.0 * INSIDE, p.bounds.1 / INSIDE);
-            // a floor that ends at nothing may be there all the same: a start must not forbid it
-            let low = if p.is_level { least } else { least.max(1e-3 * self.unit_of(k)) };
+            // what ends at nothing may be there all the same: a start must not forbid it
+            let alone = (SOME * parts.alone(place)).max(least);
+            let low = if p.is_level { alone } else { alone.max(1e-3 * self.unit_of(k)) };
             found[k] = value.clamp(low.min(most), most);
         }
         let build = |values: &[f64]| self.simulate(values, Effort::Draft).err();
@@ -106,6 +108,13 @@ struct Parts {
 impl Parts {
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
         self.weights.iter().zip(a.iter().zip(b)).map(|(w, (a, b))| w * a * b).sum()
+    }
+
+    /// The solution of one parameter if the others were nothing.
+    fn alone(&self, k: usize) -> f64 {
+        let column = &self.columns[k];
+        let found = self.dot(column, &self.rest) / self.dot(column, column);
+        if found.is_finite() { found.max(0.0) } else { 0.0 }
     }
 
     /// The non-negative solution of least squares: the best of those of all subsets, which are few.
