@@ -10,7 +10,7 @@ use crate::forward::Effort;
 use crate::linear::inverse;
 
 /// Parameters from which on it takes the place of the simplex.
-pub(super) const MANY: usize = 6;
+pub(super) const MANY: usize = 5;
 /// Steps at most.
 const STEPS: usize = 60;
 /// Dampings tried for a step.

@@ -116,6 +116,11 @@ impl<'a> Problem<'a> {
         self.method.is_traced()
     }
 
+    /// Whether its values are limited by the light there is.
+    pub(super) fn is_limited(&self) -> bool {
+        self.method.lobe().is_some()
+    }
+
     /// Set when the user stops the work.
     pub(super) fn watch(&self) -> Watch<'a> {
         self.watch

@@ -42,11 +42,37 @@ impl Search<'_> {
         effort: Effort,
         tolerance: f64,
     ) -> Result<End, Stopped> {
-        self.begin();
-        let parameters = problem.parameters();
-        if parameters.len() >= descent::MANY && !problem.is_traced() {
+        let is_many = problem.parameters().len() >= descent::MANY && !problem.is_traced();
+        if !is_many {
+            return self.simplex(problem, start, effort, tolerance);
+        }
+        if !problem.is_limited() {
+            self.begin();
             return descent::minimise(self, problem, start, effort, tolerance);
         }
+        // steps end where there is no more light: simplices, until a fresh one leads no further
+        let mut end = self.simplex(problem, start, effort, tolerance)?;
+        for _ in 0..AGAIN {
+            let next = self.simplex(problem, &end.values, effort, tolerance)?;
+            let is_done = next.cost > end.cost * (1.0 - FURTHER);
+            end = if next.cost < end.cost { next } else { end };
+            if is_done || !end.converged {
+                break;
+            }
+        }
+        Ok(end)
+    }
+
+    /// One simplex.
+    fn simplex(
+        &mut self,
+        problem: &Problem<'_>,
+        start: &[f64],
+        effort: Effort,
+        tolerance: f64,
+    ) -> Result<End, Stopped> {
+        self.begin();
+        let parameters = problem.parameters();
         let first = problem.to_free(start);
         let mut simplex = vec![first.clone()];
         for (k, p) in parameters.iter().enumerate() {
@@ -95,6 +121,10 @@ impl Search<'_> {
         Ok(End { values: problem.to_bounded(&free), cost, converged })
     }
 }
+
+/// Fresh simplices at most, and the share by which one must lessen the cost to be followed by another.
+const AGAIN: usize = 6;
+const FURTHER: f64 = 1e-3;
 
 /// The cost as argmin wants it.
 struct Target<'a, 'b> {

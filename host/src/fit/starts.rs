@@ -10,6 +10,8 @@ use crate::method::{Body, BuildError};
 const INSIDE: f64 = 1.01;
 /// The least share of what a parameter would be without the others.
 const SOME: f64 = 0.02;
+/// The share of that with which each of two laws starts.
+const HALF: f64 = 0.5;
 
 impl Problem<'_> {
     /// Points to start from: all combinations of the parameters' starts, the linear ones solved for.
@@ -42,7 +44,15 @@ impl Problem<'_> {
             return;
         }
         let Some(parts) = self.linear_parts(point, &places) else { return };
-        let Some(solved) = parts.solve() else { return };
+        let Some(mut solved) = parts.solve() else { return };
+        let is_level = |place: usize| self.parameters()[places[place]].is_level;
+        let levels: Vec<usize> = (0..places.len()).filter(|&place| is_level(place)).collect();
+        if levels.len() > 1 && levels.iter().any(|&place| solved[place] <= 0.0) {
+            // of two laws that are both there none is nothing
+            for &place in &levels {
+                solved[place] = HALF * parts.alone(place);
+            }
+        }
         let mut found = point.to_vec();
         for (place, (&k, value)) in places.iter().zip(&solved).enumerate() {
             let p = &self.parameters()[k];
