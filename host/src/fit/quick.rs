@@ -30,7 +30,7 @@ impl Quick {
 }
 
 /// Evaluations at most.
-const MOST: u64 = 1200;
+const MOST: u64 = 800;
 /// The tolerance of its end, as a share of the error.
 const TOLERANCE: f64 = 5e-3;
 

@@ -62,8 +62,13 @@ pub(super) fn curvature(
             let readings = problem.simulate(&probe, Effort::Full).ok()??;
             Some((probe[k], residual(&probe, &readings.values)))
         };
-        let (Some((high, above)), Some((low, below))) = (side(1.0), side(-1.0)) else {
-            return None;
+        let here = || (values[k], at_optimum.clone());
+        // where there is no more light, from one side
+        let ((high, above), (low, below)) = match (side(1.0), side(-1.0)) {
+            (Some(above), Some(below)) => (above, below),
+            (Some(above), None) => (above, here()),
+            (None, Some(below)) => (here(), below),
+            (None, None) => return None,
         };
         let width = high - low;
         columns.push(above.iter().zip(&below).map(|(a, b)| (a - b) / width).collect::<Vec<_>>());

@@ -92,7 +92,7 @@ mod tests {
             (12.0, 1500.0, "12 ± 1500"),
             // an error that is rounded up to the next power of ten
             (0.5, 0.0996, "0.50 ± 0.10"),
-            (5.0, 99.6, "5.0 ± 100"),
+            (5.0, 99.6, "5 ± 100"),
             (4.9e-300, 1e-301, "(4.90 ± 0.10)e-300"),
         ] {
             assert_eq!(with_error(value, Some(error)), text);

@@ -41,7 +41,8 @@ struct Alternative {
 
 /// The cause that explains most, in words; `None` if nothing explains the readings.
 pub(super) fn diagnose(task: &Task<'_>, method: &dyn Method, watch: Watch<'_>) -> Option<String> {
-    if method.is_traced() || method.wave().is_some() {
+    // a law of knots follows many faults, and each of its fits takes as long as all others
+    if method.is_traced() || method.wave().is_some() || method.is_free_form() {
         return None;
     }
     let fit = |scan: &Measurement, setup: &Setup, options: &FitOptions| {

@@ -39,7 +39,9 @@ pub(super) fn judge(
     let is_noise = times_noise.map_or(fit.rmsd_percent <= UNKNOWN_NOISE, |times| times <= WITHIN);
     let mut grade = if is_noise { Grade::WithinNoise } else { Grade::Misfit };
     let mut causes = Vec::new();
-    let undetermined = identity::undetermined(fit, method.is_free_form());
+    // readings of a model have no noise, and their errors mean nothing
+    let undetermined =
+        if task.diagnose { identity::undetermined(fit, method.is_free_form()) } else { Vec::new() };
     if !undetermined.is_empty() {
         grade = Grade::NotIdentifiable;
         causes.extend(undetermined);
