@@ -117,6 +117,8 @@ pub(super) fn excess(fit: &Fit, fluxes: &[Flux]) -> Option<String> {
             let mine = validity.lobes.iter().filter(|l| side_name(l.side) == f.side);
             mine.clone().count() > 0 && mine.clone().all(|l| l.passes)
         }),
+        // where its waves hold is told for its lobes together: its warnings say it
+        Boundary::Hybrid(_) => false,
         _ => true,
     };
     let is_too_much = |f: &&Flux| !(f.lost >= -tolerance && f.lost.is_finite());
