@@ -55,7 +55,8 @@ pub(in crate::reconstruct) fn fluxes_of(
     watch: Watch<'_>,
 ) -> Vec<Flux> {
     let mut all = fluxes(&fit.boundary, watch);
-    if method.is_traced() || method.wave().is_some() {
+    // of a law of knots that takes as long as all the rest
+    if method.is_traced() || method.wave().is_some() || method.is_free_form() {
         return all;
     }
     let mut slopes: Vec<[Vec<f64>; 2]> = vec![Default::default(); all.len()];
@@ -144,9 +145,8 @@ fn unit_of(reflected: f64) -> &'static str {
     if reflected <= std::f64::consts::PI * 1.02 {
         "; divide by pi? Reflectance factors, 1 for white, are pi times the BSDF: --quantity factor; if the readings are \
          percent, divide by 100"
-    } else if reflected <= 102.0 {
-        "; are the readings percent? Divide by 100; reflectance factors in percent, by 100 pi"
     } else {
-        "; are the readings counts of a detector, or in another unit? Divide by those of a known reflectance"
+        "; are the readings percent (divide by 100; reflectance factors in percent by 100 pi), or counts of a detector \
+         (--quantity counts)?"
     }
 }
