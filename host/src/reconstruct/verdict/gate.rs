@@ -30,8 +30,11 @@ pub(in crate::reconstruct) fn fluxes(boundary: &Boundary, watch: Watch<'_>) -> V
         Some(_) if !boundary.is_sheet() => &[Side::Air, Side::Dielectric],
         _ => &[Side::Air],
     };
-    let angles: &[f64] =
-        if matches!(boundary, Boundary::Wave(_)) { &OF_WAVES } else { &INCIDENCES };
+    let angles: &[f64] = if matches!(boundary, Boundary::Wave(_) | Boundary::Hybrid(_)) {
+        &OF_WAVES
+    } else {
+        &INCIDENCES
+    };
     let beams: Vec<(Side, f64)> =
         sides.iter().flat_map(|side| angles.iter().map(move |deg| (*side, *deg))).collect();
     let found = balances(boundary, &beams, RAYS, watch.quiet()).unwrap_or_default();
