@@ -4,9 +4,7 @@
 //! `-H^-1 J^T d` with the derivatives `J` of the residuals and the curvature `H` at the optimum. Doubts are independent: their
 //! squares add.
 
-use std::borrow::Cow;
-
-use super::nuisance::{GAIN, is_of_instrument};
+use super::nuisance::{APERTURE, GAIN, GAIN_AT, SIGMA_ZERO, STRAY, THETA_ZERO};
 use super::problem::Problem;
 use super::uncertainty::Curvature;
 use crate::forward::Effort;
@@ -65,11 +63,11 @@ impl Doubts {
             }
         };
         if let Some(by) = self.offset_deg {
-            if !fitted("theta_zero") {
+            if !fitted(THETA_ZERO) {
                 let part = moved(&|p| p.turned(by, 0.0));
                 add("zero of theta", "deg", by, part.into_iter().collect());
             }
-            if !fitted("sigma_zero") {
+            if !fitted(SIGMA_ZERO) {
                 let part = moved(&|p| p.turned(0.0, by));
                 add("zero of sigma", "deg", by, part.into_iter().collect());
             }
@@ -83,10 +81,10 @@ impl Doubts {
         if let Some(by) = self.drift {
             add("drift", "", by, lines.drifts(by));
         }
-        if let Some(by) = self.stray.filter(|_| !fitted("stray")) {
+        if let Some(by) = self.stray.filter(|_| !fitted(STRAY)) {
             add("stray light", "", by, vec![vec![by * largest; simulated.len()]]);
         }
-        if let Some(by) = self.aperture.filter(|_| !fitted("aperture_factor")) {
+        if let Some(by) = self.aperture.filter(|_| !fitted(APERTURE)) {
             let part = moved(&|p| p.opened(1.0 + by));
             add("aperture", "", by, part.into_iter().collect());
         }
@@ -102,7 +100,7 @@ impl Doubts {
 }
 
 fn has_gains(problem: &Problem<'_>) -> bool {
-    problem.parameters().iter().any(|p| p.name.starts_with("gain_at") && is_of_instrument(p.name))
+    problem.parameters().iter().any(|p| p.name.starts_with(GAIN_AT))
 }
 
 /// The gain of an opaque body is that of its law, and a doubt about the instrument's is not in its noise.
@@ -154,35 +152,24 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The standard uncertainties that the doubts add to each value, one row a doubt.
+/// The standard uncertainties that the doubts add to each value, one row a doubt; `moved` are the moves of the values by each
+/// part of each effect.
 pub(super) fn contributions(
     problem: &Problem<'_>,
-    curvature: &Curvature,
-    simulated: &[f64],
     effects: &[Effect],
+    moved: &[Vec<Vec<f64>>],
 ) -> Vec<Contribution> {
-    let row = |effect: &Effect| {
-        let mut squares = vec![0.0; curvature.columns.len()];
-        for part in &effect.parts {
-            for (square, moved) in
-                squares.iter_mut().zip(moves(problem, curvature, simulated, part))
-            {
-                *square += moved * moved;
-            }
-        }
+    let row = |(effect, parts): (&Effect, &Vec<Vec<f64>>)| {
+        let added = |k: usize| parts.iter().map(|part| part[k] * part[k]).sum::<f64>().sqrt();
+        let parameters = problem.parameters().iter().enumerate();
         Contribution {
             source: effect.name.into(),
             std_dev: effect.std_dev,
             unit: effect.unit.into(),
-            effects: problem
-                .parameters()
-                .iter()
-                .zip(squares)
-                .map(|(p, square)| (p.name.to_owned(), square.sqrt()))
-                .collect(),
+            effects: parameters.map(|(k, p)| (p.name.to_owned(), added(k))).collect(),
         }
     };
-    effects.iter().map(row).collect()
+    effects.iter().zip(moved).map(row).collect()
 }
 
 /// How far the fitted values move where the instrument has changed the readings by a part.
@@ -192,10 +179,9 @@ pub(super) fn moves(
     simulated: &[f64],
     part: &[f64],
 ) -> Vec<f64> {
-    let before = Cow::Borrowed(simulated);
-    let after: Vec<f64> = before.iter().zip(part).map(|(s, d)| s + d).collect();
+    let after: Vec<f64> = simulated.iter().zip(part).map(|(s, d)| s + d).collect();
     // the law is held and the readings move: the residual of a change is its negative
-    let change = problem.residual_change(&before, &after);
+    let change = problem.residual_change(simulated, &after);
     let dot = |column: &[f64]| -> f64 { column.iter().zip(&change).map(|(a, b)| a * b).sum() };
     let scores: Vec<f64> = curvature.columns.iter().map(|column| dot(column)).collect();
     let of = |row: &Vec<f64>| row.iter().zip(&scores).map(|(h, s)| h * s).sum();

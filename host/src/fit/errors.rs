@@ -2,7 +2,7 @@
 
 use super::FitOptions;
 use super::bootstrap;
-use super::budget::contributions;
+use super::budget::{contributions, moves};
 use super::fitted::Fitted;
 use super::problem::Problem;
 use super::uncertainty::{Curvature, curvature};
@@ -105,10 +105,12 @@ fn together(
         .map(|i| (0..names.len()).map(|j| correlations[i][j] * noise(i) * noise(j)).collect())
         .collect();
     let effects = options.doubts.effects(problem, values, simulated);
-    for part in effects.iter().flat_map(|effect| &effect.parts) {
-        let moved = super::budget::moves(problem, curvature, simulated, part);
-        for (row, a) in covariance.iter_mut().zip(&moved) {
-            row.iter_mut().zip(&moved).for_each(|(c, b)| *c += a * b);
+    let of_part = |part: &Vec<f64>| moves(problem, curvature, simulated, part);
+    let moved: Vec<Vec<Vec<f64>>> =
+        effects.iter().map(|effect| effect.parts.iter().map(of_part).collect()).collect();
+    for part in moved.iter().flatten() {
+        for (row, a) in covariance.iter_mut().zip(part) {
+            row.iter_mut().zip(part).for_each(|(c, b)| *c += a * b);
         }
     }
     let mut budget = Vec::new();
@@ -120,7 +122,7 @@ fn together(
             unit: String::new(),
             effects: of_noise.collect(),
         });
-        budget.extend(contributions(problem, curvature, simulated, &effects));
+        budget.extend(contributions(problem, &effects, &moved));
     }
     let mut samples = Vec::new();
     if options.replicas > 0 && !problem.is_traced() {

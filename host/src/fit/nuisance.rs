@@ -35,7 +35,7 @@ pub(super) const STRAY: &str = "stray";
 pub(super) const APERTURE: &str = "aperture_factor";
 pub(super) const GAIN: &str = "gain";
 /// How the name of an incidence's factor begins.
-const GAIN_AT: &str = "gain_at_";
+pub(super) const GAIN_AT: &str = "gain_at_";
 
 /// Incidences that can have a factor each.
 pub const MOST_GAINS: usize = 24;
