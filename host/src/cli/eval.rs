@@ -18,6 +18,7 @@ use crate::embedded::EmbeddedTable;
 use crate::forward::Rays;
 use crate::kirchhoff::Speckle;
 use crate::law_file;
+use crate::model::Spread;
 use crate::output::AtomicFile;
 
 /// Evaluate the BSDF for pairs of directions
@@ -29,7 +30,8 @@ use crate::output::AtomicFile;
 /// degrees. Waves are tabulated likewise: the mean law of averaged speckle drawn as rays, kept speckle order by
 /// order; coherent light lies in the smallest bin about its direction. With --json values come with
 /// their statistical error, f_std_error. Of a table from a file (.bsdft) the values are those that a device finds, in double
-/// precision and without coherent light; where it lacks the lobe they are NaN, null in JSON.
+/// precision and without coherent light; where it lacks the lobe they are NaN, null in JSON. With --uncertainty the
+/// standard uncertainty of f that the errors of the fit give it is added, f_std in CSV and JSON.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Model made by `asperity model` or `asperity fit`, or a table made by `asperity tabulate`
@@ -43,6 +45,9 @@ pub(super) struct Args {
     /// Write JSON: a list of objects
     #[arg(long)]
     json: bool,
+    /// Add the standard uncertainty of f, from the errors and correlations of a fit in closed form
+    #[arg(long)]
+    uncertainty: bool,
     #[command(flatten)]
     rays: RayFlags,
 }
@@ -57,6 +62,9 @@ struct Row {
     /// Statistical error of f; of traced boundaries only.
     #[serde(skip_serializing_if = "Option::is_none")]
     f_std_error: Option<f64>,
+    /// Standard uncertainty of f by the errors of the fit, if asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    f_std: Option<f64>,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -64,6 +72,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(notice) = kind.notice() {
         say::note(format_args!("warning: {}: {notice}", args.model.display()));
     }
+    let spread = args.uncertainty.then(|| spread(&args.model, &kind)).transpose()?;
     let mut pairs = Pairs::open(args.input.as_deref())?;
     let output = AtomicFile::create(args.output.as_deref().unwrap_or(Path::new("-")))?;
     // all pairs are looked at before the first value is written: bad input gives no half of an answer
@@ -78,7 +87,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         Boundary::Wave(wave) => wave.speckle() == Speckle::Averaged,
         other => other.is_traced(),
     });
-    let head = format!("{},f,ars,pdf\n", pairs.columns().head());
+    let more = if args.uncertainty { ",f_std" } else { "" };
+    let head = format!("{},f,ars,pdf{more}\n", pairs.columns().head());
     let mut rows = Rows { output, json: args.json, head, is_empty: true };
     if let Some(table) = tabulated(&boundary, &wi, rays)? {
         let row = |p: &Pair<'_>| values(&*table, p, Some(table.std_error(p.1, p.2)));
@@ -92,10 +102,28 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             of_embedded((&name, table), (&mut pairs, count), &mut rows)?;
         }
         _ => with_boundary!(&boundary, b => {
-            pairs.each(|some| rows.add(some, |p| values(b, p, None)))?;
+            pairs.each(|some| rows.add(some, |p| {
+                let mut row = values(b, p, None);
+                row.f_std = spread.as_ref().map(|s| s.std_of(row.f, |b| value(b, p)));
+                row
+            }))?;
         }, traced _t => ()),
     }
     rows.finish()
+}
+
+/// What the errors of a fit leave open.
+fn spread(path: &Path, kind: &law_file::Kind) -> Result<Spread, Failure> {
+    let law_file::Kind::Model(model) = kind else {
+        let what = "a table has no errors of parameters; give the fit that it was made of";
+        return Err(Failure::bad(format!("{}: --uncertainty: {what}", path.display())));
+    };
+    Spread::of(model, path.parent())
+        .map_err(|e| Failure::bad(format!("{}: --uncertainty: {e}", path.display())))
+}
+
+fn value(boundary: &Boundary, &(_, wi, wo): &Pair<'_>) -> f64 {
+    boundary.eval(wi, wo).unwrap_or(f64::NAN)
 }
 
 fn values<B: Bsdf<f64>>(boundary: &B, &(_, wi, wo): &Pair<'_>, f_std_error: Option<f64>) -> Row {
@@ -106,6 +134,7 @@ fn values<B: Bsdf<f64>>(boundary: &B, &(_, wi, wo): &Pair<'_>, f_std_error: Opti
         ars: boundary.ars(wi, wo),
         pdf: boundary.pdf(wi, wo),
         f_std_error,
+        f_std: None,
     }
 }
 
@@ -166,8 +195,9 @@ impl Rows {
 }
 
 /// A row of CSV: the pair as it was, and its values.
-fn line(kept: &str, Row { f, ars, pdf, .. }: &Row) -> String {
-    format!("{kept},{f:e},{ars:e},{pdf:e}\n")
+fn line(kept: &str, Row { f, ars, pdf, f_std, .. }: &Row) -> String {
+    let more = f_std.map(|std| format!(",{std:e}")).unwrap_or_default();
+    format!("{kept},{f:e},{ars:e},{pdf:e}{more}\n")
 }
 
 /// An element of a list of JSON.

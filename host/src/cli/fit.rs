@@ -17,10 +17,11 @@ use super::readings::Given;
 use super::{auto, print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
+use crate::model::{Model, Spread};
 use crate::method::{Body, Kind, Lack, in_words};
 use crate::output::AtomicFile;
 use crate::reconstruct::{Entry, Found, Task, Trials, usually_asked};
-use crate::report::{self, FigureFiles, PolarFiles};
+use crate::report::{self, BoundaryFiles, FigureFiles, PolarFiles};
 
 /// Fit a model to a measured scan
 ///
@@ -111,7 +112,8 @@ pub(super) struct Args {
     /// Write the fit as a model file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write plots of measured and fitted readings: STEM-linear.svg, .png, STEM-log.svg, .png
+    /// Write plots of measured and fitted readings, STEM-linear.svg, .png, STEM-log.svg, .png, and of laws in closed form
+    /// the boundary from both sides with its uncertainty, STEM-boundary.svg, .png, .csv
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
     /// Exit 0 whatever the verdict
@@ -195,7 +197,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::bad("--signature and --beam-width are for laws in closed form"));
     }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
-    let plots = args.plot.as_deref().map(|stem| Plots::open(stem, &measurement)).transpose()?;
+    let is_closed = trials.iter().all(|t| !t.is_traced() && t.wave().is_none());
+    let plots = args.plot.as_deref();
+    let plots = plots.map(|stem| Plots::open(stem, &measurement, is_closed)).transpose()?;
     let found = if args.is_auto() {
         auto::choose(&task, &trials)
     } else {
@@ -218,14 +222,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             (_, true) => text,
             _ => table + &human(&entry, &task, !args.no_timing),
         }),
-        plots.map_or(Ok(()), |files| args.draw(files, &measurement, &entry)),
+        plots.map_or(Ok(()), |files| args.draw(files, &measurement, (&entry, &model))),
         entry.refusal().filter(|_| !args.accept).map_or(Ok(()), |why| Err(Failure::No(why))),
     ])
 }
 
 impl Args {
     /// Draws measured and fitted readings.
-    fn draw(&self, plots: Plots, scan: &Measurement, entry: &Entry) -> Result<(), Failure> {
+    fn draw(
+        &self,
+        plots: Plots,
+        scan: &Measurement,
+        (entry, model): (&Entry, &Model),
+    ) -> Result<(), Failure> {
         let title = scan.meta.sample.clone();
         let title = title.unwrap_or_else(|| self.scan.display().to_string());
         let mut written = Vec::new();
@@ -234,6 +243,11 @@ impl Args {
         }
         if let Some((files, picture)) = plots.polar.zip(report::hemispheres(&title, scan, entry)) {
             written.extend(files.write(&picture)?);
+        }
+        let spread = Spread::of(model, None).ok();
+        let values = report::boundary_values(&entry.fit.boundary, spread.as_ref());
+        if let Some(files) = plots.boundary.filter(|_| !values.is_empty()) {
+            written.extend(files.write(&title, &values)?);
         }
         for path in written {
             say::note(format_args!("wrote {}", path.display()));
@@ -376,10 +390,12 @@ struct Plots {
     cuts: Option<FigureFiles>,
     /// Over the hemisphere, if there are readings out of that plane.
     polar: Option<PolarFiles>,
+    /// Of the boundary, if it can be evaluated.
+    boundary: Option<BoundaryFiles>,
 }
 
 impl Plots {
-    fn open(stem: &std::path::Path, scan: &Measurement) -> Result<Self, Failure> {
+    fn open(stem: &std::path::Path, scan: &Measurement, is_closed: bool) -> Result<Self, Failure> {
         let name = stem.file_name().map(|n| n.to_string_lossy().into_owned()).ok_or_else(|| {
             Failure::bad(format!("--plot {}: give a stem for file names", stem.display()))
         })?;
@@ -388,6 +404,7 @@ impl Plots {
         let cuts = has_cuts.then(|| FigureFiles::create(folder, &name)).transpose()?;
         let is_solid = !scan.is_in_plane();
         let polar = is_solid.then(|| PolarFiles::create(folder, &name)).transpose()?;
-        Ok(Self { cuts, polar })
+        let boundary = is_closed.then(|| BoundaryFiles::create(folder, &name)).transpose()?;
+        Ok(Self { cuts, polar, boundary })
     }
 }

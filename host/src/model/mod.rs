@@ -25,17 +25,20 @@
 //! | `verdict` | what a fit is worth |
 //! | `read` | from a file to a model, with the line of what is wrong |
 //! | `build` | from a model to its boundary |
+//! | `spread` | the uncertainty of what it says |
 
 mod record;
 mod rank;
 mod verdict;
 mod read;
 mod build;
+mod spread;
 
 pub use self::rank::Rank;
 pub use self::read::ModelError;
 pub(crate) use self::read::read_bytes;
 pub use self::record::MapRecord;
+pub use self::spread::{NoSpread, Spread};
 pub use self::verdict::{Contribution, Correlation, Flux, Grade, Verdict};
 
 use std::collections::BTreeMap;

@@ -141,6 +141,23 @@ impl Canvas {
         Ok(())
     }
 
+    /// A filled polygon without a border.
+    pub(super) fn area(&mut self, corners: &[Pixel], color: Rgb) {
+        let mut d = String::new();
+        for (i, (x, y)) in corners.iter().enumerate() {
+            // writing to a string cannot fail
+            let _ = write!(d, "{}{x:.1},{y:.1}", if i == 0 { "M" } else { "L" });
+        }
+        self.scene.add(Primitive::Path(Box::new(PathData {
+            d: d + "Z",
+            fill: Some(paint(color)),
+            stroke: paint(color),
+            stroke_width: 0.0,
+            opacity: None,
+            stroke_dasharray: None,
+        })));
+    }
+
     /// The runs of one curve.
     pub(super) fn lines(&mut self, runs: &[Vec<Pixel>], stroke: Stroke) {
         match self.medium {

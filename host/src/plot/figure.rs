@@ -14,11 +14,15 @@ pub enum CurveStyle {
     Points,
     /// A ring around each point, under it.
     Marked,
+    /// The light area between pairs of points, the lower and the upper end at each place, under the fitted curve of the same
+    /// name.
+    Band,
 }
 
 impl CurveStyle {
     /// All, in the order of drawing.
-    pub(super) const ALL: [Self; 4] = [Self::Measured, Self::Marked, Self::Fitted, Self::Points];
+    pub(super) const ALL: [Self; 5] =
+        [Self::Band, Self::Measured, Self::Marked, Self::Fitted, Self::Points];
 
     /// Whether its curves have colours of their own.
     pub(super) fn is_coloured(self) -> bool {

@@ -29,6 +29,10 @@ impl Legend {
         let mut coloured = 0;
         for style in CurveStyle::ALL {
             let first = entries.len();
+            // a band has the name of its curve
+            if style == CurveStyle::Band {
+                continue;
+            }
             for curve in figure.curves().filter(|curve| curve.style == style) {
                 if !entries[first..].iter().any(|entry| entry.label == curve.label) {
                     entries.push(Entry { label: curve.label.clone(), style, index: coloured });
@@ -57,6 +61,13 @@ impl Legend {
         }
     }
 
+    /// The colour of the band about a fitted curve.
+    pub(super) fn band(&self, curve: &Curve) -> Rgb {
+        let same = |entry: &&Entry| entry.style == CurveStyle::Fitted && entry.label == curve.label;
+        let index = self.entries.iter().find(same).map_or(0, |entry| entry.index);
+        palette::light(palette::fitted(index).color)
+    }
+
     /// Draws a sample and the name, starting at `left`, around the height `middle`.
     pub(super) fn draw_entry(&self, canvas: &mut Canvas, entry: &Entry, (left, middle): Pixel) {
         match (entry.style, self.sparse) {
@@ -69,7 +80,7 @@ impl Legend {
                 let color = palette::fitted(entry.index).color;
                 canvas.disc((left + 0.5 * SAMPLE, middle), POINT, color, None);
             }
-            (CurveStyle::Fitted, _) => {
+            (CurveStyle::Fitted | CurveStyle::Band, _) => {
                 let line = vec![(left, middle), (left + SAMPLE, middle)];
                 canvas.lines(&[line], palette::fitted(entry.index));
             }

@@ -13,6 +13,12 @@ pub(super) const MEASURED_LINE: Rgb = Rgb(0xb4, 0xb4, 0xb4);
 /// The rim of a sparsely measured point.
 pub(super) const MEASURED_RIM: Rgb = Rgb(0x4d, 0x4d, 0x4d);
 
+/// A third of a colour on paper.
+pub(super) fn light(Rgb(r, g, b): Rgb) -> Rgb {
+    let third = |c: u8| ((u16::from(c) + 2 * 255) / 3) as u8;
+    Rgb(third(r), third(g), third(b))
+}
+
 /// What is not part of a picture.
 pub(super) const PAPER: Rgb = Rgb(0xff, 0xff, 0xff);
 /// Points of a map without a value.

@@ -127,6 +127,7 @@ impl Plot {
                     CurveStyle::Points => {
                         places.for_each(|p| canvas.disc(p, POINT, stroke.color, None));
                     }
+                    CurveStyle::Band => self.band(canvas, curve, legend.band(curve)),
                     CurveStyle::Measured | CurveStyle::Fitted => self.line(canvas, curve, stroke),
                 }
             }
@@ -139,6 +140,24 @@ impl Plot {
         canvas.lines(&runs, stroke);
         for run in runs.iter().filter(|run| run.len() == 1) {
             canvas.disc(run[0], 0.5 * stroke.width, stroke.color, None);
+        }
+    }
+
+    /// The area between both ends, cut off at the frame; it has a gap where the upper end has no place.
+    fn band(&self, canvas: &mut Canvas, curve: &Curve, color: palette::Rgb) {
+        let bottom = self.frame.bottom();
+        let within = |y: f64| y.clamp(self.frame.top, bottom);
+        let ends = curve.points.chunks_exact(2).map(|pair| {
+            let (x, high) = self.place(&pair[1])?;
+            let low = self.place(&pair[0]).map_or(bottom, |p| p.1);
+            let is_across = self.frame.left <= x && x <= self.frame.right();
+            (is_across && high < bottom).then(|| [(x, within(high)), (x, within(low))])
+        });
+        let ends: Vec<Option<[Pixel; 2]>> = ends.collect();
+        for run in ends.split(Option::is_none).filter(|run| run.len() > 1) {
+            let side = |k: usize| run.iter().flatten().map(move |ends| ends[k]);
+            let corners: Vec<Pixel> = side(0).chain(side(1).rev()).collect();
+            canvas.area(&corners, color);
         }
     }
 

@@ -5,10 +5,14 @@ mod grid;
 mod comparison;
 mod formats;
 mod figures;
+mod boundary;
 mod heights;
 mod html;
 mod trade;
 
+pub use boundary::{
+    BoundaryFiles, BoundaryValue, boundary_csv, boundary_figure, boundary_values,
+};
 pub use figures::{FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use html::{Picture, page};

@@ -46,6 +46,11 @@ pub(in crate::cli) struct CleanFlags {
 }
 
 impl CleanFlags {
+    /// The flags with whether they are given.
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 2] {
+        [("--drop", !self.drop.is_empty()), ("--theta-sign", self.theta_sign.is_some())]
+    }
+
     /// The scan as it is used; says what is left out.
     pub(in crate::cli) fn apply(
         &self,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::clean::CleanFlags;
 use super::effort::EffortFlags;
 use super::light::LightFlags;
 use super::map::MapFlags;
@@ -28,6 +29,8 @@ pub(in crate::cli) struct SampleFlags {
     map_flags: MapFlags,
     #[command(flatten)]
     read: ReadFlags,
+    #[command(flatten)]
+    clean: CleanFlags,
 }
 
 /// A scan and its map, read.
@@ -62,6 +65,7 @@ impl SampleFlags {
     pub(in crate::cli) fn need_scan(&self) -> Result<(), Failure> {
         let why = "models know their own sample";
         let given: Vec<_> = self.setup.given().into_iter().chain(self.read.given()).collect();
+        without_effect(&self.clean.given(), why)?;
         without_effect(&given, why)?;
         self.light.need_waves(false, why)?;
         self.map_flags.need_map(false)?;
@@ -75,6 +79,7 @@ impl SampleFlags {
         map: Option<&PathBuf>,
     ) -> Result<Loaded, Failure> {
         let (measurement, input) = self.read.read(scan, &self.setup)?;
+        let measurement = self.clean.apply(&measurement, scan, self.effort.objective())?;
         let (body, setup) = self.setup.resolve(&measurement, scan, false)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
         let light = self.light.light(Some(&measurement.meta))?;

@@ -64,7 +64,7 @@ pub(in crate::reconstruct) fn fluxes_of(
     }
     let mut slopes: Vec<[Vec<f64>; 2]> = vec![Default::default(); all.len()];
     for name in &fit.errors.names {
-        let moved = moved(method, fit, task, name, watch);
+        let moved = moved(method, fit, task, (&all, name), watch);
         for (k, slope) in slopes.iter_mut().enumerate() {
             let [r, t] = moved.as_ref().and_then(|m| m.get(k).copied()).unwrap_or_default();
             slope[0].push(r);
@@ -78,31 +78,35 @@ pub(in crate::reconstruct) fn fluxes_of(
     all
 }
 
-/// Derivatives of R and T at each incidence with respect to a parameter, over half its standard error.
+/// Derivatives of R and T at each incidence with respect to a parameter: from the fluxes of the fit to those half a standard
+/// error off, on the side that is in the domain.
 fn moved(
     method: &dyn Method,
     fit: &Fit,
     task: &Task<'_>,
-    name: &str,
+    (centre, name): (&[Flux], &str),
     watch: Watch<'_>,
 ) -> Option<Vec<[f64; 2]>> {
-    let own = method.parameters().len();
+    let own = method.parameters();
+    if name != "ior" && !own.iter().any(|p| p.name == name) {
+        return None; // of the instrument: it moves no flux
+    }
     let step = 0.5 * fit.parameters.iter().find(|p| p.name == name)?.std_error?;
     if !(step > 0.0 && step.is_finite()) {
         return None;
     }
-    let side = |by: f64| {
+    let at = |by: f64| {
         let at = |p: &crate::fit::Fitted| if p.name == name { p.value + by } else { p.value };
-        let values: Vec<f64> = fit.parameters.iter().take(own).map(at).collect();
+        let values: Vec<f64> = fit.parameters.iter().take(own.len()).map(at).collect();
         let ior = fit.ior.map(|ior| if name == "ior" { ior + by } else { ior });
         let body = ior.map_or(task.options.body, |ior| Body::Dielectric { ior });
-        Some(fluxes(&method.boundary(&values, body).ok()?, watch))
+        Some((by, fluxes(&method.boundary(&values, body).ok()?, watch)))
     };
-    let (above, below) = (side(step)?, side(-step)?);
+    let (by, moved) = at(step).or_else(|| at(-step))?;
     let slope = |(a, b): (&Flux, &Flux)| {
-        [a.reflected - b.reflected, a.transmitted - b.transmitted].map(|d| d / (2.0 * step))
+        [a.reflected - b.reflected, a.transmitted - b.transmitted].map(|d| d / by)
     };
-    Some(above.iter().zip(&below).map(slope).collect())
+    Some(moved.iter().zip(centre).map(slope).collect())
 }
 
 /// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.

@@ -1,0 +1,161 @@
+//! The boundary of a model in the plane of incidence, from both sides, with the band that its errors give it.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use asperity_core::direction::{Direction, Side};
+
+use super::figures::FigureError;
+use crate::boundary::Boundary;
+use crate::energy::side_name;
+use crate::model::Spread;
+use crate::output::{AtomicFile, OutputError, finish_all};
+use crate::plot::{self, Across, Curve, CurveStyle, Figure, Panel, Scale};
+
+/// Angles of incidence in the medium that the light comes from, degrees.
+const INCIDENCES: [f64; 3] = [0.0, 30.0, 60.0];
+/// Half the width of a band, in standard uncertainties: 95 % of a normal distribution.
+const BAND: f64 = 1.96;
+
+/// A value of the BSDF in the plane of incidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundaryValue {
+    /// Where the light comes from.
+    pub side: Side,
+    /// Angle of incidence in that medium, degrees.
+    pub incidence_deg: f64,
+    /// Whether the light goes through.
+    pub is_transmitted: bool,
+    /// Angle of observation in the medium it goes to, degrees; the mirrored and the undeviated beam are at positive ones.
+    pub theta_deg: f64,
+    /// BSDF, 1/sr, without cosine.
+    pub f: f64,
+    /// Its standard uncertainty, 1/sr; `None` if the errors of the law are not known.
+    pub std: Option<f64>,
+}
+
+/// The boundary from both sides at three incidences; empty if it cannot be evaluated.
+pub fn boundary_values(boundary: &Boundary, spread: Option<&Spread>) -> Vec<BoundaryValue> {
+    let has_inside = boundary.eta().is_some() && !boundary.is_sheet();
+    let sides: &[Side] =
+        if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
+    let lobes: &[bool] = if boundary.eta().is_some() { &[false, true] } else { &[false] };
+    let mut values = Vec::new();
+    for &side in sides {
+        for incidence_deg in INCIDENCES {
+            for &is_transmitted in lobes {
+                values.extend((-178..=178).filter_map(|half| {
+                    let theta_deg = 0.5 * f64::from(half);
+                    let up = if side == Side::Air { 1.0 } else { -1.0 };
+                    let away = if is_transmitted { -up } else { up };
+                    let wi = in_plane(-incidence_deg, up);
+                    let wo = in_plane(theta_deg, away);
+                    let f = boundary.eval(wi, wo)?;
+                    let of = |b: &Boundary| b.eval(wi, wo).unwrap_or(f64::NAN);
+                    let std = spread.map(|spread| spread.std_of(f, of));
+                    Some(BoundaryValue { side, incidence_deg, is_transmitted, theta_deg, f, std })
+                }));
+            }
+        }
+    }
+    values
+}
+
+fn in_plane(theta_deg: f64, up: f64) -> Direction<f64> {
+    let (s, c) = theta_deg.to_radians().sin_cos();
+    Direction::from_unit(s, 0.0, up * c)
+}
+
+/// The values as CSV, with the columns `side,lobe,incidence_deg,theta_deg,bsdf_per_sr,std_per_sr`.
+pub fn boundary_csv(values: &[BoundaryValue]) -> String {
+    let mut text = String::from("side,lobe,incidence_deg,theta_deg,bsdf_per_sr,std_per_sr\n");
+    for v in values {
+        let std = v.std.map(|std| format!("{std:e}")).unwrap_or_default();
+        // writing to a string cannot fail
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{:e},{std}",
+            side_name(v.side),
+            lobe_name(v.is_transmitted),
+            v.incidence_deg,
+            v.theta_deg,
+            v.f
+        );
+    }
+    text
+}
+
+fn lobe_name(is_transmitted: bool) -> &'static str {
+    if is_transmitted { "transmission" } else { "reflection" }
+}
+
+/// The values as a figure: a panel for each side and incidence, with both lobes and their bands.
+pub fn boundary_figure(title: &str, values: &[BoundaryValue]) -> Figure {
+    let has_band = values.iter().any(|v| v.std.is_some());
+    let panels = values.chunk_by(|a, b| {
+        a.side == b.side && a.incidence_deg.total_cmp(&b.incidence_deg).is_eq()
+    });
+    let panel = |here: &[BoundaryValue]| {
+        let from = if here[0].side == Side::Air { "from the air" } else { "from inside" };
+        let curves = here.chunk_by(|a, b| a.is_transmitted == b.is_transmitted).flat_map(curves);
+        Panel {
+            caption: format!("{from}, {}°", here[0].incidence_deg),
+            curves: curves.collect(),
+        }
+    };
+    let bands = if has_band { ", with 95 % bands" } else { "" };
+    Figure {
+        title: format!("{title}: the rough boundary{bands}"),
+        x_label: "angle of observation in the medium that the light goes to (°)".into(),
+        y_label: "BSDF (1/sr)".into(),
+        x_range: (-90.0, 90.0),
+        across: Across::Angle,
+        scale: Scale::LOG,
+        shared_y: true,
+        panels: panels.map(panel).collect(),
+    }
+}
+
+/// A lobe and its band.
+fn curves(lobe: &[BoundaryValue]) -> Vec<Curve> {
+    let label = lobe_name(lobe[0].is_transmitted).to_owned();
+    let points = lobe.iter().map(|v| (v.theta_deg, v.f)).collect();
+    let line = Curve { label: label.clone(), points, style: CurveStyle::Fitted };
+    if lobe[0].std.is_none() {
+        return vec![line];
+    }
+    let ends = |v: &BoundaryValue| {
+        let by = BAND * v.std.filter(|std| std.is_finite()).unwrap_or(0.0);
+        [(v.theta_deg, (v.f - by).max(0.0)), (v.theta_deg, v.f + by)]
+    };
+    let points = lobe.iter().flat_map(ends).collect();
+    vec![Curve { label, points, style: CurveStyle::Band }, line]
+}
+
+/// The files `stem-boundary.svg`, `.png` and `.csv`, opened before the work.
+#[derive(Debug)]
+pub struct BoundaryFiles([AtomicFile; 3]);
+
+impl BoundaryFiles {
+    /// Opens all three.
+    ///
+    /// # Errors
+    /// Those of [`AtomicFile::create`].
+    pub fn create(folder: &Path, stem: &str) -> Result<Self, OutputError> {
+        let open = |end| AtomicFile::create(folder.join(format!("{stem}-boundary.{end}")));
+        Ok(Self([open("svg")?, open("png")?, open("csv")?]))
+    }
+
+    /// Draws and completes all three; returns their paths.
+    ///
+    /// # Errors
+    /// [`FigureError`]; none is written then.
+    pub fn write(self, title: &str, values: &[BoundaryValue]) -> Result<Vec<PathBuf>, FigureError> {
+        let figure = boundary_figure(title, values);
+        let csv = boundary_csv(values).into_bytes();
+        let contents = [plot::svg(&figure)?.into_bytes(), plot::png(&figure)?, csv];
+        let written = self.0.iter().map(|file| file.path().to_owned()).collect();
+        finish_all(self.0.into_iter().zip(contents).collect())?;
+        Ok(written)
+    }
+}
