@@ -92,6 +92,7 @@ fn setup(geometry: Geometry) -> Setup {
         sample: Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry,
         aperture_deg: 0.6,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     }
 }

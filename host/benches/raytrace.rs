@@ -85,6 +85,7 @@ fn main() {
         sample: Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
         aperture_deg: 0.6,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     };
     let theta_deg: Vec<f64> = (-900..=900).map(|k| f64::from(k) * 0.1).collect();

@@ -182,3 +182,48 @@ fn a_measured_response_is_taken_for_the_cone() {
     let bad = folder.run("fit plate.csv --method ggx --signature open.csv").with_code(2);
     assert!(bad.err.contains("open.csv"), "{}", bad.err);
 }
+
+#[test]
+fn values_of_the_boundary_have_a_band_that_holds_the_truth() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "");
+    changed(&folder, "plate", "noisy", |row| row);
+    folder.run("fit noisy.csv --method ggx --fit-ior -o f.json --plot f").ok();
+    let text = folder.text("f-boundary.csv");
+    assert!(text.starts_with("side,lobe,incidence_deg,theta_deg,bsdf_per_sr,std_per_sr\n"));
+    // the same of the true law and of the fit by `eval`, from inside at 30 deg, transmitted
+    let rows = text.lines().filter(|l| l.starts_with("dielectric,transmission,30,"));
+    let rows: Vec<[f64; 3]> = rows
+        .map(|l| {
+            let cells: Vec<f64> = l.split(',').filter_map(|c| c.parse().ok()).collect();
+            [cells[1], cells[2], cells[3]]
+        })
+        .collect();
+    assert_eq!(rows.len(), 357);
+    let pairs = rows.iter().fold("theta_i,phi_i,theta_o,phi_o\n".to_owned(), |text, row| {
+        let (polar, azimuth) = (row[0].abs(), if row[0] < 0.0 { 180 } else { 0 });
+        text + &format!("150,180,{polar},{azimuth}\n")
+    });
+    folder.write("pairs.csv", pairs);
+    let values = |line: &str| -> Vec<[f64; 2]> {
+        let rows = folder.run(line).json();
+        let of = |row: &Value, key: &str| row[key].as_f64().unwrap_or(0.0);
+        rows.as_array().unwrap().iter().map(|r| [of(r, "f"), of(r, "f_std")]).collect()
+    };
+    let fitted = values("eval f.json -i pairs.csv --uncertainty --json");
+    let truth = values("eval plate.json -i pairs.csv --json");
+    let peak = truth.iter().map(|t| t[0]).fold(0.0, f64::max);
+    for ((row, fitted), truth) in rows.iter().zip(&fitted).zip(&truth) {
+        assert!((row[1] - fitted[0]).abs() <= 1e-9 * peak, "{row:?} {fitted:?}");
+        assert!((row[2] - fitted[1]).abs() <= 1e-9 * peak, "{row:?} {fitted:?}");
+        if truth[0] > 1e-3 * peak {
+            assert!(fitted[1] > 0.0 && fitted[1] < 0.05 * truth[0], "{row:?}");
+            // one draw of the noise moves all values together
+            assert!((fitted[0] - truth[0]).abs() < 3.5 * fitted[1], "{row:?} {truth:?}");
+        }
+    }
+    let csv = folder.run("eval f.json -i pairs.csv --uncertainty").ok();
+    assert!(csv.starts_with("theta_i,phi_i,theta_o,phi_o,f,ars,pdf,f_std\n"), "{}", csv);
+    let refused = folder.run("eval plate.json -i pairs.csv --uncertainty").with_code(2);
+    assert!(refused.err.contains("standard error"), "{}", refused.err);
+}

@@ -71,6 +71,7 @@ fn light_scattered_once_and_coherent_at_other_hits_is_in_readings() {
                     sample,
                     geometry,
                     aperture_deg: APERTURE_DEG,
+                    slit_height_deg: None,
                     quantity: Quantity::Flux,
                 };
                 for sigma_deg in [0.0, 40.0] {

@@ -56,7 +56,13 @@ fn coherent_light_of_a_table_is_read_and_counted_as_that_of_its_waves() {
     for geometry in [Geometry::Transmission, Geometry::Reflection] {
         for rough_side in [RoughSide::Source, RoughSide::Detector] {
             let sample = Sample::Plate { eta: ior(1.49), rough_side };
-            let setup = Setup { sample, geometry, aperture_deg: 2.0, quantity: Quantity::Flux };
+            let setup = Setup {
+                sample,
+                geometry,
+                aperture_deg: 2.0,
+                slit_height_deg: None,
+                quantity: Quantity::Flux,
+            };
             let plan = Angles::product(&SIGMAS, &angles);
             let [w, t] = [&wave, &table].map(|b| {
                 simulate(b, &setup, &plan, Effort::Full, RAYS, Watch::nobody()).unwrap().values

@@ -97,7 +97,13 @@ fn the_distance_of_a_map_without_direction_is_from_the_map_itself() {
         let thetas: Vec<f64> = (0..361).map(|k| -90.0 + 0.5 * f64::from(k)).collect();
         let sample = Sample::Plate { eta: ior(1.49), rough_side: RoughSide::Source };
         let geometry = Geometry::Transmission;
-        let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
+        let setup = Setup {
+            sample,
+            geometry,
+            aperture_deg: 0.6,
+            slit_height_deg: None,
+            quantity: Quantity::Flux,
+        };
         let sigmas = [0.0, 15.0, 30.0, 45.0, 60.0];
         let angles = Angles::product(&sigmas, &thetas);
         let of_table = quadrature(&table, &setup, &angles, Effort::Full).values;

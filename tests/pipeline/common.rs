@@ -35,7 +35,13 @@ impl Virtual {
         let body = Body::Dielectric { ior };
         let sample = Sample::Plate { eta: body.eta().unwrap(), rough_side };
         let boundary = method.boundary(values, body).unwrap();
-        let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
+        let setup = Setup {
+            sample,
+            geometry,
+            aperture_deg: 0.6,
+            slit_height_deg: None,
+            quantity: Quantity::Flux,
+        };
         Self { boundary, setup }
     }
 
@@ -53,6 +59,7 @@ impl Virtual {
             sample: Sample::Opaque,
             geometry: Geometry::Reflection,
             aperture_deg: 0.6,
+            slit_height_deg: None,
             quantity: Quantity::Flux,
         };
         Self { boundary, setup }

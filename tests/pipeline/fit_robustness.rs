@@ -85,12 +85,14 @@ fn setups() -> Vec<(&'static str, Box<dyn Method>, Body, Setup)> {
         sample: Sample::Plate { eta: CLEAR.eta().unwrap(), rough_side: Source },
         geometry,
         aperture_deg: 0.6,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     };
     let opaque = Setup {
         sample: Sample::Opaque,
         geometry: Reflection,
         aperture_deg: 0.0,
+        slit_height_deg: None,
         quantity: Quantity::Bsdf,
     };
     vec![

@@ -41,6 +41,7 @@ fn fit_of(surface: &str, scan: &Measurement, objective: Objective) -> Fit {
         sample: Sample::Opaque,
         geometry: Geometry::Reflection,
         aperture_deg: 0.0,
+        slit_height_deg: None,
         quantity: Quantity::Bsdf,
     };
     let options = FitOptions { objective, ..options(Body::Opaque) };

@@ -36,7 +36,7 @@ fn setup(body: Body, geometry: Geometry, aperture_deg: f64) -> Setup {
         Body::Opaque => Sample::Opaque,
         body => Sample::Plate { eta: body.eta().unwrap(), rough_side: RoughSide::Source },
     };
-    Setup { sample, geometry, aperture_deg, quantity }
+    Setup { sample, geometry, aperture_deg, slit_height_deg: None, quantity }
 }
 
 /// A scan of a boundary.

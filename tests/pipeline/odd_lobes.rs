@@ -29,6 +29,7 @@ fn of_side(scan: &Measurement, method: &dyn Method, rough_side: RoughSide) -> Fi
         sample: Sample::Plate { eta: GLASS.eta().unwrap(), rough_side },
         geometry: Geometry::Transmission,
         aperture_deg: 0.0,
+        slit_height_deg: None,
         quantity: Quantity::Bsdf,
     };
     fitted(method, scan, &setup, &options(GLASS)).unwrap()

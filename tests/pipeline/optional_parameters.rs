@@ -131,6 +131,7 @@ fn a_filter_is_found_where_there_is_one_and_else_left_out() {
         sample: Sample::Plate { eta: CLEAR.eta().unwrap(), rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
         aperture_deg: 1.0,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     };
     let choice = Choice {

@@ -81,6 +81,49 @@ fn around_the_normal_all_planes_read_the_same() {
     }
 }
 
+#[test]
+fn a_slit_reads_the_integral_over_its_rectangle() {
+    use asperity_core::quadrature::gauss_legendre;
+    let (width, height) = (1.0_f64, 6.0_f64);
+    for (alpha, geometry) in [(0.08, Transmission), (0.35, Transmission), (0.3, Reflection)] {
+        let points = {
+            let mut sample = Virtual::ggx(alpha, 1.49).with_sides(Source, geometry);
+            (sample.setup.quantity, sample.setup.aperture_deg) = (Quantity::Bsdf, 0.0);
+            sample
+        };
+        let mut slit = Virtual::ggx(alpha, 1.49).with_sides(Source, geometry).with_aperture(width);
+        slit.setup.slit_height_deg = Some(height);
+        let thetas = [10.0, 24.0, 30.0, 31.0, 45.0];
+        let found = readings(&slit, vec![Incidence::in_plane(30.0, thetas.to_vec())]);
+        let largest = found.iter().copied().fold(0.0, f64::max);
+        for (theta, found) in thetas.into_iter().zip(found) {
+            // point values over the rectangle: each direction lies in a plane of its own
+            let (mut planes, mut weights) = (Vec::new(), Vec::new());
+            for (t, w) in gauss_legendre::<8>() {
+                let psi = (height * (t - 0.5)).to_radians();
+                for (u, v) in gauss_legendre::<5>() {
+                    let along = (theta + width * (u - 0.5)).to_radians();
+                    let [x, y, z] = [along.sin() * psi.cos(), psi.sin(), along.cos() * psi.cos()];
+                    let (polar, azimuth) = (z.acos(), (y / x).atan());
+                    let theta_deg = vec![polar.to_degrees()];
+                    planes.push(Incidence {
+                        phi_deg: azimuth.to_degrees(),
+                        ..Incidence::in_plane(30.0, theta_deg)
+                    });
+                    let area = width.to_radians() * height.to_radians();
+                    weights.push(w * v * area * psi.cos() * polar.cos());
+                }
+            }
+            let values = readings(&points, planes);
+            let exact: f64 = values.iter().zip(&weights).map(|(f, w)| f * w).sum();
+            assert!(
+                (found - exact).abs() < 2e-3 * largest,
+                "{alpha} {geometry:?} {theta}: {found} {exact} of {largest}"
+            );
+        }
+    }
+}
+
 /// The scan of a hemisphere of point values, every 6 degrees and 15 degrees around.
 fn hemisphere(alpha: f64) -> (Virtual, Measurement) {
     let mut sample = Virtual::ggx(alpha, 1.49).with_aperture(0.0);

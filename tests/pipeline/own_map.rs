@@ -135,6 +135,7 @@ fn the_width_of_random_heights_is_found_with_other_random_heights() {
         sample,
         geometry: Geometry::Transmission,
         aperture_deg: 2.0,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     };
     for (profile, truth) in [("gauss", 0.2), ("cauchy", 0.05)] {

@@ -22,6 +22,7 @@ pub(crate) fn setup(scan: &Measurement) -> Setup {
         sample: Sample::Plate { eta: SURFACE.eta().unwrap(), rough_side: meta.rough_side.unwrap() },
         geometry: meta.geometry.unwrap(),
         aperture_deg: meta.aperture_deg.unwrap(),
+        slit_height_deg: None,
         quantity: scan.quantity(),
     }
 }

@@ -2,7 +2,7 @@
 
 use asperity::fit::FitOptions;
 use asperity::forward::Sample;
-use asperity::measurement::{Measurement, Metadata, Reading};
+use asperity::measurement::{Measurement, Metadata, Quantity, Reading};
 use asperity::method::{Body, GgxMethod, Method};
 use asperity::model::Grade;
 use asperity::reconstruct::{Entry, Situation, Task, usually_asked};
@@ -195,6 +195,24 @@ fn broken(case: Case, kind: usize, random: &mut Random) -> Option<(Case, &'stati
             let shift = |r: &Reading| Some(Reading { theta_deg: r.theta_deg + by, ..*r });
             (case.changed(shift), &["zero of theta", "zero of sigma"])
         }
+        13 => {
+            // reflectance factors in place of a BSDF, of a body bright enough that they are more light than there is
+            let mut sample = Virtual::opaque(0.3, random.within(0.4, 0.9), 0.01);
+            (sample.setup.quantity, sample.setup.aperture_deg) = (Quantity::Bsdf, 0.0);
+            let case = scan_of(&sample, "ggx", 2e-3, random);
+            (case.times(std::f64::consts::PI), &["divide by pi"])
+        }
+        14 => {
+            let mut case = case;
+            let Body::Dielectric { ior } = case.situation.body else { return None };
+            let off = if random.uniform() < 0.5 { 0.15 } else { -0.15 };
+            let body = Body::Dielectric { ior: ior + off };
+            if let Sample::Plate { eta, .. } = &mut case.situation.setup.sample {
+                *eta = body.eta().unwrap();
+            }
+            (case.situation.body, case.options.body) = (body, body);
+            (case, &["--ior"])
+        }
         _ => return None,
     })
 }
@@ -215,11 +233,11 @@ fn sound_scans_are_never_accused() {
 #[test]
 fn broken_scans_are_never_accepted_without_their_cause() {
     // every second way, unless there is time
-    let (count, step) = if extensive() { (1000, 1) } else { (7, 2) };
+    let (count, step) = if extensive() { (1000, 1) } else { (8, 2) };
     let mut random = Random(5);
     let (mut tried, mut missed) = (0, Vec::new());
     while tried < count {
-        let Some((case, words)) = broken(sound(&mut random), step * tried % 13, &mut random) else {
+        let Some((case, words)) = broken(sound(&mut random), step * tried % 15, &mut random) else {
             continue;
         };
         tried += 1;

@@ -33,7 +33,7 @@ fn light(speckle: Speckle) -> WaveOptions {
 
 fn setup(rough_side: RoughSide, geometry: Geometry) -> Setup {
     let sample = Sample::Plate { eta: CLEAR.eta().unwrap(), rough_side };
-    Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux }
+    Setup { sample, geometry, aperture_deg: 0.6, slit_height_deg: None, quantity: Quantity::Flux }
 }
 
 fn readings(boundary: &WaveBoundary, setup: &Setup, plan: &Angles) -> Vec<f64> {

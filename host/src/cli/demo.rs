@@ -70,6 +70,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         sample: forward::Sample::Plate { eta, rough_side: RoughSide::Source },
         geometry: Geometry::Transmission,
         aperture_deg: gp200::APERTURE_DEG,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     };
     let what = format!(

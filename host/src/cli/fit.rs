@@ -17,8 +17,8 @@ use super::readings::Given;
 use super::{auto, print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
 use crate::measurement::Measurement;
-use crate::model::{Model, Spread};
 use crate::method::{Body, Kind, Lack, in_words};
+use crate::model::{Model, Spread};
 use crate::output::AtomicFile;
 use crate::reconstruct::{Entry, Found, Task, Trials, usually_asked};
 use crate::report::{self, BoundaryFiles, FigureFiles, PolarFiles};
@@ -152,6 +152,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     let of_sheet = args.describes_sheet()?;
     let (body, setup) = args.setup.resolve(&measurement, &args.scan, of_sheet)?;
+    let setup = args.nuisance.opening(setup)?;
     if !matches!(body, Body::Dielectric { .. }) && args.anisotropic {
         return Err(Failure::bad("--anisotropic is for a plate; leave it out for other bodies"));
     }
@@ -191,10 +192,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.nuisance.replicas() > 0 && trials.iter().any(|trial| trial.is_traced()) {
         return Err(Failure::bad("--bootstrap is for methods without rays of their own noise"));
     }
-    if task.options.signature.is_some()
-        && trials.iter().any(|t| t.is_traced() || t.wave().is_some())
-    {
-        return Err(Failure::bad("--signature and --beam-width are for laws in closed form"));
+    if args.nuisance.has_response() && trials.iter().any(|t| t.is_traced() || t.wave().is_some()) {
+        return Err(Failure::bad(
+            "--signature, --beam-width and --slit-height are for laws in closed form",
+        ));
     }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let is_closed = trials.iter().all(|t| !t.is_traced() && t.wave().is_none());

@@ -2,7 +2,8 @@
 
 use super::FitOptions;
 use super::bootstrap;
-use super::budget::{contributions, moves};
+use super::budget::{Effect, contributions, moves};
+use super::explained::unexplained;
 use super::fitted::Fitted;
 use super::problem::Problem;
 use super::uncertainty::{Curvature, curvature};
@@ -57,7 +58,11 @@ pub(super) fn found(
     let later = later::about(problem, values, || ()).ok().flatten();
     let near = later.map(|later| problem.with_later(later));
     let near = near.as_ref().unwrap_or(problem);
-    let curvature = curvature(near, values, simulated);
+    let effects = options.doubts.effects(near, values, simulated);
+    let curvature = curvature(near, values, simulated).map(|found| {
+        let left = unexplained(near, &found, simulated, &effects);
+        Curvature { std_errors: found.std_errors(near, &left), ..found }
+    });
     let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c));
     let of_noise: Vec<Option<f64>> = (0..values.len())
         .map(|k| {
@@ -65,8 +70,9 @@ pub(super) fn found(
             profile.map(|p| p.stated()).or_else(|| curvature.as_ref()?.std_errors[k])
         })
         .collect();
-    let errors =
-        curvature.as_ref().map(|c| together(near, values, simulated, c, &of_noise, options));
+    let errors = curvature
+        .as_ref()
+        .map(|c| together(near, (values, simulated), (c, &effects), &of_noise, options));
     let errors = errors.unwrap_or_default();
     let combined = |k: usize| match errors.covariance.get(k) {
         Some(row) => of_noise[k].map(|_| row[k].sqrt()),
@@ -92,9 +98,8 @@ pub(super) fn found(
 /// The covariance of all errors, the budget and the draws.
 fn together(
     problem: &Problem<'_>,
-    values: &[f64],
-    simulated: &[f64],
-    curvature: &Curvature,
+    (values, simulated): (&[f64], &[f64]),
+    (curvature, effects): (&Curvature, &[Effect]),
     of_noise: &[Option<f64>],
     options: &FitOptions,
 ) -> Errors {
@@ -104,7 +109,6 @@ fn together(
     let mut covariance: Vec<Vec<f64>> = (0..names.len())
         .map(|i| (0..names.len()).map(|j| correlations[i][j] * noise(i) * noise(j)).collect())
         .collect();
-    let effects = options.doubts.effects(problem, values, simulated);
     let of_part = |part: &Vec<f64>| moves(problem, curvature, simulated, part);
     let moved: Vec<Vec<Vec<f64>>> =
         effects.iter().map(|effect| effect.parts.iter().map(of_part).collect()).collect();
@@ -122,12 +126,12 @@ fn together(
             unit: String::new(),
             effects: of_noise.collect(),
         });
-        budget.extend(contributions(problem, &effects, &moved));
+        budget.extend(contributions(problem, effects, &moved));
     }
     let mut samples = Vec::new();
     if options.replicas > 0 && !problem.is_traced() {
         let draws = (options.replicas, options.rays.seed);
-        samples = bootstrap::replicas(problem, values, simulated, &effects, draws, problem.watch());
+        samples = bootstrap::replicas(problem, values, simulated, effects, draws, problem.watch());
     }
     Errors { names, covariance, budget, samples }
 }

@@ -53,6 +53,7 @@ mod later;
 mod quick;
 mod signature;
 mod budget;
+mod explained;
 mod bootstrap;
 mod errors;
 mod verdict;

@@ -79,24 +79,31 @@ pub(super) fn curvature(
     let curvature: Vec<Vec<f64>> =
         (0..p).map(|i| (0..p).map(|j| product(i, j)).collect()).collect();
     let inverse = inverse(&curvature)?;
-    // H^-1 J_i r_i, one series of length n a parameter: the variance is their correlated sum.
-    // what is known beforehand is as good as it says, whatever its residual
-    let beforehand = at_optimum.len() - n;
-    let correction = n as f64 / n.saturating_sub(p).max(1) as f64;
-    let std_errors = inverse
-        .iter()
-        .map(|row| {
+    let found = Curvature { residuals: at_optimum, columns, inverse, std_errors: Vec::new() };
+    let std_errors = found.std_errors(problem, &found.residuals);
+    Some(Curvature { std_errors, ..found })
+}
+
+impl Curvature {
+    /// Standard errors of the values if noise left these residuals, as [`curvature`] says.
+    pub(super) fn std_errors(&self, problem: &Problem<'_>, residuals: &[f64]) -> Vec<Option<f64>> {
+        let (n, p) = (problem.measured().len(), self.columns.len());
+        // what is known beforehand is as good as it says, whatever its residual
+        let beforehand = residuals.len().saturating_sub(n);
+        let correction = n as f64 / n.saturating_sub(p).max(1) as f64;
+        let of = |row: &Vec<f64>| {
             let moved = |i: usize| -> f64 {
-                row.iter().zip(&columns).map(|(h, column)| h * column[i]).sum::<f64>()
+                row.iter().zip(&self.columns).map(|(h, column)| h * column[i]).sum::<f64>()
             };
-            let series: Vec<f64> = (0..n).map(|i| moved(i) * at_optimum[i]).collect();
+            // H^-1 J_i r_i, one series of length n a parameter: the variance is their correlated sum
+            let series: Vec<f64> = (0..n).map(|i| moved(i) * residuals[i]).collect();
             let of_priors: f64 =
                 (n..n + beforehand).map(|i| (moved(i) * problem.noise()).powi(2)).sum();
             let variance = correction * correlated_sum(problem, &series) + of_priors;
             Some(variance.sqrt()).filter(|e| e.is_finite() && *e > 0.0)
-        })
-        .collect();
-    Some(Curvature { residuals: at_optimum, columns, inverse, std_errors })
+        };
+        self.inverse.iter().map(of).collect()
+    }
 }
 
 /// Variance of a sum of correlated terms: the largest of three estimates from products of neighbours

@@ -128,32 +128,82 @@ pub(super) struct Line {
     weight: f64,
 }
 
-/// A line of a cone of half angle `a` (rad); `weight` counts `psi` alone.
-fn line(a: f64, psi: f64, weight: f64) -> Line {
-    let reach = (a.cos() / psi.cos()).min(1.0).acos();
-    Line { psi, reach, weight: weight * psi.cos() }
+/// What the detector's opening is: a cone, or a slit across the plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Opening {
+    /// Half the angle of a cone, or half the width of a slit, rad.
+    pub(super) half_width: f64,
+    /// Half the height of a slit, rad; `None` for a cone.
+    half_height: Option<f64>,
 }
 
-/// The lines for a cone of half angle `a` (rad) where the density is smooth over it: the three-point Gauss-Chebyshev rule
-/// of the second kind, whose weight is the chord itself.
-pub(super) fn smooth_lines(a: f64) -> Vec<Line> {
-    let x = std::f64::consts::FRAC_1_SQRT_2;
-    vec![line(a, 0.0, a * PI / 4.0), line(a, a * x, a * PI / 4.0 / x)]
-}
+impl Opening {
+    pub(super) fn of(aperture_deg: f64, slit_height_deg: Option<f64>) -> Self {
+        let half = |deg: f64| 0.5 * deg.to_radians();
+        Self { half_width: half(aperture_deg), half_height: slit_height_deg.map(half) }
+    }
 
-/// The lines for a cone of half angle `a` and a lobe of width `scale` (rad), which may be far narrower: Gauss-Legendre in a
-/// warped coordinate dense at the plane.
-pub(super) fn narrow_lines(a: f64, scale: f64) -> Vec<Line> {
-    let kappa = asinh(a / scale);
-    gauss_legendre::<NARROW_LINES>()
-        .iter()
-        .map(|&(t, w)| {
+    /// The largest angle from the axis along a line or across all lines, rad.
+    pub(super) fn reach(&self) -> f64 {
+        self.half_width.max(self.half_height.unwrap_or(0.0))
+    }
+
+    /// Whether it is a slit.
+    pub(super) fn is_slit(&self) -> bool {
+        self.half_height.is_some()
+    }
+
+    /// Whether a direction is in it: by its offsets in the plane and out of it for a slit, by its angle from the axis for a
+    /// cone, rad. The rim counts.
+    pub(super) fn contains(&self, [along, across]: [f64; 2], from_axis: f64) -> bool {
+        let within = |x: f64, half: f64| x.abs() <= half * (1.0 + 1e-9);
+        match self.half_height {
+            None => within(from_axis, self.half_width),
+            Some(half) => within(along, self.half_width) && within(across, half),
+        }
+    }
+
+    /// A line; `weight` counts `psi` alone.
+    fn line(&self, psi: f64, weight: f64) -> Line {
+        let reach = match self.half_height {
+            None => (self.half_width.cos() / psi.cos()).min(1.0).acos(),
+            Some(_) => self.half_width,
+        };
+        Line { psi, reach, weight: weight * psi.cos() }
+    }
+
+    /// The lines where the density is smooth over the opening. Of a cone the three-point Gauss-Chebyshev rule of the second
+    /// kind, whose weight is the chord itself; of a slit six points of Gauss and Legendre over its height.
+    pub(super) fn smooth_lines(&self) -> Vec<Line> {
+        let Some(height) = self.half_height else {
+            let (a, x) = (self.half_width, std::f64::consts::FRAC_1_SQRT_2);
+            return vec![self.line(0.0, a * PI / 4.0), self.line(a * x, a * PI / 4.0 / x)];
+        };
+        // both signs of psi are meant
+        let of = |&(t, w): &(f64, f64)| self.line(height * t, 2.0 * w * height);
+        gauss_legendre::<6>().iter().map(of).collect()
+    }
+
+    /// The lines for a lobe of width `scale` (rad), which may be far narrower than the opening: Gauss-Legendre in a warped
+    /// coordinate dense at the plane.
+    pub(super) fn narrow_lines(&self, scale: f64) -> Vec<Line> {
+        let a = self.half_height.unwrap_or(self.half_width);
+        let kappa = asinh(a / scale);
+        let rule = gauss_legendre::<NARROW_LINES>();
+        let one = |&(t, w): &(f64, f64)| {
             let tau = (kappa * t).sinh() / kappa.sinh();
             let slope = kappa * (kappa * t).cosh() / kappa.sinh();
-            let (s, c) = (FRAC_PI_2 * tau).sin_cos();
-            line(a, a * s, 2.0 * w * a * FRAC_PI_2 * c * slope)
-        })
-        .collect()
+            match self.half_height {
+                // the chord of a cone ends like a root: no weight there
+                None => {
+                    let (s, c) = (FRAC_PI_2 * tau).sin_cos();
+                    self.line(a * s, 2.0 * w * a * FRAC_PI_2 * c * slope)
+                }
+                Some(_) => self.line(a * tau, 2.0 * w * a * slope),
+            }
+        };
+        rule.iter().map(one).collect()
+    }
 }
 
 /// A lobe integrated along one line, up to every cell's lower end, with what is needed inside a cell.
@@ -201,12 +251,26 @@ impl Integral {
 
 #[cfg(test)]
 mod tests {
-    use super::{Integral, Warp, narrow_lines, smooth_lines};
+    use super::{Integral, Opening, Warp};
     use crate::forward::solid_angle;
 
+    const CONE: Opening =
+        Opening { half_width: 0.3 * std::f64::consts::PI / 180.0, half_height: None };
+
     fn reading(density: impl Fn(f64, f64) -> f64, peak: f64, scale: f64, theta: f64) -> f64 {
-        let (warp, a) = (Warp::new(peak, scale, 16.0), 0.3_f64.to_radians());
-        let lines = if scale > 2.0 * a { smooth_lines(a) } else { narrow_lines(a, scale) };
+        in_opening(CONE, density, peak, scale, theta)
+    }
+
+    fn in_opening(
+        opening: Opening,
+        density: impl Fn(f64, f64) -> f64,
+        peak: f64,
+        scale: f64,
+        theta: f64,
+    ) -> f64 {
+        let warp = Warp::new(peak, scale, 16.0);
+        let wide = scale > 2.0 * opening.reach();
+        let lines = if wide { opening.smooth_lines() } else { opening.narrow_lines(scale) };
         lines
             .iter()
             .map(|line| {
@@ -225,6 +289,37 @@ mod tests {
         }
         let wide = reading(|_, _| 1.0, 0.3, 0.1, 0.2);
         assert!((wide / solid_angle(0.6) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_constant_gives_the_solid_angle_of_the_slit() {
+        let opening = Opening::of(0.5, Some(8.0));
+        let exact = 0.5_f64.to_radians() * 2.0 * 4.0_f64.to_radians().sin();
+        for scale in [1e-4, 1e-2, 0.3] {
+            let got = in_opening(opening, |_, _| 1.0, 0.3, scale, 0.2);
+            assert!((got / exact - 1.0).abs() < 1e-5, "{scale} {got}");
+        }
+    }
+
+    #[test]
+    fn a_slit_holds_the_share_of_a_gaussian_that_error_functions_say() {
+        let opening = Opening::of(0.5, Some(4.0));
+        for width in [1e-4, 2e-3, 0.02, 0.1] {
+            let lobe =
+                |t: f64, p: f64| (-((t - 0.1).powi(2) + p * p) / (2.0 * width * width)).exp();
+            for offset in [0.0, 0.003, 0.01] {
+                let share = |from: f64, to: f64| {
+                    let at = |x: f64| libm::erf(x / (width * std::f64::consts::SQRT_2));
+                    width * (std::f64::consts::FRAC_PI_2).sqrt() * (at(to) - at(from))
+                };
+                let (w, h) = (opening.half_width, opening.reach());
+                // cos psi counts as 1 - psi^2 / 2, at most 6e-4
+                let exact = share(offset - w, offset + w) * share(-h, h);
+                let got = in_opening(opening, lobe, 0.1, width, 0.1 + offset);
+                let peak = share(-w, w) * share(-h, h);
+                assert!((got - exact).abs() < 1e-3 * peak, "{width} {offset}: {got} {exact}");
+            }
+        }
     }
 
     #[test]

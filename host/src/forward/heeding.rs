@@ -76,6 +76,7 @@ mod tests {
             sample: Sample::Opaque,
             geometry: Geometry::Reflection,
             aperture_deg: 1.0,
+            slit_height_deg: None,
             quantity: Quantity::Flux,
         };
         let angles = Incidence::in_plane(0.0, vec![0.0]);

@@ -63,11 +63,25 @@ pub struct Setup {
     pub geometry: Geometry,
     /// FULL angle of the detector's cone, degrees. 0 for readings of a BSDF taken as point values.
     pub aperture_deg: f64,
+    /// FULL height of a slit out of the plane of observation, degrees; the aperture is then its width in that plane. `None`: a
+    /// round cone. For laws in closed form.
+    pub slit_height_deg: Option<f64>,
     /// Relative flux, or BSDF in 1/sr.
     pub quantity: Quantity,
 }
 
 impl Setup {
+    /// Solid angle of the detector, sr.
+    pub fn solid_angle(&self) -> f64 {
+        match self.slit_height_deg {
+            None => solid_angle(self.aperture_deg),
+            // int cos psi dpsi over the height, times the width
+            Some(height) => {
+                self.aperture_deg.to_radians() * 2.0 * (0.5 * height.to_radians()).sin()
+            }
+        }
+    }
+
     /// The lobe that the detector is in.
     pub(crate) fn lobe(&self) -> Lobe {
         match self.geometry {

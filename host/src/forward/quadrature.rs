@@ -7,12 +7,12 @@ use asperity_core::direction::Direction;
 use asperity_core::gonio::Geometry;
 use rayon::prelude::*;
 
-use super::aperture::{Integral, Line, Node, Warp, cubic, narrow_lines, smooth_lines};
+use super::aperture::{Integral, Line, Node, Opening, Warp, cubic};
 use super::inside::{AllLight, Light, Shared};
 use super::internal::passes;
 use super::optics::{Entry, View, enter, look};
 use super::returns::Returns;
-use super::{Angles, Incidence, Sample, Setup, solid_angle};
+use super::{Angles, Incidence, Sample, Setup};
 use crate::measurement::Quantity;
 
 /// Incidence, rad, from which on internal passes take more rays in transmission: 40 degrees.
@@ -182,14 +182,14 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
     }
 
     fn readings(&self) -> (Vec<f64>, Neglected) {
-        let half_angle = 0.5 * self.setup.aperture_deg.to_radians();
-        if self.setup.quantity == Quantity::Bsdf && half_angle <= 0.0 {
+        let opening = Opening::of(self.setup.aperture_deg, self.setup.slit_height_deg);
+        if self.setup.quantity == Quantity::Bsdf && opening.half_width <= 0.0 {
             return self.point_values();
         }
-        let wide = self.scale > 2.0 * half_angle;
-        let solid_angle = solid_angle(self.setup.aperture_deg);
+        let wide = self.scale > 2.0 * opening.reach();
+        let solid_angle = self.setup.solid_angle();
         let nodes = self.warp.nodes();
-        let (far, mut neglected) = self.far(&nodes, half_angle);
+        let (far, mut neglected) = self.far(&nodes, opening);
         let thetas = self.incidence.theta_deg.iter().map(|t| t.to_radians());
         let smooth = wide && self.setup.geometry == Geometry::Transmission;
         let mut values: Vec<f64> = if smooth && self.incidence.theta_deg.len() > nodes.len() {
@@ -199,8 +199,8 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
         } else if wide {
             thetas.map(|theta| far.reading(theta)).collect()
         } else {
-            let reach = NEAR * (half_angle + self.scale);
-            let near = (self.nearest.1 <= reach).then(|| self.near(&nodes, half_angle, reach));
+            let reach = NEAR * (opening.reach() + self.scale);
+            let near = (self.nearest.1 <= reach).then(|| self.near(&nodes, opening, reach));
             if let Some((_, missing)) = &near {
                 neglected = neglected.or_more(*missing);
             }
@@ -217,8 +217,9 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
             *value = value.max(0.0);
             let theta = theta.to_radians();
             // The beam mirrored by a smooth front face is narrower than any cone; the rim counts.
+            let off = [theta - self.nearest.0, self.nearest.1];
             if self.entry.mirrored > 0.0
-                && self.incidence.angle_to_beam(theta) <= half_angle * (1.0 + 1e-9)
+                && opening.contains(off, self.incidence.angle_to_beam(theta))
             {
                 *value += self.entry.mirrored;
             }
@@ -231,14 +232,14 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
     }
 
     /// The rule for a density that is smooth over the cone.
-    fn far(&self, nodes: &[Node], half_angle: f64) -> (ConeRule<'_>, Neglected) {
-        let lines = smooth_lines(half_angle);
+    fn far(&self, nodes: &[Node], opening: Opening) -> (ConeRule<'_>, Neglected) {
+        let lines = opening.smooth_lines();
         let mut neglected = Neglected::default();
         let mut inner = Vec::new();
         let mut integrals = Vec::with_capacity(lines.len());
         for (k, line) in lines.iter().enumerate() {
             // A lobe wider than the cone looks the same on all lines for what was scattered twice.
-            if k == 0 || self.setup.geometry == Geometry::Reflection {
+            if k == 0 || opening.is_slit() || self.setup.geometry == Geometry::Reflection {
                 let missing;
                 (inner, missing) = self.internal_on_line(nodes, line.psi);
                 neglected = neglected.or_more(self.in_readings(missing));
@@ -251,9 +252,10 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
     /// The rule for readings within `reach` of the peak of a lobe that may be narrower than the cone.
     ///
     /// Light of later hits is computed on every line: of a lobe far narrower than the cone it is as narrow itself.
-    fn near(&self, nodes: &[Node], half_angle: f64, reach: f64) -> (ConeRule<'_>, Neglected) {
-        let lines = narrow_lines(half_angle, self.scale);
-        let seen = |node: &Node| (node.theta - self.nearest.0).abs() <= reach + 2.0 * half_angle;
+    fn near(&self, nodes: &[Node], opening: Opening, reach: f64) -> (ConeRule<'_>, Neglected) {
+        let lines = opening.narrow_lines(self.scale);
+        let seen =
+            |node: &Node| (node.theta - self.nearest.0).abs() <= reach + 2.0 * opening.reach();
         let first = nodes.iter().position(seen).unwrap_or(0);
         // the cubic between computed directions knows less at the ends
         let first = (first - first % STRIDE).saturating_sub(2 * STRIDE);
@@ -315,7 +317,7 @@ impl<'a, B: Bsdf<f64> + Sync> OnePlane<'a, B> {
     /// From a missing density, 1/sr, to what is missing from a reading.
     fn in_readings(&self, missing: Neglected) -> Neglected {
         let factor = match self.setup.quantity {
-            Quantity::Flux => solid_angle(self.setup.aperture_deg),
+            Quantity::Flux => self.setup.solid_angle(),
             Quantity::Bsdf => {
                 let cosines = self.incidence.theta_deg.iter().map(|t| t.to_radians().cos());
                 1.0 / cosines.filter(|c| *c > 1e-9).fold(1.0, f64::min)

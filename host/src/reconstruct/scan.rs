@@ -249,7 +249,7 @@ impl ScanRequest {
         if is_coherent && aperture_deg <= 0.0 {
             return Err(NoScan::CoherentNeedsAperture);
         }
-        Ok(Setup { sample, geometry, aperture_deg, quantity })
+        Ok(Setup { sample, geometry, aperture_deg, slit_height_deg: None, quantity })
     }
 
     fn grid(&self) -> Result<AngleGrid<f64>, NoScan> {

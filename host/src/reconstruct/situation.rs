@@ -108,7 +108,10 @@ impl Said {
             None => return Err(Unclear::Aperture),
         };
         check_aperture(aperture_deg, quantity)?;
-        Ok(Situation { body, setup: Setup { sample, geometry, aperture_deg, quantity } })
+        Ok(Situation {
+            body,
+            setup: Setup { sample, geometry, aperture_deg, slit_height_deg: None, quantity },
+        })
     }
 }
 

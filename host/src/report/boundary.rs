@@ -37,8 +37,7 @@ pub struct BoundaryValue {
 /// The boundary from both sides at three incidences; empty if it cannot be evaluated.
 pub fn boundary_values(boundary: &Boundary, spread: Option<&Spread>) -> Vec<BoundaryValue> {
     let has_inside = boundary.eta().is_some() && !boundary.is_sheet();
-    let sides: &[Side] =
-        if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
+    let sides: &[Side] = if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
     let lobes: &[bool] = if boundary.eta().is_some() { &[false, true] } else { &[false] };
     let mut values = Vec::new();
     for &side in sides {
@@ -92,16 +91,12 @@ fn lobe_name(is_transmitted: bool) -> &'static str {
 /// The values as a figure: a panel for each side and incidence, with both lobes and their bands.
 pub fn boundary_figure(title: &str, values: &[BoundaryValue]) -> Figure {
     let has_band = values.iter().any(|v| v.std.is_some());
-    let panels = values.chunk_by(|a, b| {
-        a.side == b.side && a.incidence_deg.total_cmp(&b.incidence_deg).is_eq()
-    });
+    let panels = values
+        .chunk_by(|a, b| a.side == b.side && a.incidence_deg.total_cmp(&b.incidence_deg).is_eq());
     let panel = |here: &[BoundaryValue]| {
         let from = if here[0].side == Side::Air { "from the air" } else { "from inside" };
         let curves = here.chunk_by(|a, b| a.is_transmitted == b.is_transmitted).flat_map(curves);
-        Panel {
-            caption: format!("{from}, {}°", here[0].incidence_deg),
-            curves: curves.collect(),
-        }
+        Panel { caption: format!("{from}, {}°", here[0].incidence_deg), curves: curves.collect() }
     };
     let bands = if has_band { ", with 95 % bands" } else { "" };
     Figure {

@@ -10,9 +10,7 @@ mod heights;
 mod html;
 mod trade;
 
-pub use boundary::{
-    BoundaryFiles, BoundaryValue, boundary_csv, boundary_figure, boundary_values,
-};
+pub use boundary::{BoundaryFiles, BoundaryValue, boundary_csv, boundary_figure, boundary_values};
 pub use figures::{FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use html::{Picture, page};

@@ -63,8 +63,13 @@ pub fn distance(
         (Sample::Plate { rough_side: RoughSide::Detector, .. }, true) => Geometry::Transmission,
         _ => geometry,
     };
-    let setup =
-        Setup { sample, geometry, aperture_deg: gp200::APERTURE_DEG, quantity: Quantity::Flux };
+    let setup = Setup {
+        sample,
+        geometry,
+        aperture_deg: gp200::APERTURE_DEG,
+        slit_height_deg: None,
+        quantity: Quantity::Flux,
+    };
     let count = (180.0 / step_deg).round() as u32;
     let thetas: Vec<f64> = (0..=count).map(|k| -90.0 + f64::from(k) * step_deg).collect();
     let angles = forward::Angles::product(&gp200::SIGMAS_DEG, &thetas);

@@ -36,8 +36,13 @@ impl Scan {
             }
             None => (Sample::Opaque, Geometry::Reflection),
         };
-        let setup =
-            Setup { sample, geometry, aperture_deg: gp200::APERTURE_DEG, quantity: Quantity::Flux };
+        let setup = Setup {
+            sample,
+            geometry,
+            aperture_deg: gp200::APERTURE_DEG,
+            slit_height_deg: None,
+            quantity: Quantity::Flux,
+        };
         let thetas: Vec<f64> = (0..=720).map(|k| -90.0 + STEP * f64::from(k)).collect();
         let angles = Angles::product(&gp200::SIGMAS_DEG, &thetas);
         let readings = quadrature(model, &setup, &angles, Effort::Full).values;

@@ -16,6 +16,7 @@ fn setup(geometry: Geometry, rough_side: RoughSide) -> Setup {
         sample: Sample::Plate { eta: ior(ETA), rough_side },
         geometry,
         aperture_deg: 5.0,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     }
 }

@@ -48,7 +48,13 @@ fn hybrid(map: &HeightMap, cutoff_um: Option<f64>) -> HybridBoundary {
 
 fn scan(boundary: &Boundary, geometry: Geometry, sigmas_deg: &[f64], count: u64) -> Readings {
     let sample = Sample::Plate { eta: ior(ETA), rough_side: RoughSide::Source };
-    let setup = Setup { sample, geometry, aperture_deg: 0.6, quantity: Quantity::Flux };
+    let setup = Setup {
+        sample,
+        geometry,
+        aperture_deg: 0.6,
+        slit_height_deg: None,
+        quantity: Quantity::Flux,
+    };
     let angles: Vec<f64> = (0..361).map(|k| f64::from(k) * 0.5 - 90.0).collect();
     let (plan, rays) = (Angles::product(sigmas_deg, &angles), Rays { count, seed: 5 });
     simulate(boundary, &setup, &plan, Effort::Full, rays, Watch::nobody()).unwrap()

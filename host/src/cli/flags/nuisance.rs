@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::scan::number;
 use crate::cli::error::Failure;
 use crate::fit::{Doubts, MOST_GAINS, Nuisance, Signature};
+use crate::forward::Setup;
 use crate::measurement::{Measurement, csv};
 use crate::reconstruct::Task;
 
@@ -33,6 +34,9 @@ pub(in crate::cli) struct NuisanceFlags {
     /// FULL angle of a round beam, whose overlap with the detector is the response
     #[arg(long, hide_short_help = true, value_name = "DEG", value_parser = number)]
     beam_width: Option<f64>,
+    /// FULL height of a slit across the plane of observation; the aperture is then its width
+    #[arg(long, hide_short_help = true, value_name = "DEG", conflicts_with_all = ["signature", "beam_width"], value_parser = number)]
+    slit_height: Option<f64>,
     /// Doubts about the instrument that are not fitted, one standard deviation each: offset=0.05,gain=1,drift=0.3 and also
     /// gains, stray, aperture (percent), ior; they enter the errors, and a budget is printed
     #[arg(long, hide_short_help = true, value_name = "KEY=VALUE,...", value_parser = doubts)]
@@ -73,8 +77,9 @@ fn doubts(text: &str) -> Result<Doubts, String> {
 
 impl NuisanceFlags {
     /// The flags with whether they are given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 7] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 8] {
         [
+            ("--slit-height", self.slit_height.is_some()),
             ("--signature", self.signature.is_some()),
             ("--beam-width", self.beam_width.is_some()),
             ("--bootstrap", self.bootstrap.is_some()),
@@ -124,6 +129,27 @@ impl NuisanceFlags {
         }
         let beam = self.beam_width.map(|beam| Signature::of_beam(beam, aperture_deg));
         beam.transpose().map_err(Failure::bad)
+    }
+
+    /// The detector with its slit, if it has one.
+    pub(in crate::cli) fn opening(&self, setup: Setup) -> Result<Setup, Failure> {
+        let Some(height) = self.slit_height else { return Ok(setup) };
+        if !(height > 0.0 && height <= 60.0) {
+            return Err(Failure::bad(
+                "--slit-height is the full height in degrees, above 0 and at most 60",
+            ));
+        }
+        if setup.aperture_deg <= 0.0 {
+            return Err(Failure::bad(
+                "--slit-height needs the width of the slit; add --aperture DEG",
+            ));
+        }
+        Ok(Setup { slit_height_deg: Some(height), ..setup })
+    }
+
+    /// Whether the response is other than a cone.
+    pub(in crate::cli) fn has_response(&self) -> bool {
+        self.slit_height.is_some() || self.signature.is_some() || self.beam_width.is_some()
     }
 
     /// The doubts that are not fitted.
