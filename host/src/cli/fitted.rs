@@ -8,7 +8,7 @@ use crate::fit::{Errors, FitError, Fitted, Objective, Termination};
 use crate::measurement::Isotropy;
 use crate::model::Flux;
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
-use crate::report::{self, figure_text, power_text};
+use crate::report::{self, figure_text, power_text, with_error};
 
 /// A method with every law that is to be tried, or why it cannot be used.
 pub(super) fn trials(
@@ -133,11 +133,13 @@ fn fluxes(all: &[Flux]) -> Vec<String> {
     let line = |f: &Flux| {
         let Flux { incidence_deg, reflected, transmitted, lost, .. } = f;
         let from = if f.side == "air" { "from air" } else { "from inside" };
-        let doubt = |e: Option<f64>| e.map_or(String::new(), |e| format!(" ± {e:.4}"));
-        let [r, t] = [f.std_reflected, f.std_transmitted].map(doubt);
-        format!(
-            "{from:12} R {reflected:.4}{r}  T {transmitted:.4}{t}  lost {lost:.4}  at {incidence_deg} deg"
-        )
+        let share = |value: f64, std: Option<f64>| match std {
+            Some(_) => with_error(value, std),
+            None => format!("{value:.4}"),
+        };
+        let r = share(*reflected, f.std_reflected);
+        let t = share(*transmitted, f.std_transmitted);
+        format!("{from:12} R {r}  T {t}  lost {lost:.4}  at {incidence_deg} deg")
     };
     all.iter().filter(is_shown).map(line).collect()
 }

@@ -5,10 +5,11 @@
 //! it begins again, until it ends where it began. There value and derivatives are those of the full simulation, and so
 //! is the minimum.
 
+use super::nuisance::{GAIN, is_of_instrument};
 use super::problem::{Later, Problem};
 use super::search::{End, Search, Stopped};
 use crate::forward::{Effort, Readings};
-use crate::method::BuildError;
+use crate::method::{BuildError, Parameter};
 
 /// Rounds of a search; what still moves then is searched for in full.
 const ROUNDS: usize = 5;
@@ -25,6 +26,16 @@ pub(super) fn about(
     values: &[f64],
     count: impl Fn(),
 ) -> Result<Option<Later>, BuildError> {
+    about_as(problem, values, count, |_| true)
+}
+
+/// The same, as if it did not change with the parameters that do not move it.
+fn about_as(
+    problem: &Problem<'_>,
+    values: &[f64],
+    count: impl Fn(),
+    moves: impl Fn(&Parameter) -> bool,
+) -> Result<Option<Later>, BuildError> {
     if !problem.has_later_hits() {
         return Ok(None);
     }
@@ -37,6 +48,10 @@ pub(super) fn about(
     let Some((full, part)) = parts(values)? else { return Ok(None) };
     let mut slopes = Vec::with_capacity(point.len());
     for (k, parameter) in problem.parameters().iter().enumerate() {
+        if !moves(parameter) {
+            slopes.push(vec![0.0; part.len()]);
+            continue;
+        }
         let step = STEP * parameter.step(values[k]);
         let mut moved = point.clone();
         moved[k] += step;
@@ -55,6 +70,23 @@ fn parts(
     let Some(first) = problem.simulate(values, Effort::First)? else { return Ok(None) };
     let part = full.values.iter().zip(&first.values).map(|(full, first)| full - first).collect();
     Ok(Some((full, part)))
+}
+
+/// Minimises the cost roughly from a start that is near: the later light is computed once, and changes with the law alone.
+pub(super) fn minimise_once(
+    search: &mut Search<'_>,
+    problem: &Problem<'_>,
+    start: &[f64],
+    tolerance: f64,
+) -> Result<End, Stopped> {
+    search.begin();
+    let of_law = |p: &Parameter| !is_of_instrument(p.name) && p.name != GAIN;
+    match about_as(problem, start, || search.count(), of_law) {
+        Ok(Some(later)) => {
+            search.minimise(&problem.with_later(later), start, Effort::Full, tolerance)
+        }
+        Ok(None) | Err(_) => Err(Stopped),
+    }
 }
 
 /// Minimises the cost in full effort from a start that is near.
