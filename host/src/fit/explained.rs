@@ -3,7 +3,9 @@
 //! An instrument that is a little off leaves residuals with a shape. They are not noise: the budget counts the doubt already, and
 //! noise that were estimated from them would count it again. With `D` the changes of the residuals by one standard deviation of
 //! each doubt, less what the values of the fit take up, the most likely deviations are
-//! `z = (D^T D / s^2 + 1)^-1 D^T r / s^2` for noise `s` \[Tarantola 2005, eq. 3.38\]; `r - D z` is left.
+//! `z = (D^T D / s^2 + 1)^-1 D^T r / s^2` for noise `s` \[Tarantola 2005, eq. 3.38\]; `r - D z` is left. Values and deviations
+//! follow the noise of the readings that determine them, so what is left there is divided by `sqrt(1 - h)`, `h` their leverage
+//! \[MacKinnon & White 1985, HC2\].
 
 use super::budget::Effect;
 use super::problem::Problem;
@@ -41,7 +43,22 @@ pub(super) fn unexplained(
         let deviation = dot(row, &right);
         left.iter_mut().zip(change).for_each(|(r, d)| *r -= deviation * d);
     }
+    let of_values = leverage(&curvature.columns, &curvature.inverse);
+    let of_doubts = leverage(&changes, &solution);
+    for (r, (a, b)) in left.iter_mut().zip(of_values.iter().zip(&of_doubts)) {
+        *r /= (1.0 - a - b / variance).max(0.1).sqrt();
+    }
     left
+}
+
+/// The diagonal of `J M J^T`.
+fn leverage(columns: &[Vec<f64>], matrix: &[Vec<f64>]) -> Vec<f64> {
+    let count = columns.first().map_or(0, Vec::len);
+    let at = |i: usize| {
+        let row = |row: &Vec<f64>| row.iter().zip(columns).map(|(m, c)| m * c[i]).sum::<f64>();
+        matrix.iter().zip(columns).map(|(r, c)| row(r) * c[i]).sum()
+    };
+    (0..count).map(at).collect()
 }
 
 /// The change of the residuals by a part of a doubt, after the values have followed it.
