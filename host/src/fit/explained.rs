@@ -5,7 +5,7 @@
 //! each doubt, less what the values of the fit take up, the most likely deviations are
 //! `z = (D^T D / s^2 + 1)^-1 D^T r / s^2` for noise `s` \[Tarantola 2005, eq. 3.38\]; `r - D z` is left. Values and deviations
 //! follow the noise of the readings that determine them, so what is left there is divided by `sqrt(1 - h)`, `h` their leverage
-//! \[MacKinnon & White 1985, HC2\].
+//! \[Mackinnon and White 1985, HC2\].
 
 use super::budget::Effect;
 use super::problem::Problem;
