@@ -64,6 +64,7 @@ pub mod acquire;
 pub mod raytrace;
 pub mod kirchhoff;
 pub mod hybrid;
+pub mod atlas;
 pub mod embedded;
 pub mod boundary;
 pub mod batch;
