@@ -24,7 +24,7 @@
 //! 2 degrees ([`Measure::Reading`]), or without the coherent light in percent of the peak of the diffuse light ([`Measure::Diffuse`]).
 //!
 //! `table` holds the solutions, `kriging` interpolates between them, `region` says which of them belong together, `answer` is the question
-//! and its answer, `proof` leaves each surface out and predicts it from the others, `rows` asks for all lobes of a map. What is
+//! and its answer, `proof` leaves each surface out and predicts it from the others, `rows` asks for all lobes of a map, `words` says it of a measurement. What is
 //! quoted holds for grooves with Gaussian heights and autocorrelation, and an index of 1.49; it quotes, and judges nothing: the verdict on waves is
 //! that of [`crate::kirchhoff::validity`].
 
@@ -34,8 +34,10 @@ mod region;
 mod answer;
 mod proof;
 mod rows;
+mod words;
 
 pub use answer::{Nearest, Outside, Question, Quote, quote};
 pub use proof::{LeftOut, left_out};
 pub use rows::{CAVEAT, EngineQuotes, Row, of_validity};
 pub use table::{Engine, Measure, Solution, solutions};
+pub use words::{Measured, Surface, two_digits};
