@@ -57,6 +57,13 @@ impl Process {
         Some(process)
     }
 
+    /// The same without some points, with the variance as it is.
+    #[cfg(test)]
+    pub(super) fn without(&self, left_out: impl Fn(&Point) -> bool) -> Option<Self> {
+        let kept = self.points.iter().copied().filter(|p| !left_out(p)).collect();
+        Self::with(kept, self.variance)
+    }
+
     fn with(points: Vec<Point>, variance: f64) -> Option<Self> {
         let entry = |i: usize, j: usize| {
             let own = if i == j { variance * ROUGH + points[i].noise } else { 0.0 };
@@ -180,8 +187,7 @@ mod tests {
         let all = Process::through(points).unwrap();
         let quick = all.left_out().unwrap();
         for group in [0, 5, 11] {
-            let rest = all.points().iter().copied().filter(|p| p.group != group).collect();
-            let rest = Process::with(rest, all.variance).unwrap();
+            let rest = all.without(|p| p.group == group).unwrap();
             for (p, Estimate { value, deviation }) in all.points().iter().zip(&quick) {
                 if p.group == group {
                     let slow = rest.at(p.at);

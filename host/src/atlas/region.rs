@@ -149,3 +149,46 @@ fn noise(error: f64, floor: f64) -> f64 {
     let of_square = (2.0 * floor.powi(4) + 4.0 * (floor * error).powi(2)) / INDEPENDENT;
     (of_square / (4.0 * error.powi(4))).min(MOST_NOISE * MOST_NOISE)
 }
+
+#[cfg(test)]
+mod tests {
+    use asperity_core::direction::Side;
+
+    use super::{LENGTHS, Region};
+    use crate::atlas::{Engine, Measure};
+
+    #[test]
+    fn what_is_known_at_30_degrees_follows_from_0_and_60() {
+        // twice as far from the next solutions as any question about an incidence
+        for engine in [Engine::Kirchhoff, Engine::Rays] {
+            for measure in Measure::ALL {
+                for region in Region::ALL.into_iter().filter(|r| r.side == Side::Air) {
+                    let course = region.course(engine, measure).unwrap();
+                    let is_middle = |deg: f64| (deg - 30.0).abs() < 5.0;
+                    let rest = course.process.without(|p| is_middle(p.at[2] * LENGTHS[2])).unwrap();
+                    let points = course.process.points().iter();
+                    let middle: Vec<_> =
+                        points.filter(|p| is_middle(p.at[2] * LENGTHS[2])).collect();
+                    assert_eq!(middle.len(), 42);
+                    let held = middle.iter().filter(|p| {
+                        let found = rest.at(p.at);
+                        let deviation = found.deviation.hypot(p.noise.sqrt());
+                        (found.value - p.value).abs() <= course.reach * deviation
+                    });
+                    let held = held.count();
+                    println!("{} {measure:?} {:?}: {held} of 42", engine.name(), region.lobe);
+                    assert!(held >= 37, "{engine:?} {measure:?} {:?} {held}", region.lobe);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_critical_angle_parts_the_inside() {
+        let of = |deg| Region::of(Side::Dielectric, super::Lobe::Reflection, deg).map(|r| r.beyond);
+        assert_eq!(
+            [0.0, 30.2, 42.0, 59.0, 61.5].map(of),
+            [Some(false), Some(false), None, Some(true), None]
+        );
+    }
+}
