@@ -311,7 +311,7 @@ def atlas(program):
     rq = json.loads(program.run("stats", "demo/map.sdf", "--json"))["rq_um"]
     incidences = ",".join(str(deg) for deg in range(0, 61, 5))
     panels = [Panel(words, "incidence, °", "error, % of the peak", (0, 60), (-2, 2)) for words in ("transmitted", "reflected")]
-    for height, colour in zip((0.2, 0.6, 2), COLOURS):
+    for height, colour in zip((0.2, 0.5, 1.2), COLOURS):
         light = ("--wavelength-nm", f"{1000 * rq / height:.0f}", "--incidence", incidences)
         said = json.loads(program.run("stats", "demo/map.sdf", *PLATE, *light, "--json"))["atlas"]["lobes"]
         for panel, lobe in zip(panels, ("transmission", "reflection")):

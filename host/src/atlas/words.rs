@@ -11,6 +11,8 @@ use crate::surface::{Edges, HeightMap};
 
 /// Incidences from inside that are told, degrees: below the critical angle.
 const INSIDE_DEG: [f64; 2] = [0.0, 30.0];
+/// Nobody measures less, % of the peak.
+const LEAST: f64 = 0.01;
 
 /// What the atlas asks of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,18 +135,21 @@ impl Worst {
 }
 
 impl Quote {
-    /// Such as `0.34 % (0.2 to 0.58)`.
+    /// Such as `0.34 % (0.2 to 0.58)`; `<0.01 %` where that is all there is to say.
     pub fn text(&self) -> String {
+        if self.high_percent < LEAST {
+            return format!("<{LEAST} %");
+        }
         let [error, low, high] =
             [self.error_percent, self.low_percent, self.high_percent].map(two_digits);
         format!("{error} % ({low} to {high})")
     }
 }
 
-/// A percentage to two digits; what is below a thousandth is said to be.
+/// A percentage to two digits; what is below a hundredth is said to be.
 pub fn two_digits(percent: f64) -> String {
-    if percent < 1e-3 {
-        return "<0.001".into();
+    if percent < LEAST {
+        return format!("<{LEAST}");
     }
     let places = (1.0 - percent.log10().floor()).clamp(0.0, 4.0) as usize;
     let text = format!("{percent:.places$}");
@@ -163,8 +168,8 @@ mod tests {
     #[test]
     fn figures_have_two_digits() {
         let of = |x: f64| two_digits(x);
-        let found = [0.0002, 0.001_23, 0.3401, 0.5, 5.04, 17.6, 236.2].map(of);
-        assert_eq!(found, ["<0.001", "0.0012", "0.34", "0.5", "5", "18", "236"]);
+        let found = [0.0002, 0.012_3, 0.3401, 0.5, 5.04, 17.6, 236.2].map(of);
+        assert_eq!(found, ["<0.01", "0.012", "0.34", "0.5", "5", "18", "236"]);
     }
 
     #[test]

@@ -155,14 +155,14 @@ pub(in crate::cli) fn atlas(v: &Validity) -> String {
         return format!("{head}: none, {why}\n");
     }
     let mut text = format!(
-        "{head}, nine of ten within\nfrom        lobe          nm        deg     {:22}{:22}{:22}waves, diffuse\n",
+        "{head}, nine of ten within\nfrom        lobe          nm        deg     {:23}{:23}{:23}waves, diffuse\n",
         "waves", "rays", "facets"
     );
     for r in &rows {
         let side = if r.side == "air" { r.side } else { "inside" };
         let figures = match (&r.quotes, &r.outside) {
             (Some(q), _) => {
-                let cells = [q.kirchhoff, q.rays, q.facet].map(|q| format!("{:<22}", q.text()));
+                let cells = [q.kirchhoff, q.rays, q.facet].map(|q| format!("{:<23}", q.text()));
                 format!("{}{}", cells.concat(), q.kirchhoff_diffuse.text())
             }
             (None, why) => why.clone().unwrap_or_default(),
