@@ -183,7 +183,9 @@ mod tests {
     #[test]
     fn what_is_left_out_is_as_if_it_had_never_been() {
         let mut points = grid(|[x, y, _]| (1.5 * x).sin() * y, |[x, ..]| 1e-3 * (1.0 + x));
-        points.iter_mut().for_each(|p| p.group /= 3);
+        for p in &mut points {
+            p.group /= 3;
+        }
         let all = Process::through(points).unwrap();
         let quick = all.left_out().unwrap();
         for group in [0, 5, 11] {

@@ -80,9 +80,8 @@ impl Region {
 
     /// The interpolation for an engine.
     pub(super) fn course(self, engine: Engine, measure: Measure) -> Option<&'static Course> {
-        const ONE: OnceLock<Option<Course>> = OnceLock::new();
         static FOUND: [[[OnceLock<Option<Course>>; 2]; 3]; 6] =
-            [const { [const { [ONE; 2] }; 3] }; 6];
+            [const { [const { [const { OnceLock::new() }; 2] }; 3] }; 6];
         let number = Self::ALL.iter().position(|region| *region == self)?;
         FOUND[number][engine as usize][measure as usize]
             .get_or_init(|| Course::of(self, engine, measure))
@@ -176,7 +175,6 @@ mod tests {
                         (found.value - p.value).abs() <= course.reach * deviation
                     });
                     let held = held.count();
-                    println!("{} {measure:?} {:?}: {held} of 42", engine.name(), region.lobe);
                     assert!(held >= 37, "{engine:?} {measure:?} {:?} {held}", region.lobe);
                 }
             }

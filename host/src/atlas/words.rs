@@ -1,5 +1,7 @@
 //! What the atlas says of a surface, in a line or two.
 
+use std::fmt::Write as _;
+
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 
@@ -73,7 +75,8 @@ impl Surface {
         };
         let mut text = format!("{way}: waves err by {}, rays by {}", waves.text(), rays.text());
         if let Some(why) = waves.outside {
-            text += &format!(" ({why})");
+            // writing to a String cannot fail
+            let _ = write!(text, " ({why})");
         }
         let is_shadowed = (lobe.side, lobe.lobe) == (Side::Air, Lobe::Reflection)
             && kirchhoff::shadows_by_itself(self.rms_slope, self.rq_um / light.shortest_um());
