@@ -306,7 +306,24 @@ def bounces(program):
     write("bounces", "R of all bounces; solid: Smith's surface, dashed: rays on a Gaussian map", panels, program.commands)
 
 
+def atlas(program):
+    """True errors over the incidence; the wavelength sets Rq in wavelengths."""
+    rq = json.loads(program.run("stats", "demo/map.sdf", "--json"))["rq_um"]
+    incidences = ",".join(str(deg) for deg in range(0, 61, 5))
+    panels = [Panel(words, "incidence, °", "error, % of the peak", (0, 60), (-2, 2)) for words in ("transmitted", "reflected")]
+    for height, colour in zip((0.2, 0.5, 1.2), COLOURS):
+        light = ("--wavelength-nm", f"{1000 * rq / height:.0f}", "--incidence", incidences)
+        said = json.loads(program.run("stats", "demo/map.sdf", *PLATE, *light, "--json"))["atlas"]["lobes"]
+        for panel, lobe in zip(panels, ("transmission", "reflection")):
+            mine = [row for row in said if (row["side"], row["lobe"]) == ("air", lobe)]
+            for engine, dashed in (("kirchhoff", False), ("rays", True)):
+                points = [(row["incidence_deg"], row[engine]["error_percent"]) for row in mine]
+                panel.add(points, colour, None if dashed else f"Rq {height} wavelengths", dashed)
+    write("atlas", "errors of waves (solid) and rays (dashed) in the atlas, light from the air", panels, program.commands)
+
+
 METHODS = {
+    "atlas": atlas,
     "ggx": ggx,
     "normals": normals,
     "beckmann": beckmann,

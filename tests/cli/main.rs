@@ -11,6 +11,7 @@
 //! | `bounces`, `mix` | options of laws, from the model to its evaluators |
 //! | `happy` | every verb does what it says |
 //! | `maps` | `stats` on height maps |
+//! | `atlas` | true errors of waves and rays beside the verdict |
 //! | `instruments` | files of many instruments, several maps in a file |
 //! | `map_verbs` | light on height maps |
 //! | `hybrid` | rays and waves on one map |
@@ -44,6 +45,7 @@ mod refusal;
 mod help;
 mod effect;
 mod snapshots;
+mod atlas;
 mod believe;
 mod book;
 mod bounces;

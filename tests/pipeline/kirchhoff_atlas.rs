@@ -1,6 +1,7 @@
-//! The verdict on waves against rigorous solutions: an atlas of grooved Gaussian surfaces (`rigorous_atlas.csv`), judged in closed
+//! The verdict on waves against rigorous solutions: the atlas of grooved Gaussian surfaces (`asperity::atlas`), judged in closed
 //! form and on a seeded map of each surface.
 
+use asperity::atlas::{Engine, Measure, Solution, solutions};
 use asperity::boundary::Boundary;
 use asperity::energy;
 use asperity::forward::Rays;
@@ -12,7 +13,7 @@ use asperity::watch::Watch;
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
-use asperity_tests::{extensive, golden, tolerance};
+use asperity_tests::{data, extensive, golden, tolerance};
 
 /// Vacuum wavelength, um: the atlas counts in wavelengths.
 const WAVELENGTH_UM: f64 = 0.55;
@@ -38,25 +39,51 @@ struct Known {
 }
 
 fn atlas() -> Vec<Known> {
-    let lines = include_str!("rigorous_atlas.csv").lines();
-    let known = |line: &str| {
-        let cells: Vec<&str> = line.split(',').collect();
-        let number = |k: usize| cells[k].parse::<f64>().unwrap();
-        let side = if cells[2] == "air" { Side::Air } else { Side::Dielectric };
-        let lobe = if cells[4] == "R" { Lobe::Reflection } else { Lobe::Transmission };
-        Known {
-            rq: number(0),
-            slope: number(1),
-            side,
-            lobe,
-            incidence_deg: number(3),
-            error: number(5),
-            diffuse_error: number(6),
-        }
+    let known = |s: &Solution| Known {
+        rq: s.rq_over_lambda,
+        slope: s.rms_slope,
+        side: s.side,
+        lobe: s.lobe,
+        incidence_deg: s.incidence_deg,
+        error: s.error_percent(Engine::Kirchhoff, Measure::Reading),
+        diffuse_error: s.error_percent(Engine::Kirchhoff, Measure::Diffuse),
     };
-    let found: Vec<Known> = lines.filter(|l| !l.starts_with(['#', 'R'])).map(known).collect();
+    let found: Vec<Known> = solutions().iter().map(known).collect();
     assert_eq!(found.len(), 504);
     found
+}
+
+#[test]
+fn the_atlas_in_the_crate_is_that_of_the_reference_solutions() {
+    let Some(path) = data::find("reference/rigorous/atlas/atlas_summary.csv") else { return };
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().filter(|l| !l.starts_with('#'));
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<&str>> = lines.map(|l| l.split(',').collect()).collect();
+    assert_eq!(rows.len(), solutions().len());
+    for (row, s) in rows.iter().zip(solutions()) {
+        let cell = |name: &str| row[head.iter().position(|h| *h == name).unwrap()];
+        let is = |name: &str, found: f64| {
+            let known: f64 = cell(name).parse().unwrap();
+            assert!((found - known).abs() <= 5.1e-4 * known, "{name}: {known} {found}");
+        };
+        assert_eq!(cell("side") == "air", s.side == Side::Air, "{s:?}");
+        assert_eq!(cell("kind") == "R", s.lobe == Lobe::Reflection, "{s:?}");
+        let exact: f64 = cell("theta_i").parse().unwrap();
+        assert!((s.incidence_deg - exact).abs() < 1e-12, "{s:?}");
+        is("Rq", s.rq_over_lambda);
+        is("slope", s.rms_slope);
+        is("E_rig", s.flux);
+        is("noise_pk", s.noise_percent);
+        assert!((cell("coh_rig").parse::<f64>().unwrap() - s.coherent_flux).abs() < 5.1e-4);
+        for (measure, prefix) in [(Measure::Reading, ""), (Measure::Diffuse, "d")] {
+            is(&format!("{prefix}rms_floor"), s.floor_percent(measure));
+            for (engine, word) in Engine::ALL.into_iter().zip(["kir", "ray", "fac"]) {
+                is(&format!("{prefix}rms_{word}"), s.error_percent(engine, measure));
+                is(&format!("E_{word}"), s.flux_of(engine));
+            }
+        }
+    }
 }
 
 /// What a verdict makes of the lobes of the atlas.

@@ -21,6 +21,7 @@ mod own_map;
 mod wave_samples;
 mod kirchhoff_validity;
 mod kirchhoff_atlas;
+mod atlas_intervals;
 mod noise_floor;
 mod metals;
 mod recovery;

@@ -359,7 +359,8 @@ fn check_flags(args: &Args) -> Result<(), Failure> {
         }
     }
     let waves = in_words(&Kind::names(Kind::is_wave));
-    if any(&|kind| kind.name == "k-correlation") {
+    // rays on a map are judged by the wavelength
+    if any(&|kind| kind.name == "k-correlation") || (kind.needs_map && !kind.is_wave()) {
         args.light.need_no_speckle()?;
     } else {
         args.light.need_waves(kind.is_wave(), &format!("waves are sent by method {waves}"))?;

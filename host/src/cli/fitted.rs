@@ -119,6 +119,9 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
     {
         let _ = writeln!(text, "warning: {warning}");
     }
+    for line in &entry.atlas {
+        let _ = writeln!(text, "atlas        {line}");
+    }
     text
 }
 

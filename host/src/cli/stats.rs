@@ -6,6 +6,7 @@ use super::error::Failure;
 use super::flags::map::MapFlags;
 use super::flags::waves::{self, KirchhoffFlags};
 use super::{print, say};
+use crate::atlas;
 use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures, figure_text};
 use crate::surface::sanity::Insane;
@@ -38,7 +39,9 @@ use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
 /// With --ior and --wavelength-nm it also says where waves on this map may be trusted, for light
 /// from both sides: the reading with the specular light, and the diffuse light alone, each to 1 %
 /// of its peak. It looks at the facets, at the pixel, and at R + T as `check --engine wave` finds
-/// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside.
+/// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside. So is what waves,
+/// rays and single facets err by on grooves of this Rq and slope, of rigorous solutions: it does not
+/// enter the verdict.
 ///
 /// Examples:
 ///   asperity stats map.x3p
@@ -116,13 +119,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             let kirchhoff =
                 verdict.as_ref().map(validity_json).transpose().map_err(Failure::bad)?;
             answer.insert("kirchhoff".into(), kirchhoff.into());
+            let atlas = verdict.as_ref().map(|v| {
+                serde_json::json!({ "holds_for": atlas::CAVEAT, "lobes": atlas::of_validity(v) })
+            });
+            answer.insert("atlas".into(), atlas.into());
             answer.insert("edges".into(), loaded.edges.name().into());
             let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
             answer.insert("input".into(), input);
         }
         print(&format!("{answer:#}\n"))?;
     } else {
-        let waves = verdict.as_ref().map(waves::human).unwrap_or_default();
+        let waves = verdict.as_ref().map(waves::human).unwrap_or_default()
+            + &verdict.as_ref().map(waves::atlas).unwrap_or_default();
         let iso = iso_25178(&loaded, &areal);
         print(&format!("{}{iso}{waves}", human(&loaded, &figures, anisotropy)))?;
     }

@@ -19,5 +19,7 @@ pub use field::{BeamOrders, Order, Tiling, orders};
 pub use mean::{ByFlux, CoherentFlux, MeanSpectra, WaveBoundary, warning_for_rays};
 pub use optics::Beam;
 pub use options::{Shadowing, Speckle, WaveOptions};
+pub use shadowing::shadows_by_itself;
+pub use slopes::steepest_slope;
 pub use validity::{GaussianLobe, GaussianVerdict, Loss, Validity, ValidityError};
 pub use wavelengths::{Wavelengths, WavelengthsError};

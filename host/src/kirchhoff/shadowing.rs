@@ -65,6 +65,12 @@ impl Smith {
     }
 }
 
+/// Whether [`Shadowing::Auto`] shadows the light that a surface of this rms slope, along the steepest direction, and Rq, in vacuum
+/// wavelengths, reflects in air.
+pub fn shadows_by_itself(rms_slope: f64, rq_over_lambda: f64) -> bool {
+    rms_slope >= LEAST_SLOPE && rq_over_lambda >= LEAST_RQ
+}
+
 /// Rms height about the mean.
 fn rq_um(map: &HeightMap) -> f64 {
     let heights = || map.points().map(|p| p.2);

@@ -86,6 +86,11 @@ impl Slopes {
     }
 }
 
+/// Rms slope of a map along the direction in which it is largest; 0 if points are missing.
+pub fn steepest_slope(map: &HeightMap, edges: Edges) -> f64 {
+    Slopes::of(map, edges).steepest()
+}
+
 #[cfg(test)]
 mod tests {
     use super::Slopes;

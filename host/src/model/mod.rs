@@ -227,6 +227,9 @@ pub struct Model {
     /// Warnings about the model's validity, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub validity: Vec<String>,
+    /// What rigorous solutions say of waves and rays on a surface like the measured map, in plain words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub atlas: Vec<String>,
     /// The program and the inputs that made the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<Provenance>,
@@ -290,6 +293,7 @@ impl Model {
             samples: Vec::new(),
             sample_names: Vec::new(),
             validity: Vec::new(),
+            atlas: Vec::new(),
             provenance: None,
             timing: None,
             old_seconds: None,

@@ -114,6 +114,12 @@ impl SampleResult {
         all.enumerate().map(|(k, (label, note))| (k + 1, label, note.as_str()))
     }
 
+    /// What the atlas of rigorous solutions says of the measured map; nothing without a map and a wavelength.
+    pub fn atlas(&self) -> &[String] {
+        let known = self.attempts.iter().filter_map(Attempt::entry).map(|e| &e.atlas[..]);
+        known.into_iter().find(|lines| !lines.is_empty()).unwrap_or_default()
+    }
+
     /// Name of the model file of a method on a sample of a name.
     pub fn model_file(name: &str, method: &str) -> String {
         format!("{name}-{method}.json")
@@ -130,6 +136,7 @@ impl Comparison {
                 "noise_floor_percent": sample.noise_floor_percent,
                 "best": sample.best().map(|b| &b.method),
                 "verdict": sample.verdict(),
+                "atlas": sample.atlas(),
                 "ranking": (!sample.ranking.is_empty()).then_some(&sample.ranking),
                 "results": sample.attempts.iter().map(|a| result(sample, a, self.timing)).collect::<Vec<_>>(),
             })

@@ -5,6 +5,7 @@ use std::path::Path;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::plate::RoughSide;
 
+use crate::atlas::{Measured, Surface};
 use crate::boundary::Boundary;
 use crate::fit::{Fit, FitError, cost_at, fit};
 use crate::forward::Sample;
@@ -76,7 +77,8 @@ impl Task<'_> {
         let (k, label, done, warnings) = found.ok_or(FitError::NoStart)?;
         let fluxes = verdict::fluxes_of(&*trials[k], &done, self, watch);
         let verdict = verdict::judge(self, &*trials[k], &done, &fluxes, watch);
-        let mut entry = Entry { label, fit: done, verdict, fluxes, warnings };
+        let atlas = self.atlas(&*trials[k], &done);
+        let mut entry = Entry { label, fit: done, verdict, fluxes, warnings, atlas };
         // What the answer cost, with all the laws that were tried.
         entry.fit.evaluations = evaluations;
         entry.fit.seconds = seconds;
@@ -129,18 +131,7 @@ impl Task<'_> {
         let lobe = self.setup.lobe();
         match &fit.boundary {
             Boundary::Wave(wave) => {
-                let (side, inside) = match self.setup.sample {
-                    Sample::Plate { eta, rough_side: RoughSide::Detector } => {
-                        (Side::Dielectric, eta.inverse())
-                    }
-                    _ => (Side::Air, 1.0),
-                };
-                let refracted = |deg: &f64| {
-                    let inside = (inside * deg.to_radians().sin()).asin().to_degrees();
-                    // as people write angles
-                    (1e3 * inside).round() / 1e3
-                };
-                let angles: Vec<f64> = angles.iter().map(refracted).collect();
+                let (side, angles) = self.at_the_rough_face(&angles);
                 let validity = wave.validity(&angles).map(|v| v.of_lobe(side, lobe));
                 validity.map(|v| v.warnings()).unwrap_or_default()
             }
@@ -166,6 +157,36 @@ impl Task<'_> {
             }
             other => other.warnings(&angles),
         }
+    }
+
+    /// The side from which light meets the rough face first, and its angles of incidence there, degrees.
+    fn at_the_rough_face(&self, angles_deg: &[f64]) -> (Side, Vec<f64>) {
+        let (side, inside) = match self.setup.sample {
+            Sample::Plate { eta, rough_side: RoughSide::Detector } => {
+                (Side::Dielectric, eta.inverse())
+            }
+            _ => (Side::Air, 1.0),
+        };
+        let refracted = |deg: &f64| {
+            let inside = (inside * deg.to_radians().sin()).asin().to_degrees();
+            // as people write angles
+            (1e3 * inside).round() / 1e3
+        };
+        (side, angles_deg.iter().map(refracted).collect())
+    }
+
+    /// What the atlas says of the map as it was measured, for the geometry of the measurement and for the inside.
+    fn atlas(&self, method: &dyn Method, fit: &Fit) -> Vec<String> {
+        let is_on_map = Kind::named(method.name()).is_ok_and(|kind| kind.needs_map);
+        let (Some(prepared), Some(light), Some(ior), true) =
+            (self.map, &self.light.wavelengths, fit.boundary.eta(), is_on_map)
+        else {
+            return Vec::new();
+        };
+        let angles: Vec<f64> = self.measurement.by_incidence().map(|i| i.sigma_deg).collect();
+        let (side, incidences_deg) = self.at_the_rough_face(&angles);
+        let measured = Measured { side, lobe: self.setup.lobe(), incidences_deg: &incidences_deg };
+        Surface::of(&prepared.map, prepared.edges, ior).words(light, &measured)
     }
 }
 

@@ -16,6 +16,8 @@ pub struct Entry {
     pub fluxes: Vec<Flux>,
     /// Warnings about the boundary: where its physics does not hold.
     pub warnings: Vec<String>,
+    /// What rigorous solutions say of waves and rays on a surface like the measured map ([`crate::atlas`]).
+    pub atlas: Vec<String>,
 }
 
 impl Entry {

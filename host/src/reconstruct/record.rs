@@ -46,6 +46,7 @@ pub(super) fn record(method: &dyn Method, entry: &Entry, task: &Task<'_>) -> Mod
     model.validity = entry.refusal().into_iter().collect();
     model.validity.extend(fit.parameters.iter().filter_map(Fitted::warning));
     model.validity.extend(entry.warnings.iter().cloned());
+    model.atlas.clone_from(&entry.atlas);
     let seed = method.is_traced().then_some(task.options.rays.seed);
     let mut provenance = Provenance::of_this_program(seed);
     provenance.inputs = task.input.into_iter().chain(map.map(|m| &m.input)).cloned().collect();

@@ -44,10 +44,12 @@ impl Comparison {
     }
 }
 
-/// The notes of a sample, a line each.
+/// The notes of a sample, a line each, and what the atlas says.
 fn numbered(sample: &SampleResult) -> String {
     let line = |(number, method, note)| format!("{number}. {method}: {note}\n");
-    sample.notes().map(line).collect()
+    let notes: String = sample.notes().map(line).collect();
+    let atlas = sample.atlas().iter().map(|line| format!("\nAtlas: {line}\n"));
+    notes + &atlas.collect::<String>()
 }
 
 const HEAD: [&str; 11] = [
@@ -131,7 +133,7 @@ mod tests {
             tail_score: Some(0.12),
         };
         let (label, fluxes, warnings) = (method.into(), Vec::new(), Vec::new());
-        let entry = Entry { label, fit, verdict, fluxes, warnings };
+        let entry = Entry { label, fit, verdict, fluxes, warnings, atlas: Vec::new() };
         Attempt { method: method.into(), result: Ok((entry, model)) }
     }
 

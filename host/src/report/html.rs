@@ -35,6 +35,7 @@ pub fn page(comparison: &Comparison, plots: &[Vec<Picture>]) -> String {
                     (sample.details().html())
                     p { (sample.verdict()) }
                     ol { @for (_, method, note) in sample.notes() { li { (method) ": " (note) } } }
+                    @for line in sample.atlas() { p { "Atlas: " (line) } }
                     @for plot in plots.get(k).unwrap_or(&none) {
                         figure { (PreEscaped(&plot.svg)) figcaption { (plot.caption) } }
                     }

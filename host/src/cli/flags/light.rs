@@ -108,7 +108,7 @@ impl LightFlags {
         without_effect(&flags, why)
     }
 
-    /// Refuses what has no effect on a law that knows its wavelength only.
+    /// Refuses what has no effect on a law that knows its wavelength only, nor on rays that are judged by it.
     pub(in crate::cli) fn need_no_speckle(&self) -> Result<(), Failure> {
         let flags =
             [("--speckle", self.speckle.is_some()), ("--shadowing", self.shadowing.is_some())];

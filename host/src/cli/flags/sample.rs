@@ -58,6 +58,9 @@ impl SampleFlags {
         let any = |is: fn(&Kind) -> bool| methods.iter().any(|m| Kind::named(m).is_ok_and(is));
         self.map_flags.need_map(has_maps)?;
         self.effort.need_rays(any(|kind| kind.traced) || (walks && any(Kind::has_bounces)))?;
+        if has_maps && any(|kind| kind.needs_map) && !any(Kind::is_wave) {
+            return self.light.need_no_speckle();
+        }
         self.light.need_waves(has_maps && any(Kind::is_wave), "no method sends waves on a map")
     }
 

@@ -7,6 +7,7 @@ use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 
 use super::scan::number;
+use crate::atlas;
 use crate::cli::error::Failure;
 use crate::cli::progress;
 use crate::energy;
@@ -140,6 +141,40 @@ pub(in crate::cli) fn human(v: &Validity) -> String {
     for warning in v.warnings() {
         let _ = writeln!(text, "warning: {warning}");
     }
+    text
+}
+
+/// What the atlas says of each lobe.
+pub(in crate::cli) fn atlas(v: &Validity) -> String {
+    let rows = atlas::of_validity(v);
+    let head =
+        format!("\natlas       true errors, % of the peak of the reading ({})", atlas::CAVEAT);
+    if let Some(why) = rows.iter().find_map(|r| r.outside.as_ref())
+        && rows.iter().all(|r| r.quotes.is_none())
+    {
+        return format!("{head}: none, {why}\n");
+    }
+    let mut text = format!(
+        "{head}, nine of ten within\nfrom        lobe          nm        deg     {:23}{:23}{:23}waves, diffuse\n",
+        "waves", "rays", "facets"
+    );
+    for r in &rows {
+        let side = if r.side == "air" { r.side } else { "inside" };
+        let figures = match (&r.quotes, &r.outside) {
+            (Some(q), _) => {
+                let cells = [q.kirchhoff, q.rays, q.facet].map(|q| format!("{:<23}", q.text()));
+                format!("{}{}", cells.concat(), q.kirchhoff_diffuse.text())
+            }
+            (None, why) => why.clone().unwrap_or_default(),
+        };
+        // writing to a String cannot fail
+        let _ = writeln!(
+            text,
+            "{side:<11} {:<13} {:<9} {:<7} {figures}",
+            r.lobe, r.wavelength_nm, r.incidence_deg
+        );
+    }
+    text += "waves: Kirchhoff without shadowing; facets: one bounce, no shadows; diffuse: of the peak of the diffuse light\n";
     text
 }
 
