@@ -13,6 +13,7 @@ mod last_words;
 mod interrupt;
 mod progress;
 mod flags;
+mod planned;
 mod check;
 mod completions;
 mod manual;
@@ -139,7 +140,11 @@ fn command() -> clap::Command {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::listen();
     custody::watch();
-    let matches = command().try_get_matches_from(flags::light::with_shadowing(arguments));
+    let arguments = match planned::with_plan(flags::light::with_shadowing(arguments)) {
+        Ok(arguments) => arguments,
+        Err(failure) => return ended(Err(failure)),
+    };
+    let matches = command().try_get_matches_from(arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(e) => return usage(&e),
@@ -165,6 +170,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
     };
+    ended(done)
+}
+
+/// Says how a verb has failed, if it has.
+fn ended(done: Result<(), Failure>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::No(why)) => {

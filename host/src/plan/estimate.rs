@@ -34,8 +34,6 @@ pub(super) struct Told {
 pub(super) struct Estimate {
     /// Of the full law.
     pub(super) full: Parts,
-    /// Standard errors of it.
-    pub(super) full_errors: Parts,
     /// Of the others, in their order.
     others: Vec<Told>,
     /// The full law by lobes.
@@ -49,8 +47,7 @@ pub(super) struct Estimate {
 struct Sums {
     own: [Parts; SETS],
     others: Vec<[Parts; SETS]>,
-    /// Squares of the batches: of the full law, and of the differences of the others.
-    squares: Parts,
+    /// Squares of the batches of the differences from the full law.
     differences: Vec<Parts>,
     weights: [[f64; CLASSES]; 4],
 }
@@ -119,7 +116,6 @@ impl Sums {
         Self {
             own: [[0.0; MOST_PARTS]; SETS],
             others: vec![[[0.0; MOST_PARTS]; SETS]; others],
-            squares: [0.0; MOST_PARTS],
             differences: vec![[0.0; MOST_PARTS]; others],
             weights: [[0.0; CLASSES]; 4],
         }
@@ -128,9 +124,6 @@ impl Sums {
     /// The squares of a batch of so many paths.
     fn closed(mut self, count: f64) -> Self {
         let own = total(&self.own, SETS - 1);
-        for (square, sum) in self.squares.iter_mut().zip(own) {
-            *square = sum * sum / count;
-        }
         for (others, squares) in self.others.iter().zip(&mut self.differences) {
             let other = total(others, SETS - 1);
             for ((square, a), b) in squares.iter_mut().zip(own).zip(other) {
@@ -146,7 +139,6 @@ impl Sums {
         for (to, from) in tables.chain(self.others.iter_mut().zip(&more.others)) {
             to.iter_mut().zip(from).for_each(|(a, b)| sum(a, b));
         }
-        sum(&mut self.squares, &more.squares);
         self.differences.iter_mut().zip(&more.differences).for_each(|(a, b)| sum(a, b));
         self.weights.iter_mut().zip(&more.weights).for_each(|(a, b)| sum(a, b));
     }
@@ -204,7 +196,6 @@ pub(super) fn estimate(
     let all_light: f64 = full.iter().sum::<f64>() * count;
     Estimate {
         full,
-        full_errors: variance(&sums.squares, full),
         others: told.collect(),
         own,
         weights: sums

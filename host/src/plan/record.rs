@@ -173,8 +173,9 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Whether a file is a plan rather than a schedule: it is JSON.
-    pub fn is_plan(bytes: &[u8]) -> bool {
+    /// Whether a file is a plan rather than a schedule: it begins as JSON does. One that cannot be read is none.
+    pub fn is_plan_file(path: &Path) -> bool {
+        let bytes = read_file(path, MAX_BYTES).unwrap_or_default();
         bytes.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{')
     }
 

@@ -109,11 +109,6 @@ impl Study {
         self.detector().value(&self.estimate.full)
     }
 
-    /// Standard error of the quantity, as a fraction of it.
-    pub(super) fn noise(&self) -> f64 {
-        self.estimate.full_errors[0] / self.estimate.full[0]
-    }
-
     /// The error of a reduced law of which some lobes are kept, and its standard error, as fractions; `None` of a law that there is not.
     pub(super) fn error(&self, law: Option<Reduced>, kept: LobeSet) -> Option<(f64, f64)> {
         let index = match law {
