@@ -149,7 +149,7 @@ fn of_export(plan: &Plan, given: &Given<'_>) -> Result<Flags, Failure> {
         (None, None) => match (&plan.lobes[..], export.format.as_str()) {
             ([one], _) => flags.extend(side_and_lobe(one)),
             // one material is all lobes
-            (_, "mitsuba") => flags.extend(side_and_lobe("air T")),
+            ([one, ..], "mitsuba") => flags.extend(side_and_lobe(one)),
             (many, _) => {
                 return Err(Failure::bad(format!(
                     "a file holds one lobe, and the plan has {}; give --side and --lobe of one of them, a file each",

@@ -3,6 +3,7 @@
 //! Both are computed path by path with the same numbers, the planned one by its own evaluator, which draws its own rays; several
 //! shifts of the lattice tell the error of the difference. Nothing of the prediction enters.
 
+use asperity_core::bsdf::LobeSet;
 use asperity_core::quantity::RelativeIor;
 
 use super::compose::NoPlan;
@@ -85,7 +86,9 @@ fn full(scene: &Scene, law: &SceneLaw, at: (u64, u64)) -> Result<Parts, String> 
 /// As planned.
 fn planned(scene: &Scene, plan: &Plan, law: &SceneLaw, at: (u64, u64)) -> Result<Parts, String> {
     let nodes = spectrum::nodes(&scene.source, plan.wavelengths_nm.len());
-    let lobes = plan.lobe_set().ok_or("the plan names a lobe that is none")?;
+    let planned = plan.lobe_set().ok_or("the plan names a lobe that is none")?;
+    // Mitsuba's material has all four
+    let lobes = if scene.target.kind == TargetKind::Mitsuba { LobeSet::ALL } else { planned };
     over(scene, &nodes, |index, eta| {
         let bounces =
             if plan.bounces.as_deref() == Some("one") { Bounces::One } else { Bounces::All };

@@ -14,7 +14,7 @@ use super::gates::Waves;
 use super::measuring;
 use super::record::{CostRecord, FORMAT, Plan, Predicted, Reason, SceneRecord, words};
 use super::rough::lobe_words;
-use super::scene::{Scene, Surface, TargetKind};
+use super::scene::{Quantity, Scene, Surface, TargetKind};
 use super::spectrum;
 use super::study::{BAND, Reduced, STEP, Study};
 use crate::method::Bounces;
@@ -76,7 +76,12 @@ impl Impossible {
 /// # Errors
 /// [`NoPlan`].
 pub fn plan(scene: &Scene, costs: &Costs, seed: u64) -> Result<Plan, NoPlan> {
-    let study = Study::of(scene, (PATHS, seed)).map_err(NoPlan::Bad)?;
+    // a cone takes little of the light, and narrow lobes send it little more
+    let paths = match scene.wanted.quantity {
+        Quantity::Cone(_) | Quantity::Image { .. } => 4 * PATHS,
+        Quantity::Flux { .. } | Quantity::Haze => PATHS,
+    };
+    let study = Study::of(scene, (paths, seed)).map_err(NoPlan::Bad)?;
     let mut draft = Composer {
         scene,
         costs,
@@ -117,6 +122,8 @@ fn percent(fraction: f64) -> String {
     let p = 100.0 * fraction;
     if p == 0.0 {
         "0 %".into()
+    } else if p.abs() < 1e-9 {
+        "next to nothing".into()
     } else if p.abs() < 0.001 {
         format!("{p:.0e} %")
     } else if p.abs() < 1.0 {
@@ -297,13 +304,13 @@ impl Composer<'_> {
             );
             return Ok((1, 0.0));
         }
-        let all = self.study.band(self.scene, BAND)?;
         let bound = WAVELENGTHS * self.bound();
         let mut chosen = (BAND, 0.0);
+        let mut one = None;
         for count in [1, 3] {
-            // the quantity of few wavelengths over that of all, less one
-            let off = if count == 1 { -all } else { self.study.band(self.scene, count)? - all };
-            if off.abs() <= bound {
+            let (off, spread) = self.study.band(self.scene, count)?;
+            one = one.or(Some(off));
+            if off.abs() + 2.0 * spread <= bound {
                 chosen = (count, off);
                 break;
             }

@@ -294,12 +294,12 @@ impl Search<'_> {
 
     fn as_snippet(&self) -> Result<Chosen, Box<Blocked>> {
         let is_ggx = self.study.law.figures.is_some_and(|f| f.statistics == Statistics::Ggx);
-        let kept = LobeSet::ALL;
-        let error = self.study.error(Some(Reduced::One), kept).unwrap_or_default();
+        // its material has all four, whatever the scene sees
+        let error = self.study.error(Some(Reduced::One), LobeSet::ALL).unwrap_or_default();
         let chosen = Chosen {
             all_bounces: false,
             is_single: false,
-            lobes: kept,
+            lobes: self.lobes,
             table_bytes: None,
             export: Some(ExportRecord {
                 format: "mitsuba".into(),

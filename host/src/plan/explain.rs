@@ -11,7 +11,11 @@ impl Plan {
         for warning in &self.warnings {
             push(&mut text, format_args!("warning: {warning}"));
         }
-        let bounces = self.bounces.as_ref().map(|b| format!(", {b} bounces")).unwrap_or_default();
+        let bounces = match self.bounces.as_deref() {
+            Some("one") => ", one bounce",
+            Some(_) => ", all bounces",
+            None => "",
+        };
         push(
             &mut text,
             format_args!("fit {}{bounces}; lobes {}", self.method, self.lobes.join(", ")),
@@ -29,8 +33,8 @@ impl Plan {
         push(
             &mut text,
             format_args!(
-                "predicted: {:.5}, within {:.3} % (+- {:.3}) of the full model; asked {} %",
-                p.value,
+                "predicted: {}, within {:.4} % (+- {:.4}) of the full model; asked {} %",
+                value(p.value),
                 p.error_percent.abs(),
                 p.std_percent,
                 p.asked_percent
@@ -40,6 +44,11 @@ impl Plan {
         push(&mut text, format_args!("everything: {}", costs(&self.everything)));
         text
     }
+}
+
+/// A quantity with four digits.
+fn value(x: f64) -> String {
+    if x.abs() < 0.01 { format!("{x:.3e}") } else { format!("{x:.4}") }
 }
 
 /// Costs in one line; what was not measured is left out.

@@ -20,6 +20,8 @@ use crate::method::Bounces;
 const NOMINAL_ALPHA: f64 = 0.2;
 /// Relative change of the width whose effect is computed.
 pub(super) const STEP: f64 = 0.02;
+/// Shifts of the lattice of paths for what is small beside their noise.
+const SHIFTS: u64 = 4;
 /// Wavelengths that stand for the whole band.
 pub(super) const BAND: usize = 5;
 
@@ -176,24 +178,37 @@ impl Study {
         Some((waves, error))
     }
 
-    /// The quantity over the band, by so many wavelengths, over that of the middle alone, less one.
+    /// What a rule of so many wavelengths errs against the whole band, a fraction with its standard error, on the same paths.
     ///
     /// # Errors
     /// A law that there is not at an index.
-    pub(super) fn band(&self, scene: &Scene, count: usize) -> Result<f64, String> {
-        let few = (self.paths.0 / 8, self.paths.1);
+    pub(super) fn band(&self, scene: &Scene, count: usize) -> Result<(f64, f64), String> {
+        let mut off = Vec::new();
+        for shift in 0..SHIFTS {
+            let seed = self.paths.1.wrapping_mul(SHIFTS).wrapping_add(shift);
+            let paths = (self.paths.0, seed);
+            off.push(self.mean(scene, count, paths)? / self.mean(scene, BAND, paths)? - 1.0);
+        }
+        let n = off.len() as f64;
+        let mean = off.iter().sum::<f64>() / n;
+        let square: f64 = off.iter().map(|x| (x - mean).powi(2)).sum();
+        Ok((mean, (square / (n * (n - 1.0))).sqrt()))
+    }
+
+    /// The quantity over the band by a rule of so many wavelengths.
+    fn mean(&self, scene: &Scene, count: usize, paths: (u64, u64)) -> Result<f64, String> {
         let at = |nm: f64| -> Result<f64, String> {
             let index = spectrum::index(&scene.body, nm);
             let eta = RelativeIor::new(index).map_err(|e| format!("ior {index} is {e}"))?;
             let setting = setting(scene, eta);
             let law = self.law.at(index, Bounces::All)?;
-            Ok(setting.detector.value(&estimate(&setting, &law, &[], few).full))
+            Ok(setting.detector.value(&estimate(&setting, &law, &[], paths).full))
         };
         let mut mean = 0.0;
         for (nm, weight) in spectrum::nodes(&scene.source, count) {
             mean += weight * at(nm)?;
         }
-        Ok(mean / at(spectrum::nodes(&scene.source, 1)[0].0)? - 1.0)
+        Ok(mean)
     }
 }
 
