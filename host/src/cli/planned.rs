@@ -147,9 +147,8 @@ fn of_export(plan: &Plan, given: &Given<'_>) -> Result<Flags, Failure> {
             }
         }
         (None, None) => match (&plan.lobes[..], export.format.as_str()) {
-            ([one], _) => flags.extend(side_and_lobe(one)),
-            // one material is all lobes
-            ([one, ..], "mitsuba") => flags.extend(side_and_lobe(one)),
+            // one material of Mitsuba is all lobes
+            ([one], _) | ([one, ..], "mitsuba") => flags.extend(side_and_lobe(one)),
             (many, _) => {
                 return Err(Failure::bad(format!(
                     "a file holds one lobe, and the plan has {}; give --side and --lobe of one of them, a file each",

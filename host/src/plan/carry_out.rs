@@ -6,12 +6,12 @@
 use asperity_core::bsdf::LobeSet;
 use asperity_core::quantity::RelativeIor;
 
-use super::compose::NoPlan;
 use super::detect::{MOST_PARTS, Parts};
 use super::estimate::estimate;
 use super::evaluator::{FileRough, Grid, files, of_table, table, writer};
 use super::law::SceneLaw;
 use super::record::Plan;
+use super::refusal::NoPlan;
 use super::rough::{Masked, Rough, single};
 use super::scene::{Scene, TargetKind};
 use super::spectrum;

@@ -9,12 +9,14 @@ use std::f64::consts::SQRT_2;
 use asperity_core::bsdf::LobeSet;
 
 use super::cost::{Costs, Way};
-use super::decide::{Blocked, Chosen, Search, USED, incidences};
+use super::decide::{Blocked, Chosen, Search, USED};
+use super::everything::everything;
 use super::gates::Waves;
 use super::measuring;
 use super::record::{CostRecord, FORMAT, Plan, Predicted, Reason, SceneRecord, words};
+use super::refusal::{Impossible, NoPlan};
 use super::rough::lobe_words;
-use super::scene::{Quantity, Scene, Surface, TargetKind};
+use super::scene::{Quantity, Scene, Surface};
 use super::spectrum;
 use super::study::{BAND, Reduced, STEP, Study};
 use crate::method::Bounces;
@@ -29,47 +31,6 @@ const WAVELENGTHS: f64 = 0.2;
 const RAYS: f64 = 0.5;
 /// What is said of Kirchhoff's approximation where it passes its rule, % of the peak.
 const KIRCHHOFF_PERCENT: f64 = 1.0;
-
-/// Why there is no plan.
-#[derive(Debug, thiserror::Error)]
-pub enum NoPlan {
-    /// The scene, or a file that it names, cannot be used.
-    #[error("{0}")]
-    Bad(String),
-    /// The scene asks for what cannot be done.
-    #[error("{}", .0.sentence())]
-    Impossible(Box<Impossible>),
-}
-
-/// What cannot be done.
-#[derive(Clone, Debug)]
-pub struct Impossible {
-    /// The nearest plan that can.
-    pub nearest: Option<Plan>,
-    /// What stands in the way, a sentence each.
-    pub obstacles: Vec<String>,
-    /// The bound that was asked, %.
-    pub asked_percent: f64,
-}
-
-impl Impossible {
-    /// Both in one sentence.
-    pub fn sentence(&self) -> String {
-        let asked = self.asked_percent;
-        let nearest = match &self.nearest {
-            Some(plan) => format!(
-                "; the nearest that is possible errs by {:.3} %{}",
-                plan.predicted.error_percent.abs(),
-                plan.costs.bytes.map(|b| format!(" with {b} bytes")).unwrap_or_default()
-            ),
-            None => String::new(),
-        };
-        format!(
-            "the scene cannot have {asked} %{nearest}. In the way: {}",
-            self.obstacles.join("; ")
-        )
-    }
-}
 
 /// Plans a scene: the same plan for the same scene, costs and seed.
 ///
@@ -382,7 +343,7 @@ impl Composer<'_> {
                 asked_percent: scene.wanted.error_percent,
             },
             costs,
-            everything: self.everything(),
+            everything: everything(scene, study, self.costs),
             choices: std::mem::take(&mut self.choices),
             left_out: std::mem::take(&mut self.left),
             warnings: std::mem::take(&mut self.warnings),
@@ -445,53 +406,6 @@ impl Composer<'_> {
             format!("would make the width {:.2} times as certain", found.error_ratio),
         );
         Some(found)
-    }
-
-    /// What it costs to model everything.
-    fn everything(&self) -> CostRecord {
-        let study = self.study;
-        let method = &study.law.method;
-        let fits = ["ggx", "normals", "heights", "measured-ray", "measured-wave"];
-        let fit_s = fits.iter().filter_map(|m| self.costs.fit_s(m)).sum();
-        let mut all = CostRecord {
-            bytes: None,
-            instructions: None,
-            eval_ns: self.costs.of(method, Way::Double).eval_ns,
-            fit_s: Some(fit_s),
-            measure_h: Some(measuring::usual_hours()),
-        };
-        match self.scene.target.kind {
-            TargetKind::CortexM4f => {
-                let double = self.costs.of(method, Way::Double);
-                let table = self.costs.of("", Way::Table);
-                if double.code_bytes.is_some() {
-                    (all.bytes, all.instructions) = (double.code_bytes, double.instructions);
-                } else {
-                    all.bytes = super::evaluator::table(&study.full, LobeSet::ALL, 1 << 15)
-                        .ok()
-                        .zip(table.code_bytes)
-                        .map(|(made, code)| made.bytes() + code);
-                    all.instructions = table.instructions;
-                }
-            }
-            TargetKind::Zemax | TargetKind::Radiance => {
-                let grid = super::evaluator::Grid {
-                    incidences_deg: incidences(5.0, 85.0),
-                    tolerance_percent: 0.5,
-                };
-                let format = self.scene.target.kind.format().unwrap_or_default();
-                let made = super::evaluator::writer(format).map(|writer| {
-                    let each = LobeSet::ORDER.into_iter().filter_map(|(side, lobe)| {
-                        let lobes = LobeSet::of(side, lobe);
-                        super::evaluator::files(&study.full, lobes, (&writer, &grid), 550.0).ok()
-                    });
-                    each.map(|files| files.bytes).sum()
-                });
-                all.bytes = made;
-            }
-            TargetKind::Host | TargetKind::Mitsuba => {}
-        }
-        all
     }
 }
 

@@ -175,7 +175,9 @@ pub(super) fn estimate(
     };
     let all: Vec<Sums> = (0..batches).into_par_iter().map(batch).collect();
     let mut sums = Sums::empty(others.len());
-    all.iter().for_each(|one| sums.add(one));
+    for one in &all {
+        sums.add(one);
+    }
     let count = (batches * BATCH) as f64;
     let scaled = |by: &[Parts; SETS]| by.map(|parts| parts.map(|x| x / count));
     let variance = |squares: &Parts, total: Parts| {

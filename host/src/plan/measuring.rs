@@ -69,7 +69,7 @@ pub(super) fn shortest(
             for to in (from + COARSE..ANGLES).step_by(COARSE) {
                 for step in STEPS {
                     let kept = information.sum(sigmas, [from, to], step) / all;
-                    let points = sigmas.count_ones() as f64 * ((to - from) as f64 / step + 1.0);
+                    let points = f64::from(sigmas.count_ones()) * ((to - from) as f64 / step + 1.0);
                     // every point takes at least a tenth of a second
                     let shorter = best.as_ref().is_none_or(|(time, ..)| 0.1 * points < *time);
                     if kept < KEPT || !shorter {

@@ -34,18 +34,21 @@ mod law;
 mod cost;
 mod evaluator;
 mod record;
+mod refusal;
 mod gates;
 mod measuring;
 mod study;
 mod decide;
+mod everything;
 mod compose;
 mod explain;
 mod carry_out;
 
 pub use carry_out::{Actual, carry_out};
-pub use compose::{Impossible, NoPlan, PATHS, plan};
+pub use compose::{PATHS, plan};
 pub use cost::Costs;
 pub use record::{
     CostRecord, ExportRecord, FORMAT, Measure, Plan, PlanError, Predicted, Reason, SceneRecord,
 };
+pub use refusal::{Impossible, NoPlan};
 pub use scene::{Scene, SceneError};

@@ -75,7 +75,7 @@ fn body(place: &Place<'_>, (span, draft): Table<BodyDraft>) -> Result<Body, Scen
         };
         place.word("rough", said, if guide { &GUIDE_FACES } else { &FACES })?.1
     } else {
-        place.without("rough", &draft.rough, &format!("a {word} has one face"))?;
+        place.without("rough", draft.rough.as_ref(), &format!("a {word} has one face"))?;
         Face::Source
     };
     let behind = match (&draft.behind, kind) {
@@ -84,7 +84,11 @@ fn body(place: &Place<'_>, (span, draft): Table<BodyDraft>) -> Result<Body, Scen
             place.word("behind", said, &[("air", Behind::Air), ("black", Behind::Black)])?.1
         }
         (said, _) => {
-            place.without("behind", said, "only a film or a plate can stand on something")?;
+            place.without(
+                "behind",
+                said.as_ref(),
+                "only a film or a plate can stand on something",
+            )?;
             Behind::Air
         }
     };
@@ -103,7 +107,7 @@ fn body(place: &Place<'_>, (span, draft): Table<BodyDraft>) -> Result<Body, Scen
             let said = place.needed(&span, key, said)?;
             *size = place.number(key, &said, [1e-3, 1e5])?;
         } else {
-            place.without(key, &said, "only the size of a light-guide matters")?;
+            place.without(key, said.as_ref(), "only the size of a light-guide matters")?;
         }
     }
     let [thickness_mm, length_mm] = sizes;
@@ -132,19 +136,19 @@ fn surface(
     }
     if let Some(said) = &draft.map {
         for (key, figure) in figures {
-            place.without(key, figure, "the map tells it")?;
+            place.without(key, figure.as_ref(), "the map tells it")?;
         }
-        place.without("statistics", &draft.statistics, "the map tells them")?;
+        place.without("statistics", draft.statistics.as_ref(), "the map tells them")?;
         let pixel_um =
             draft.pixel_um.map(|said| place.number("pixel_um", &said, [1e-6, 1e6])).transpose()?;
         return Ok(Surface::Map { file: beside(place, said, folder)?, pixel_um });
     }
-    place.without("pixel_um", &draft.pixel_um, "there is no map")?;
+    place.without("pixel_um", draft.pixel_um.as_ref(), "there is no map")?;
     if let Some(said) = &draft.model {
         for (key, figure) in figures {
-            place.without(key, figure, "the model tells it")?;
+            place.without(key, figure.as_ref(), "the model tells it")?;
         }
-        place.without("statistics", &draft.statistics, "the model tells them")?;
+        place.without("statistics", draft.statistics.as_ref(), "the model tells them")?;
         return Ok(Surface::Model(beside(place, said, folder)?));
     }
     let number = |key: &str, said: &Option<toml::Spanned<f64>>, limits| {
@@ -209,15 +213,15 @@ fn source(
 ) -> Result<Source, SceneError> {
     let kind = place.needed(&span, "kind", draft.kind)?;
     let names = ["collimated", "lambertian", "led", "lamp", "laser", "rays"];
-    let (word, _) = place.word("kind", &kind, &names.map(|name| (name, ())))?;
+    let (word, ()) = place.word("kind", &kind, &names.map(|name| (name, ())))?;
     let angles = draft.incidence_deg.as_ref();
     let angles = angles.map(|said| place.two("incidence_deg", said, INCIDENCE)).transpose()?;
-    let none = |why: &str| place.without("incidence_deg", &draft.incidence_deg, why);
+    let none = |why: &str| place.without("incidence_deg", draft.incidence_deg.as_ref(), why);
     if word != "led" {
-        place.without("half_angle_deg", &draft.half_angle_deg, "only an led has a cone")?;
+        place.without("half_angle_deg", draft.half_angle_deg.as_ref(), "only an led has a cone")?;
     }
     if word != "rays" {
-        place.without("file", &draft.file, "only rays come from a file")?;
+        place.without("file", draft.file.as_ref(), "only rays come from a file")?;
     }
     let emission = match word {
         "lambertian" => {
@@ -272,20 +276,20 @@ fn wanted(
 ) -> Result<Wanted, SceneError> {
     let said = place.needed(&span, "quantity", draft.quantity)?;
     let names = ["flux", "haze", "glare", "signal", "image"];
-    let (word, _) = place.word("quantity", &said, &names.map(|name| (name, ())))?;
+    let (word, ()) = place.word("quantity", &said, &names.map(|name| (name, ())))?;
     let error = place.needed(&span, "error_percent", draft.error_percent)?;
     let error_percent = place.number("error_percent", &error, [1e-6, 50.0])?;
     let face = match (body.kind, &draft.face) {
         (BodyKind::FibreEnd, said) => {
-            place.without("face", said, "light leaves a fibre-end one way")?;
+            place.without("face", said.as_ref(), "light leaves a fibre-end one way")?;
             Face::Source
         }
         (BodyKind::Object, said) => {
-            place.without("face", said, "an object is seen from outside")?;
+            place.without("face", said.as_ref(), "an object is seen from outside")?;
             Face::Source
         }
         (_, said) if word == "haze" => {
-            place.without("face", said, "haze is of transmitted light")?;
+            place.without("face", said.as_ref(), "haze is of transmitted light")?;
             Face::Detector
         }
         (kind, said) => {
@@ -314,18 +318,26 @@ fn wanted(
     }
     let is_cone = ["glare", "signal"].contains(&word);
     if !is_cone {
-        place.without("theta_deg", &draft.theta_deg, "only glare and signal have a direction")?;
+        place.without(
+            "theta_deg",
+            draft.theta_deg.as_ref(),
+            "only glare and signal have a direction",
+        )?;
         place.without(
             "azimuth_deg",
-            &draft.azimuth_deg,
+            draft.azimuth_deg.as_ref(),
             "only glare and signal have a direction",
         )?;
     }
     if word != "image" {
-        place.without("observation_deg", &draft.observation_deg, "only an image has a range")?;
+        place.without(
+            "observation_deg",
+            draft.observation_deg.as_ref(),
+            "only an image has a range",
+        )?;
     }
     if ["haze", "image"].contains(&word) {
-        place.without("half_angle_deg", &draft.half_angle_deg, "its cone is fixed")?;
+        place.without("half_angle_deg", draft.half_angle_deg.as_ref(), "its cone is fixed")?;
     }
     let quantity = match word {
         "haze" => Quantity::Haze,
@@ -364,8 +376,8 @@ fn target(place: &Place<'_>, (span, draft): Table<TargetDraft>) -> Result<Target
     let (word, kind) = place.word("kind", &kind, &TARGETS)?;
     if kind != TargetKind::CortexM4f {
         let why = format!("a {word} has no such limit");
-        place.without("kib", &draft.kib, &why)?;
-        place.without("instructions", &draft.instructions, &why)?;
+        place.without("kib", draft.kib.as_ref(), &why)?;
+        place.without("instructions", draft.instructions.as_ref(), &why)?;
         return Ok(Target { kind, bytes: usize::MAX, instructions: u32::MAX });
     }
     let kib = place.needed(&span, "kib", draft.kib)?;

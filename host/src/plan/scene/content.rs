@@ -198,7 +198,7 @@ pub enum TargetKind {
     Host,
     /// A microcontroller.
     CortexM4f,
-    /// Zemax OpticStudio.
+    /// Zemax.
     Zemax,
     /// Radiance.
     Radiance,

@@ -105,7 +105,7 @@ impl Place<'_> {
     pub(super) fn without<T>(
         &self,
         key: &str,
-        said: &Said<T>,
+        said: Option<&Spanned<T>>,
         why: &str,
     ) -> Result<(), SceneError> {
         match said {

@@ -47,7 +47,7 @@ impl Scene {
                 format!("{}; `asperity plan --example plate` shows the keys", brief(e.message()));
             place.fault(e.span().unwrap_or_default(), what)
         })?;
-        let sha256 = InputFile::of_bytes(&path.display().to_string(), text.as_bytes()).sha256;
+        let sha256 = InputFile::of_bytes(path, text.as_bytes()).sha256;
         checked(&place, draft, sha256)
     }
 }
