@@ -61,7 +61,11 @@ pub fn plan(scene: &Scene, costs: &Costs, seed: u64) -> Result<Plan, NoPlan> {
         Ok(chosen) => Ok(draft.finish(&chosen, (count, band))),
         Err(blocked) => {
             let Blocked { nearest, obstacles } = *blocked;
-            let nearest = nearest.map(|chosen| draft.finish(&chosen, (count, band)));
+            let nearest = nearest.map(|mut chosen| {
+                // it is not near enough
+                chosen.why = chosen.why.split("; the ").next().unwrap_or_default().to_owned();
+                draft.finish(&chosen, (count, band))
+            });
             let asked_percent = scene.wanted.error_percent;
             Err(NoPlan::Impossible(Box::new(Impossible { nearest, obstacles, asked_percent })))
         }
@@ -139,7 +143,7 @@ impl Composer<'_> {
         };
         let Waves { coherent, phase, correlation, failing } = waves;
         let numbers = format!(
-            "phase of the heights {:.2} to {:.1} rad rms{}, so {} of the light stays coherent",
+            "phase of the heights {:.2} to {:.2} rad rms{}, so {} of the light stays coherent",
             phase[0],
             phase[1],
             correlation
@@ -392,13 +396,15 @@ impl Composer<'_> {
             ),
         );
         if let Some(sensitivity) = study.sensitivity() {
+            let allowed = (1.0 - USED) * self.bound() / sensitivity.abs().max(1e-6);
+            let known = if allowed < 0.5 {
+                format!("alpha has to be known to {}", percent(allowed))
+            } else {
+                "alpha hardly matters".to_owned()
+            };
             self.choose(
                 "precision of the width",
-                format!(
-                    "1 % of alpha moves the quantity by {}: alpha has to be known to {}",
-                    percent(sensitivity / 100.0),
-                    percent((1.0 - USED).max(0.1) * self.bound() / sensitivity.abs().max(1e-6))
-                ),
+                format!("1 % of alpha moves the quantity by {}: {known}", percent(sensitivity / 100.0)),
             );
         }
         self.leave(
