@@ -85,12 +85,12 @@ fn malformed_scenes_are_refused_with_line_and_remedy() {
         scene(
             "rq_um = 1.2\ncorrelation_um = 15",
             "map = \"none.npy\"",
-            &["bad.toml:6", "is no file; paths are relative"],
+            &["bad.toml:6", "is no file; give a path relative"],
         ),
         scene(
             "rq_um = 1.2\ncorrelation_um = 15",
             "model = \"none.json\"",
-            &["bad.toml:6", "is no file; paths are relative"],
+            &["bad.toml:6", "is no file; give a path relative"],
         ),
         scene(
             "correlation_um = 15",

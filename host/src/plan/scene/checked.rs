@@ -202,7 +202,7 @@ fn beside(
     if path.is_file() {
         return Ok(path);
     }
-    let what = format!("{} is no file; paths are relative to the scene", path.display());
+    let what = format!("{} is no file; give a path relative to the scene", path.display());
     Err(place.fault(said.span(), what))
 }
 

@@ -44,7 +44,7 @@ impl Scene {
         let place = Place { path, text };
         let draft: Draft = toml::from_str(text).map_err(|e| {
             let what =
-                format!("{}; `asperity plan --example plate` shows the keys", brief(e.message()));
+                format!("{}; correct it as `asperity plan --example plate` shows", brief(e.message()));
             place.fault(e.span().unwrap_or_default(), what)
         })?;
         let sha256 = InputFile::of_bytes(path, text.as_bytes()).sha256;
