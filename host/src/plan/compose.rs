@@ -404,7 +404,10 @@ impl Composer<'_> {
             };
             self.choose(
                 "precision of the width",
-                format!("1 % of alpha moves the quantity by {}: {known}", percent(sensitivity / 100.0)),
+                format!(
+                    "1 % of alpha moves the quantity by {}: {known}",
+                    percent(sensitivity / 100.0)
+                ),
             );
         }
         self.leave(

@@ -43,8 +43,10 @@ impl Scene {
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
         let place = Place { path, text };
         let draft: Draft = toml::from_str(text).map_err(|e| {
-            let what =
-                format!("{}; correct it as `asperity plan --example plate` shows", brief(e.message()));
+            let what = format!(
+                "{}; correct it as `asperity plan --example plate` shows",
+                brief(e.message())
+            );
             place.fault(e.span().unwrap_or_default(), what)
         })?;
         let sha256 = InputFile::of_bytes(path, text.as_bytes()).sha256;
