@@ -22,6 +22,8 @@ const NOMINAL_ALPHA: f64 = 0.2;
 pub(super) const STEP: f64 = 0.02;
 /// Shifts of the lattice of paths for what is small beside their noise.
 const SHIFTS: u64 = 4;
+/// Paths of each shift for the wavelengths.
+const BAND_PATHS: u64 = 1 << 16;
 /// Wavelengths that stand for the whole band.
 pub(super) const BAND: usize = 5;
 
@@ -186,7 +188,7 @@ impl Study {
         let mut off = Vec::new();
         for shift in 0..SHIFTS {
             let seed = self.paths.1.wrapping_mul(SHIFTS).wrapping_add(shift);
-            let paths = (self.paths.0, seed);
+            let paths = (BAND_PATHS, seed);
             off.push(self.mean(scene, count, paths)? / self.mean(scene, BAND, paths)? - 1.0);
         }
         let n = off.len() as f64;
