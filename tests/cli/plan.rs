@@ -97,6 +97,12 @@ fn malformed_scenes_are_refused_with_line_and_remedy() {
             "correlation_um = 15\npixel_um = 1",
             &["bad.toml:8", "there is no map; leave it out"],
         ),
+    ]);
+}
+
+#[test]
+fn malformed_light_and_wishes_are_refused_with_line_and_remedy() {
+    refused(vec![
         scene("\"collimated\"", "\"sun\"", &["bad.toml:9", "give one of collimated, lambertian"]),
         scene("[0, 20]", "[20, 0]", &["bad.toml:10", "give the smaller number first"]),
         scene("[0, 20]", "90", &["bad.toml:10", "give 0 to 89"]),
@@ -281,6 +287,8 @@ fn npy(side: usize, values: &[f64]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.bytes());
-    values.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    for v in values {
+        bytes.extend(v.to_le_bytes());
+    }
     bytes
 }

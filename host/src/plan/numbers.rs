@@ -67,7 +67,9 @@ mod tests {
         let mean = |seed: u64, skip: usize| {
             let one = |path| {
                 let mut numbers = Numbers::of(path, seed);
-                (0..skip).for_each(|_| drop(numbers.take()));
+                for _ in 0..skip {
+                    let _ = numbers.take();
+                }
                 numbers.take()
             };
             (0..4096).map(one).sum::<f64>() / 4096.0
