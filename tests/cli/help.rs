@@ -38,6 +38,11 @@ fn every_verb_explains_itself_and_names_its_flags() {
             "<SCAN|MODEL>... --map --methods --table-kib --table-rays --max-error --firmware --csv --plot --json --ior --rays --columns",
             "--table-kib 2,8,32",
         ),
+        (
+            "plan",
+            "[SCENE] --example --output --trade --check --seed --json",
+            "--example light-guide > scene.toml",
+        ),
         ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
         (
             "check",

@@ -17,6 +17,7 @@
 //! | `hybrid` | rays and waves on one map |
 //! | `compare` | every method side by side |
 //! | `trade` | error against cost of every evaluator |
+//! | `plan` | what a scene requires, and verbs that do what a plan says |
 //! | `tables` | tables in place of models |
 //! | `exchange` | models in the formats of other programs, and scans from them |
 //! | `foreign` | scatter as other programs write it |
@@ -59,6 +60,7 @@ mod wave;
 mod hybrid;
 mod compare;
 mod trade;
+mod plan;
 mod tables;
 mod exchange;
 mod foreign;

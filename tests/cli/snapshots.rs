@@ -10,13 +10,14 @@ use serde_json::Value;
 use crate::program::Folder;
 
 /// Every verb that explains itself.
-const VERBS: [&str; 12] = [
+const VERBS: [&str; 13] = [
     "demo",
     "model",
     "scan",
     "fit",
     "compare",
     "trade",
+    "plan",
     "eval",
     "check",
     "stats",

@@ -7,6 +7,7 @@ use super::error::Failure;
 use super::flags::method::MethodName;
 use super::flags::sample::{Loaded, SampleFlags, methods};
 use super::model::BouncesFlag;
+use super::planned::PlanFlag;
 use super::{auto, print};
 use crate::reconstruct::{SampleResult, Task, usually_asked};
 use crate::surface::Roughness;
@@ -58,10 +59,15 @@ pub(super) struct Args {
     no_timing: bool,
     #[command(flatten)]
     sample: SampleFlags,
+    #[command(flatten)]
+    plan: PlanFlag,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let methods = methods(&args.methods)?;
+    for method in &methods {
+        args.plan.compare(method)?;
+    }
     let walks = args.bounces == Some(BouncesFlag::Walk);
     args.sample.check(&methods, !args.maps.is_empty(), walks)?;
     if !args.maps.is_empty() && args.maps.len() != args.scans.len() {

@@ -6,6 +6,7 @@ use super::error::Failure;
 use super::exchanged::{GridFlags, LobeFlag, SideFlag, Writing, writer};
 use super::flags::rays::RayFlags;
 use super::flags::scan::number;
+use super::planned::PlanFlag;
 use super::{progress, say};
 use crate::export::{BoundaryLaw, NoLaw};
 use crate::law_file;
@@ -40,6 +41,8 @@ pub(super) struct Args {
     grid: GridFlags,
     #[command(flatten)]
     rays: RayFlags,
+    #[command(flatten)]
+    plan: PlanFlag,
     /// File to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -57,6 +60,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::bad(format!("--wavelength-nm {nm} is not usable; give 10 to 1e6")));
     }
     let (boundary, kind) = law_file::read(&args.model)?;
+    args.plan.compare(&kind.method())?;
     if let Some(notice) = kind.notice() {
         say::note(format_args!("warning: {}: {notice}", args.model.display()));
     }

@@ -13,6 +13,7 @@ use super::flags::method::MethodName;
 use super::flags::nuisance::NuisanceFlags;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::model::{BouncesFlag, ProfileFlag};
+use super::planned::PlanFlag;
 use super::readings::Given;
 use super::{auto, print, progress, readings, say};
 use crate::fit::{FitError, FitOptions};
@@ -139,10 +140,13 @@ pub(super) struct Args {
     read: ReadFlags,
     #[command(flatten)]
     clean: CleanFlags,
+    #[command(flatten)]
+    plan: PlanFlag,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     check_flags(args)?;
+    args.plan.compare(&args.method)?;
     args.effort.check()?;
     let Given { scan, input, is_model } = readings::read(&args.scan, &args.read, &args.setup)?;
     let measurement = if is_model {

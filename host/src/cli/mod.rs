@@ -13,6 +13,7 @@ mod last_words;
 mod interrupt;
 mod progress;
 mod flags;
+mod planned;
 mod check;
 mod completions;
 mod manual;
@@ -36,6 +37,7 @@ mod exchanged;
 mod export;
 mod convert;
 mod inspect;
+mod plan;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -86,6 +88,7 @@ Examples:
   asperity tabulate m.json --bytes 8192 -o m.bsdft     a table for a microcontroller
   asperity export m.json --format zemax --side air --lobe transmission -o m.bsdf
   asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
+  asperity plan scene.toml -o plan.json                what a scene requires, and no more
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, interrupted, or an instrument or a
 disk fails, 2 bad usage or bad input, 128 + n ended by a second signal n.";
@@ -107,6 +110,7 @@ enum Verb {
     Convert(convert::Args),
     Inspect(inspect::Args),
     Trade(trade::Args),
+    Plan(plan::Args),
     Completions(completions::Args),
     #[command(hide = true)]
     Manual(manual::Args),
@@ -136,7 +140,11 @@ fn command() -> clap::Command {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::listen();
     custody::watch();
-    let matches = command().try_get_matches_from(flags::light::with_shadowing(arguments));
+    let arguments = match planned::with_plan(flags::light::with_shadowing(arguments)) {
+        Ok(arguments) => arguments,
+        Err(failure) => return ended(Err(failure)),
+    };
+    let matches = command().try_get_matches_from(arguments);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(e) => return usage(&e),
@@ -158,9 +166,15 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Convert(a) => convert::run(&a),
         Verb::Inspect(a) => inspect::run(&a),
         Verb::Trade(a) => trade::run(&a),
+        Verb::Plan(a) => plan::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
     };
+    ended(done)
+}
+
+/// Says how a verb has failed, if it has.
+fn ended(done: Result<(), Failure>) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::No(why)) => {

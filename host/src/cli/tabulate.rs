@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::error::Failure;
 use super::flags::rays::RayFlags;
 use super::flags::scan::number;
+use super::planned::PlanFlag;
 use super::{interrupt, print, progress};
 use crate::boundary::Boundary;
 use crate::embedded::{EmbeddedTable, bytes, c_header, rust_source};
@@ -40,6 +41,34 @@ enum LobesFlag {
     Transmission,
     /// All light
     Both,
+}
+
+/// One lobe of one side, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum OneLobeFlag {
+    /// Light from the air that comes back
+    #[value(name = "air-R")]
+    AirReflection,
+    /// Light from the air that goes through
+    #[value(name = "air-T")]
+    AirTransmission,
+    /// Light from inside that stays there
+    #[value(name = "inside-R")]
+    InsideReflection,
+    /// Light from inside that leaves
+    #[value(name = "inside-T")]
+    InsideTransmission,
+}
+
+impl From<OneLobeFlag> for LobeSet {
+    fn from(flag: OneLobeFlag) -> Self {
+        match flag {
+            OneLobeFlag::AirReflection => Self::AIR_REFLECTION,
+            OneLobeFlag::AirTransmission => Self::AIR_TRANSMISSION,
+            OneLobeFlag::InsideReflection => Self::DIELECTRIC_REFLECTION,
+            OneLobeFlag::InsideTransmission => Self::DIELECTRIC_TRANSMISSION,
+        }
+    }
 }
 
 /// How values are kept, as a flag.
@@ -77,6 +106,9 @@ pub(super) struct Args {
     /// Lobes that are wanted
     #[arg(long, value_enum, default_value = "both")]
     lobe: LobesFlag,
+    /// The lobes one by one, in place of --side and --lobe: air-R, air-T, inside-R, inside-T
+    #[arg(long, value_name = "LOBE,...", value_enum, value_delimiter = ',', conflicts_with_all = ["side", "lobe"], hide_short_help = true)]
+    lobes: Vec<OneLobeFlag>,
     /// Bytes of the table, at most; 32768 without it
     #[arg(long, value_name = "N", conflicts_with = "max_error")]
     bytes: Option<usize>,
@@ -88,6 +120,8 @@ pub(super) struct Args {
     storage: Option<StorageFlag>,
     #[command(flatten)]
     rays: RayFlags,
+    #[command(flatten)]
+    plan: PlanFlag,
     /// File to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -161,6 +195,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::bad(format!("--bytes {n} is too many; give at most {MOST_BYTES}")));
     }
     let (model, boundary, _) = Model::read(&args.model)?;
+    args.plan.compare(&model.method)?;
     let open = |path: &PathBuf| AtomicFile::create(path);
     let output = open(&args.output)?;
     let rust = args.rust.as_ref().map(open).transpose()?;
@@ -280,7 +315,12 @@ fn made(
         StorageFlag::F32 => Kept::F32,
     });
     let rays = args.rays.noted(boundary.is_traced());
-    let plan = Budget { lobes: LobeSet::of_each(sides, lobes), bytes, kept, rays };
+    let lobes = if args.lobes.is_empty() {
+        LobeSet::of_each(sides, lobes)
+    } else {
+        args.lobes.iter().fold(LobeSet::NONE, |set, one| set | (*one).into())
+    };
+    let plan = Budget { lobes, bytes, kept, rays };
     let bar = progress::bar(0, "tabulating");
     let table = bar.watch(|watch| tabulate(boundary, &plan, watch));
     let table = table.map_err(|e| match e {

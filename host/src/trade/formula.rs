@@ -11,7 +11,7 @@ use asperity_core::quantity::{Alpha, RelativeIor};
 const NODES: usize = 64;
 
 /// A law that can be had in any number type.
-pub(super) trait Formula {
+pub(crate) trait Formula {
     /// The law in a number type.
     type In<T: Real>: Bsdf<T> + Sync;
 

@@ -21,10 +21,12 @@ mod measure;
 
 pub use choice::{Axis, choose};
 pub use device::{Device, NoDevice};
+pub(crate) use formula::Formula;
 pub use measure::{Subject, Work, rows};
 pub use pareto::{cheapest, front, knee};
 pub use row::{Evaluator, Marks, Row, Tier};
 pub use scan::Scan;
+pub(crate) use tier::Through;
 
 #[cfg(test)]
 pub(crate) use choice::tests::rows as tests_rows;

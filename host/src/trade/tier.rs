@@ -8,19 +8,19 @@ use asperity_core::math::Real;
 
 /// The same direction in another number type.
 #[inline]
-pub(super) fn cast<A: Real, B: Real>(w: Direction<A>) -> Direction<B> {
+pub(crate) fn cast<A: Real, B: Real>(w: Direction<A>) -> Direction<B> {
     let [x, y, z] = w.xyz().map(|x| B::from_f64(x.to_f64()));
     Direction::from_unit(x, y, z)
 }
 
 /// `B`, computed in `T`, asked and answered in `f64`.
-pub(super) struct Through<'a, T, B> {
+pub(crate) struct Through<'a, T, B> {
     law: &'a B,
     of: PhantomData<T>,
 }
 
 impl<'a, T: Real, B: Bsdf<T>> Through<'a, T, B> {
-    pub(super) fn new(law: &'a B) -> Self {
+    pub(crate) fn new(law: &'a B) -> Self {
         Self { law, of: PhantomData }
     }
 }

@@ -1,18 +1,19 @@
 //! The flags of a schedule.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::scan::number;
 use crate::acquire::Draft;
 use crate::acquire::draft::RangeWord;
 use crate::cli::error::Failure;
 use crate::measurement::AngleRange;
+use crate::plan::Plan;
 
 /// What is measured; without a schedule file and flags, as on the GP-200.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "The schedule")]
 pub(in crate::cli) struct ScheduleFlags {
-    /// Schedule file (TOML); flags go before it
+    /// Schedule file (TOML), or a plan made by `asperity plan`, whose schedule it is; flags go before it
     #[arg(long, alias = "plan", value_name = "FILE")]
     schedule: Option<PathBuf>,
     /// Angles of incidence in degrees [default: 0,15,30,45,60]
@@ -59,7 +60,7 @@ pub(in crate::cli) struct ScheduleFlags {
 impl ScheduleFlags {
     /// What flags and schedule file say together.
     pub(in crate::cli) fn draft(&self) -> Result<Draft, Failure> {
-        let file = self.schedule.as_ref().map(Draft::read).transpose()?.unwrap_or_default();
+        let file = self.schedule.as_deref().map(of_file).transpose()?.unwrap_or_default();
         let range = self.theta_range.as_deref().map(str::parse::<AngleRange>).transpose();
         let range = range.map_err(|e| Failure::bad(format!("--theta-range: {e}")))?;
         // an open end is the end of the instrument's usual range
@@ -82,4 +83,18 @@ impl ScheduleFlags {
         };
         Ok(flags.or(file))
     }
+}
+
+/// The schedule in a file: its content tells whether it is a schedule or a plan.
+fn of_file(path: &Path) -> Result<Draft, Failure> {
+    if !Plan::is_plan_file(path) {
+        return Ok(Draft::read(path)?);
+    }
+    let plan = Plan::read(path).map_err(Failure::bad)?;
+    plan.measure.map(|measure| measure.schedule).ok_or_else(|| {
+        Failure::bad(format!(
+            "{}: the plan has no schedule, for its surface is a model already; give a schedule file",
+            path.display()
+        ))
+    })
 }
