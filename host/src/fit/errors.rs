@@ -18,6 +18,8 @@ pub struct Errors {
     pub names: Vec<&'static str>,
     /// Covariance of their errors, in their units; empty if the data do not determine it.
     pub covariance: Vec<Vec<f64>>,
+    /// How the readings tie the values to each other whatever their noise, correlations as of noise that is alike in all.
+    pub ties: Vec<Vec<f64>>,
     /// The budget of uncertainty: noise, then each doubt; empty without doubts.
     pub budget: Vec<Contribution>,
     /// Draws by the bootstrap, one row a replica.
@@ -33,6 +35,11 @@ impl Errors {
         };
         let matrix: Vec<Vec<f64>> = self.covariance.iter().enumerate().map(of).collect();
         Correlation::all(&self.names, &matrix)
+    }
+
+    /// The ties of the values, each pair once.
+    pub fn tied(&self) -> Vec<Correlation> {
+        Correlation::all(&self.names, &self.ties)
     }
 
     /// The standard error of a smooth function of the free parameters with these derivatives.
@@ -60,8 +67,11 @@ pub(super) fn found(
     let near = near.as_ref().unwrap_or(problem);
     let effects = options.doubts.effects(near, values, simulated);
     let curvature = curvature(near, values, simulated).map(|found| {
+        if effects.is_empty() {
+            return found;
+        }
         let left = unexplained(near, &found, simulated, &effects);
-        Curvature { std_errors: found.std_errors(near, &left), ..found }
+        found.with_noise(near, left)
     });
     let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c));
     let of_noise: Vec<Option<f64>> = (0..values.len())
@@ -104,7 +114,7 @@ fn together(
     options: &FitOptions,
 ) -> Errors {
     let names: Vec<&'static str> = problem.parameters().iter().map(|p| p.name).collect();
-    let correlations = curvature.correlations();
+    let correlations = curvature.correlations(problem);
     let noise = |k: usize| of_noise[k].unwrap_or(0.0);
     let mut covariance: Vec<Vec<f64>> = (0..names.len())
         .map(|i| (0..names.len()).map(|j| correlations[i][j] * noise(i) * noise(j)).collect())
@@ -133,5 +143,5 @@ fn together(
         let draws = (options.replicas, options.rays.seed);
         samples = bootstrap::replicas(problem, values, simulated, effects, draws, problem.watch());
     }
-    Errors { names, covariance, budget, samples }
+    Errors { names, covariance, ties: curvature.ties(), budget, samples }
 }

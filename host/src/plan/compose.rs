@@ -4,8 +4,6 @@
 //! (`gates`); the lobes; the wavelengths; the way to evaluate, with bounces, precision, table or grid (`decide`); the measuring
 //! schedule (`measuring`). Each takes the least that keeps the sum of the errors within [`USED`] of the bound.
 
-use std::f64::consts::SQRT_2;
-
 use asperity_core::bsdf::LobeSet;
 
 use super::cost::{Costs, Way};
@@ -13,6 +11,7 @@ use super::decide::{Blocked, Chosen, Search, USED};
 use super::everything::everything;
 use super::gates::Waves;
 use super::measuring;
+use super::quoted::rigorous_error;
 use super::record::{CostRecord, FORMAT, Plan, Predicted, Reason, SceneRecord, words};
 use super::refusal::{Impossible, NoPlan};
 use super::rough::lobe_words;
@@ -126,7 +125,7 @@ impl Composer<'_> {
                 "the map has a direction (strength {lay:.2}); the plan is for the mean over azimuths"
             ));
         }
-        if let Some(rigorous) = rigorous_error(self.scene, study) {
+        if let Some(rigorous) = rigorous_error(study, self.scene.source.wavelength_nm[0]) {
             self.choose("true error of rays", rigorous);
         }
     }
@@ -436,13 +435,4 @@ fn middle(weights: &[f64]) -> (usize, usize) {
         5 * found.unwrap_or(weights.len() - 1)
     };
     (at(1.0 / 6.0), at(5.0 / 6.0) + 5)
-}
-
-/// The true error of rays for a surface like that of the scene, from rigorous solutions, in words; `None` where none are near.
-///
-/// This is the one place that quotes the accuracy atlas beside the rules of `gates`.
-fn rigorous_error(_scene: &Scene, study: &Study) -> Option<String> {
-    let figures = study.law.figures?;
-    let (_rq_um, _slope) = (figures.rq_um?, figures.alpha / SQRT_2);
-    None
 }

@@ -39,6 +39,7 @@ mod gates;
 mod measuring;
 mod study;
 mod decide;
+mod quoted;
 mod everything;
 mod compose;
 mod explain;

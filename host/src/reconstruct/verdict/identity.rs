@@ -26,7 +26,7 @@ pub(super) fn undetermined(fit: &Fit, is_free_form: bool) -> Vec<String> {
         return Vec::new();
     }
     let mut found: Vec<String> = fit.parameters.iter().filter_map(|p| alone(fit, p)).collect();
-    found.extend(fit.errors.correlations().iter().filter_map(|pair| traded(fit, pair)));
+    found.extend(fit.errors.tied().iter().filter_map(|pair| traded(fit, pair)));
     found
 }
 
