@@ -120,7 +120,9 @@ fn tallies(law: &Law, which: u64, replicas: u32) -> Vec<Tally> {
     let one = |k: u32| {
         let mut random = Random(1_000_003 * (which + 1) + u64::from(k));
         // neighbouring seeds part after some steps
-        (0..16).for_each(|_| drop(random.uniform()));
+        for _ in 0..16 {
+            random.uniform();
+        }
         quantities(&fitted(law, &mut random))
     };
     let found: Vec<Vec<(String, f64, f64)>> = (0..replicas).into_par_iter().map(one).collect();
