@@ -57,6 +57,7 @@ fn alpha(method: &dyn Method, scan: &Measurement) -> (f64, f64) {
         sample,
         geometry: Geometry::Transmission,
         aperture_deg: 0.6,
+        slit_height_deg: None,
         quantity: Quantity::Flux,
     };
     let found = fit(method, scan, &setup, &FitOptions::new(BODY), Watch::nobody()).unwrap();
