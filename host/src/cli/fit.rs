@@ -113,8 +113,7 @@ pub(super) struct Args {
     /// Write the fit as a model file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write plots of measured and fitted readings, STEM-linear.svg, .png, STEM-log.svg, .png, and of laws in closed form
-    /// the boundary from both sides with its uncertainty, STEM-boundary.svg, .png, .csv
+    /// Write plots of the readings, STEM-linear, -log (svg, png), and the law from both sides, -boundary (svg, png, csv)
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
     /// Exit 0 whatever the verdict

@@ -16,6 +16,8 @@ const ROUNDS: usize = 5;
 /// Free coordinates that move by less than this share of a parameter's step stay where they are: what a straight line of the
 /// later light misses falls with the square of the move.
 const STAYS: f64 = 0.01;
+/// The same of a search that is rough.
+const STAYS_ROUGHLY: f64 = 0.03;
 /// The step of a derivative, as a share of a parameter's step.
 const STEP: f64 = 0.02;
 
@@ -72,8 +74,9 @@ fn parts(
     Ok(Some((full, part)))
 }
 
-/// Minimises the cost roughly from a start that is near: the later light is computed once, and changes with the law alone.
-pub(super) fn minimise_once(
+/// Minimises the cost roughly from a start that is near: the later light changes with the law alone, and is computed anew only
+/// where the law has moved much.
+pub(super) fn minimise_roughly(
     search: &mut Search<'_>,
     problem: &Problem<'_>,
     start: &[f64],
@@ -81,12 +84,29 @@ pub(super) fn minimise_once(
 ) -> Result<End, Stopped> {
     search.begin();
     let of_law = |p: &Parameter| !is_of_instrument(p.name) && p.name != GAIN;
-    match about_as(problem, start, || search.count(), of_law) {
-        Ok(Some(later)) => {
-            search.minimise(&problem.with_later(later), start, Effort::Full, tolerance)
+    let mut values = start.to_vec();
+    let mut last = Err(Stopped);
+    for _ in 0..ROUNDS {
+        let Ok(Some(later)) = about_as(problem, &values, || search.count(), of_law) else {
+            return last;
+        };
+        let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
+        let stays = moves_less(problem, (&values, &end.values), STAYS_ROUGHLY);
+        values.clone_from(&end.values);
+        last = Ok(end);
+        if stays {
+            break;
         }
-        Ok(None) | Err(_) => Err(Stopped),
     }
+    last
+}
+
+/// Whether all values have moved by less than a share of a parameter's step, in free coordinates.
+fn moves_less(problem: &Problem<'_>, (before, after): (&[f64], &[f64]), share: f64) -> bool {
+    problem.parameters().iter().zip(before.iter().zip(after)).all(|(p, (&before, &after))| {
+        let most = share * p.step(before).abs();
+        (p.to_free(after) - p.to_free(before)).abs() <= most
+    })
 }
 
 /// Minimises the cost in full effort from a start that is near.
@@ -105,12 +125,7 @@ pub(super) fn minimise(
         }
         let Ok(Some(later)) = later else { break };
         let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
-        let stays = problem.parameters().iter().zip(values.iter().zip(&end.values)).all(
-            |(p, (&before, &after))| {
-                let most = STAYS * p.step(before).abs();
-                (p.to_free(after) - p.to_free(before)).abs() <= most
-            },
-        );
+        let stays = moves_less(problem, (&values, &end.values), STAYS);
         if stays || !end.converged {
             return Ok(end);
         }
