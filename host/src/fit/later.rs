@@ -5,19 +5,16 @@
 //! it begins again, until it ends where it began. There value and derivatives are those of the full simulation, and so
 //! is the minimum.
 
-use super::nuisance::{GAIN, is_of_instrument};
 use super::problem::{Later, Problem};
 use super::search::{End, Search, Stopped};
 use crate::forward::{Effort, Readings};
-use crate::method::{BuildError, Parameter};
+use crate::method::BuildError;
 
 /// Rounds of a search; what still moves then is searched for in full.
 const ROUNDS: usize = 5;
 /// Free coordinates that move by less than this share of a parameter's step stay where they are: what a straight line of the
 /// later light misses falls with the square of the move.
 const STAYS: f64 = 0.01;
-/// The same of a search that is rough.
-const STAYS_ROUGHLY: f64 = 0.03;
 /// The step of a derivative, as a share of a parameter's step.
 const STEP: f64 = 0.02;
 
@@ -27,16 +24,6 @@ pub(super) fn about(
     problem: &Problem<'_>,
     values: &[f64],
     count: impl Fn(),
-) -> Result<Option<Later>, BuildError> {
-    about_as(problem, values, count, |_| true)
-}
-
-/// The same, as if it did not change with the parameters that do not move it.
-fn about_as(
-    problem: &Problem<'_>,
-    values: &[f64],
-    count: impl Fn(),
-    moves: impl Fn(&Parameter) -> bool,
 ) -> Result<Option<Later>, BuildError> {
     if !problem.has_later_hits() {
         return Ok(None);
@@ -50,10 +37,6 @@ fn about_as(
     let Some((full, part)) = parts(values)? else { return Ok(None) };
     let mut slopes = Vec::with_capacity(point.len());
     for (k, parameter) in problem.parameters().iter().enumerate() {
-        if !moves(parameter) {
-            slopes.push(vec![0.0; part.len()]);
-            continue;
-        }
         let step = STEP * parameter.step(values[k]);
         let mut moved = point.clone();
         moved[k] += step;
@@ -74,41 +57,6 @@ fn parts(
     Ok(Some((full, part)))
 }
 
-/// Minimises the cost roughly from a start that is near: the later light changes with the law alone, and is computed anew only
-/// where the law has moved much.
-pub(super) fn minimise_roughly(
-    search: &mut Search<'_>,
-    problem: &Problem<'_>,
-    start: &[f64],
-    tolerance: f64,
-) -> Result<End, Stopped> {
-    search.begin();
-    let of_law = |p: &Parameter| !is_of_instrument(p.name) && p.name != GAIN;
-    let mut values = start.to_vec();
-    let mut last = Err(Stopped);
-    for _ in 0..ROUNDS {
-        let Ok(Some(later)) = about_as(problem, &values, || search.count(), of_law) else {
-            return last;
-        };
-        let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
-        let stays = moves_less(problem, (&values, &end.values), STAYS_ROUGHLY);
-        values.clone_from(&end.values);
-        last = Ok(end);
-        if stays {
-            break;
-        }
-    }
-    last
-}
-
-/// Whether all values have moved by less than a share of a parameter's step, in free coordinates.
-fn moves_less(problem: &Problem<'_>, (before, after): (&[f64], &[f64]), share: f64) -> bool {
-    problem.parameters().iter().zip(before.iter().zip(after)).all(|(p, (&before, &after))| {
-        let most = share * p.step(before).abs();
-        (p.to_free(after) - p.to_free(before)).abs() <= most
-    })
-}
-
 /// Minimises the cost in full effort from a start that is near.
 pub(super) fn minimise(
     search: &mut Search<'_>,
@@ -125,7 +73,12 @@ pub(super) fn minimise(
         }
         let Ok(Some(later)) = later else { break };
         let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
-        let stays = moves_less(problem, (&values, &end.values), STAYS);
+        let stays = problem.parameters().iter().zip(values.iter().zip(&end.values)).all(
+            |(p, (&before, &after))| {
+                let most = STAYS * p.step(before).abs();
+                (p.to_free(after) - p.to_free(before)).abs() <= most
+            },
+        );
         if stays || !end.converged {
             return Ok(end);
         }

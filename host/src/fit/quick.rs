@@ -48,7 +48,7 @@ pub fn quick(
     let (_, start) = search.best_starts(&problem, 1).into_iter().next()?;
     let end = search.minimise(&problem, &start, Effort::Draft, TOLERANCE).ok()?;
     let end = if problem.has_later_hits() {
-        later::minimise_roughly(&mut search, &problem, &end.values, TOLERANCE).ok()?
+        later::minimise(&mut search, &problem, &end.values, TOLERANCE).ok()?
     } else {
         end
     };
