@@ -20,6 +20,7 @@
 //!     sample: Sample::Plate { eta: body.eta()?, rough_side: RoughSide::Source },
 //!     geometry: Geometry::Transmission,
 //!     aperture_deg: 0.6,
+//!     slit_height_deg: None,
 //!     quantity: Quantity::Flux,
 //! };
 //! let thetas: Vec<f64> = (-40..=40).map(f64::from).collect();
