@@ -172,6 +172,12 @@ pub(super) fn contributions(
     effects.iter().zip(moved).map(row).collect()
 }
 
+/// The negative of what the residuals change by where the law is held and the readings move by a part.
+pub(super) fn change_by(problem: &Problem<'_>, simulated: &[f64], part: &[f64]) -> Vec<f64> {
+    let after: Vec<f64> = simulated.iter().zip(part).map(|(s, d)| s + d).collect();
+    problem.residual_change(simulated, &after)
+}
+
 /// How far the fitted values move where the instrument has changed the readings by a part.
 pub(super) fn moves(
     problem: &Problem<'_>,
@@ -179,9 +185,7 @@ pub(super) fn moves(
     simulated: &[f64],
     part: &[f64],
 ) -> Vec<f64> {
-    let after: Vec<f64> = simulated.iter().zip(part).map(|(s, d)| s + d).collect();
-    // the law is held and the readings move: the residual of a change is its negative
-    let change = problem.residual_change(simulated, &after);
+    let change = change_by(problem, simulated, part);
     let dot = |column: &[f64]| -> f64 { column.iter().zip(&change).map(|(a, b)| a * b).sum() };
     let scores: Vec<f64> = curvature.columns.iter().map(|column| dot(column)).collect();
     let of = |row: &Vec<f64>| row.iter().zip(&scores).map(|(h, s)| h * s).sum();

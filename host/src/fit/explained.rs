@@ -7,7 +7,7 @@
 //! follow the noise of the readings that determine them, so what is left there is divided by `sqrt(1 - h)`, `h` their leverage
 //! \[Mackinnon and White 1985, HC2\].
 
-use super::budget::Effect;
+use super::budget::{Effect, change_by, moves};
 use super::problem::Problem;
 use super::uncertainty::Curvature;
 use crate::linear::inverse;
@@ -68,18 +68,13 @@ fn beside_values(
     simulated: &[f64],
     part: &[f64],
 ) -> Vec<f64> {
-    let after: Vec<f64> = simulated.iter().zip(part).map(|(s, d)| s + d).collect();
-    // the law is held and the readings move
-    let mut change = problem.residual_change(simulated, &after);
+    let mut change = change_by(problem, simulated, part);
     for c in &mut change {
         *c = -*c;
     }
     change.resize(curvature.residuals.len(), 0.0);
-    let score = |column: &Vec<f64>| column.iter().zip(&change).map(|(a, b)| a * b).sum::<f64>();
-    let scores: Vec<f64> = curvature.columns.iter().map(score).collect();
-    for (row, column) in curvature.inverse.iter().zip(&curvature.columns) {
-        let by: f64 = row.iter().zip(&scores).map(|(h, s)| h * s).sum();
-        change.iter_mut().zip(column).for_each(|(c, j)| *c -= by * j);
+    for (by, column) in moves(problem, curvature, simulated, part).iter().zip(&curvature.columns) {
+        change.iter_mut().zip(column).for_each(|(c, j)| *c += by * j);
     }
     change
 }
