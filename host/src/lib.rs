@@ -79,6 +79,7 @@ pub mod tabulate;
 pub mod trade;
 pub mod fit;
 pub mod reconstruct;
+pub mod specimens;
 pub mod plan;
 #[cfg(feature = "plots")]
 pub mod plot;

@@ -3,7 +3,7 @@
 use asperity::fit::MISFIT_PERCENT;
 use asperity::measurement::noise;
 use asperity::method::Kind;
-use asperity::reconstruct::{Comparison, Grounds, SampleResult, Task, Trials, usually_asked};
+use asperity::reconstruct::{Comparison, Grounds, SampleResult, SurfaceFigures, Task, Trials, usually_asked};
 use pyo3::prelude::*;
 
 use crate::error::bad;
@@ -161,6 +161,7 @@ fn sample(
         noise_floor_percent: SampleResult::floor_of(&attempts)
             .or_else(|| noise::before_fit(task.measurement)),
         attempts,
+        surface: task.map.map(|map| SurfaceFigures::of(&map.map)),
         ranking: Vec::new(),
         grounds: Grounds::default(),
     })

@@ -6,6 +6,7 @@ use super::comparing::{Sample, Work};
 use super::error::Failure;
 use super::flags::method::MethodName;
 use super::flags::sample::{Loaded, SampleFlags, methods};
+use super::flags::scan::number;
 use super::model::BouncesFlag;
 use super::planned::PlanFlag;
 use super::{auto, print};
@@ -18,8 +19,12 @@ use crate::surface::Roughness;
 /// same order. A method that cannot be used (no map, an opaque body) is listed with the reason, and
 /// one that fails does not stop the others. Written into the folder: compare.csv, .md and .json
 /// with one row a sample and one column a method, as in the paper's Table 2, and all details;
-/// SAMPLE-METHOD.json, each fit as a model; plots of measured and fitted readings, SAMPLE-all and
-/// SAMPLE-sigmaDEG, linear and log, svg and png; and report.html with all of it.
+/// report.html with all of it; and a folder a sample: METHOD.json, each fit as a model, and plots of
+/// measured and fitted readings, all and sigmaDEG, linear and log, svg and png.
+///
+/// Several fits run at once. A finished fit is kept (METHOD.cell.json): begun again into the same
+/// folder with the same data and options, the comparison goes on where it ended, and methods can be
+/// added. A folder of another comparison is refused.
 ///
 /// Exit 1 if no method describes one of the samples; all is written all the same.
 ///
@@ -57,10 +62,26 @@ pub(super) struct Args {
     /// Leave out how long it took, the only part that differs from run to run
     #[arg(long, hide_short_help = true)]
     no_timing: bool,
+    /// Fits at once [default: as many as threads]; their times are then those beside each other
+    #[arg(long, value_name = "N", hide_short_help = true, value_parser = parse_jobs)]
+    jobs: Option<usize>,
+    /// Memory for the fits that run at once, GiB [default: half of what is free]
+    #[arg(long, value_name = "GIB", hide_short_help = true, value_parser = number)]
+    memory_gib: Option<f64>,
     #[command(flatten)]
     sample: SampleFlags,
     #[command(flatten)]
     plan: PlanFlag,
+}
+
+/// Bytes of a GiB.
+const GIB: f64 = 1_073_741_824.0;
+
+fn parse_jobs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(jobs @ 1..=1024) => Ok(jobs),
+        _ => Err("give 1 to 1024".into()),
+    }
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
@@ -99,6 +120,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         samples,
         timing: !args.no_timing,
         rank: args.rank,
+        jobs: args.jobs,
+        memory: args.memory_gib.map(|gib| (gib * GIB) as u64),
     };
     work.carry_out(&args.output, &|comparison| {
         let folder = args.output.display();

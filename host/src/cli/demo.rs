@@ -118,6 +118,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         samples: vec![sample],
         timing: !args.no_timing,
         rank: false,
+        jobs: None,
+        memory: None,
     };
     work.carry_out(folder, &|comparison| args.say(comparison))
 }
@@ -131,7 +133,7 @@ impl Args {
             ));
         }
         let attempts = comparison.samples.iter().flat_map(|s| &s.attempts);
-        let fits: Vec<_> = attempts.filter_map(|a| Some(&a.result.as_ref().ok()?.1)).collect();
+        let fits: Vec<_> = attempts.filter_map(|a| Some(&a.cell()?.model)).collect();
         let answer = serde_json::json!({
             "asperity": 1,
             "sample": comparison.what,

@@ -21,7 +21,7 @@ use crate::measurement::Measurement;
 use crate::method::{Body, Kind, Lack, in_words};
 use crate::model::{Model, Spread};
 use crate::output::AtomicFile;
-use crate::reconstruct::{Entry, Found, Task, Trials, usually_asked};
+use crate::reconstruct::{Entry, Found, Task, Trials, boundary_values, usually_asked};
 use crate::report::{self, BoundaryFiles, FigureFiles, PolarFiles};
 
 /// Fit a model to a measured scan
@@ -243,15 +243,21 @@ impl Args {
         let title = title.unwrap_or_else(|| self.scan.display().to_string());
         let mut written = Vec::new();
         if let Some(files) = plots.cuts {
-            written.extend(files.write(&|scale| report::figure(&title, scan, &[entry], scale))?);
+            written.extend(
+                files.write(&|scale| report::figure(&title, scan, &[entry.into()], scale))?,
+            );
         }
         if let Some((files, picture)) = plots.polar.zip(report::hemispheres(&title, scan, entry)) {
             written.extend(files.write(&picture)?);
         }
         let spread = Spread::of(model, None).ok();
-        let values = report::boundary_values(&entry.fit.boundary, spread.as_ref());
-        if let Some(files) = plots.boundary.filter(|_| !values.is_empty()) {
-            written.extend(files.write(&title, &values)?);
+        if let Some(files) = plots.boundary {
+            let (boundary, spread) = (&entry.fit.boundary, spread.as_ref());
+            let bar = progress::bar(0, "tracing the boundary");
+            let values = bar.watch(|watch| boundary_values(boundary, spread, watch));
+            if !values.is_empty() {
+                written.extend(files.write(&title, &values)?);
+            }
         }
         for path in written {
             say::note(format_args!("wrote {}", path.display()));

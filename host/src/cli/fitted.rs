@@ -4,7 +4,7 @@ use super::error::remedy;
 use super::flags::light;
 use super::say;
 use crate::boundary::Boundary;
-use crate::fit::{Errors, FitError, Fitted, Objective, Termination};
+use crate::fit::{Errors, FitError, Fitted, Objective, Shown, Termination};
 use crate::measurement::Isotropy;
 use crate::model::Flux;
 use crate::reconstruct::{Entry, Task, Trials, Unusable};
@@ -41,7 +41,7 @@ pub(super) fn human(entry: &Entry, task: &Task<'_>, timing: bool) -> String {
     // Writing to a string cannot fail.
     let _ = writeln!(text, "method       {}", entry.label);
     for p in &fit.parameters {
-        let _ = writeln!(text, "{:12} {}", p.name, report::value_text(p));
+        let _ = writeln!(text, "{:12} {}", p.name, report::value_text(&Shown::of(p)));
     }
     if let Some(ior) = fit.ior.filter(|_| !task.options.fit_ior) {
         let _ = writeln!(text, "ior          {ior:.4} (given)");

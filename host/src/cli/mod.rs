@@ -38,6 +38,7 @@ mod export;
 mod convert;
 mod inspect;
 mod plan;
+mod samples;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -89,6 +90,7 @@ Examples:
   asperity export m.json --format zemax --side air --lobe transmission -o m.bsdf
   asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
   asperity plan scene.toml -o plan.json                what a scene requires, and no more
+  asperity samples make -o samples                     the eight samples of the paper, made anew
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, interrupted, or an instrument or a
 disk fails, 2 bad usage or bad input, 128 + n ended by a second signal n.";
@@ -111,6 +113,7 @@ enum Verb {
     Inspect(inspect::Args),
     Trade(trade::Args),
     Plan(plan::Args),
+    Samples(samples::Args),
     Completions(completions::Args),
     #[command(hide = true)]
     Manual(manual::Args),
@@ -167,6 +170,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Inspect(a) => inspect::run(&a),
         Verb::Trade(a) => trade::run(&a),
         Verb::Plan(a) => plan::run(&a),
+        Verb::Samples(a) => samples::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
     };

@@ -1,7 +1,7 @@
 //! How far work is, on stderr: a bar on a terminal, else a line now and then.
 
 use std::io::IsTerminal;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -111,5 +111,85 @@ impl Bar {
             )),
             None => say::note(format_args!("{what}: {done} evaluations")),
         }
+    }
+}
+
+/// Several fits at once, with the time that is left for all of them.
+pub(super) struct Board {
+    shown: ProgressBar,
+    state: Mutex<BoardState>,
+    all: usize,
+    begun: Instant,
+}
+
+#[derive(Default)]
+struct BoardState {
+    running: Vec<String>,
+    done: usize,
+    last_line: Option<Instant>,
+}
+
+impl Board {
+    pub(super) fn new(all: usize) -> Self {
+        let shown = ProgressBar::new(all as u64);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len}  {msg}") {
+            shown.set_style(style);
+        }
+        if say::is_quiet() || all == 0 {
+            shown.set_draw_target(ProgressDrawTarget::hidden());
+        }
+        Self { shown, state: Mutex::default(), all, begun: Instant::now() }
+    }
+
+    /// Does one of the fits, which the user's signals watch.
+    pub(super) fn watch<T>(&self, name: &str, work: impl FnOnce(Watch<'_>) -> T) -> T {
+        self.change(|state| state.running.push(name.to_owned()));
+        let done = work(Watch::new(interrupt::flag(), &|_| self.tell()));
+        self.change(|state| {
+            state.running.retain(|n| n != name);
+            state.done += 1;
+        });
+        self.shown.inc(1);
+        done
+    }
+
+    /// A line that does not tear the bar.
+    pub(super) fn say(&self, line: std::fmt::Arguments<'_>) {
+        self.shown.suspend(|| say::note(line));
+    }
+
+    fn change(&self, change: impl FnOnce(&mut BoardState)) {
+        change(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner));
+        self.tell();
+    }
+
+    /// What runs and how long all will take, on the bar or as a line now and then.
+    fn tell(&self) {
+        // whoever finds it taken leaves it to the other thread
+        let Ok(mut state) = self.state.try_lock() else { return };
+        let left = self.left(&state).map_or(String::new(), |s| format!(", {s:.0} s left"));
+        let running = state.running.join(", ");
+        if std::io::stderr().is_terminal() {
+            self.shown.set_message(format!("{running}{left}"));
+            return;
+        }
+        let last = state.last_line.unwrap_or(self.begun);
+        if !say::is_quiet() && last.elapsed() >= SELDOM && !running.is_empty() {
+            state.last_line = Some(Instant::now());
+            say::note(format_args!("{} of {} fits{left}: {running}", state.done, self.all));
+        }
+    }
+
+    /// Seconds left: every fit takes as long as those before, so many of them at once.
+    fn left(&self, state: &BoardState) -> Option<f64> {
+        let each =
+            self.begun.elapsed().as_secs_f64() / (state.done > 0).then_some(state.done)? as f64;
+        Some(each * (self.all - state.done.min(self.all)) as f64)
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.shown.finish_and_clear();
     }
 }

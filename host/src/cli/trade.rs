@@ -14,9 +14,10 @@ use crate::forward::Rays;
 use crate::model::Model;
 use crate::output::AtomicFile;
 use crate::plot;
-use crate::reconstruct::usually_asked;
+use crate::reconstruct::{Found, usually_asked};
 use crate::report::TradeReport;
 use crate::trade::{Axis, Device, NoDevice, Scan, Subject, Work, choose, rows};
+use crate::watch::Watch;
 
 /// Measure what each way to evaluate a model costs, and how near it is
 ///
@@ -227,12 +228,15 @@ impl Trade<'_> {
                 break;
             }
             let bar = progress::counter("");
-            let (attempt, failed) = bar.watch(|watch| task.attempt(name, trial, watch));
-            warn_of_failed(&failed);
-            match attempt.result {
+            let fit = |watch: Watch<'_>| match trial {
+                Err(why) => Err(why.clone()),
+                Ok(trials) => task.fit(trials, watch).map_err(|e| e.to_string()),
+            };
+            match bar.watch(fit) {
                 // a fit that was cut short is not finished
                 Ok(_) if stopped() => break,
-                Ok((entry, _)) => {
+                Ok(Found { entry, failed, .. }) => {
+                    warn_of_failed(&failed);
                     let fit = &entry.fit;
                     say::note(format_args!(
                         "{}: {:.3} % in {:.2} s",

@@ -1,5 +1,7 @@
 //! A fitted parameter and its verdict.
 
+use serde::{Deserialize, Serialize};
+
 use super::profile::{Profile, Side};
 use crate::model::Value;
 
@@ -21,6 +23,41 @@ pub struct Fitted {
     pub at_bound: bool,
     /// Whether it is `none` (no filter, no floor), because a fit with it describes the data no better.
     pub is_none: bool,
+}
+
+/// A fitted parameter as it is shown, also in files.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shown {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// Its value.
+    pub value: f64,
+    /// Its standard error; `None` if the data do not determine it.
+    pub std_error: Option<f64>,
+    /// Whether that is unreliable.
+    pub is_unreliable: bool,
+    /// Whether it stopped at a bound of its range.
+    pub at_bound: bool,
+    /// Whether it is `none`.
+    pub is_none: bool,
+}
+
+impl Shown {
+    /// Of a fit.
+    pub fn of(p: &Fitted) -> Self {
+        Self {
+            name: p.name.to_owned(),
+            unit: p.unit.to_owned(),
+            value: p.value,
+            std_error: p.std_error,
+            is_unreliable: p.is_unreliable(),
+            at_bound: p.at_bound,
+            is_none: p.is_none,
+        }
+    }
 }
 
 impl Fitted {

@@ -62,7 +62,7 @@ mod tail;
 
 pub use budget::Doubts;
 pub use errors::Errors;
-pub use fitted::Fitted;
+pub use fitted::{Fitted, Shown};
 pub use nuisance::{MOST_GAINS, Nuisance, is_of_instrument};
 pub use objective::Objective;
 pub use profile::{Profile, Side};

@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use crate::model::{Model, Rank};
+use crate::model::Rank;
+use crate::surface::{HeightMap, Roughness};
 
-use super::found::Entry;
+use super::cell::Cell;
 use super::grounds::Grounds;
 
 /// Every method on every sample.
@@ -31,6 +32,8 @@ pub struct SampleResult {
     pub title: String,
     /// Noise of its measurement in terms of eq. (18), %.
     pub noise_floor_percent: Option<f64>,
+    /// The figures of its map.
+    pub surface: Option<SurfaceFigures>,
     /// One per method, in the order of [`Comparison::methods`].
     pub attempts: Vec<Attempt>,
     /// The fits in the order of what the data support, if that was asked for.
@@ -39,35 +42,56 @@ pub struct SampleResult {
     pub grounds: Grounds,
 }
 
+/// A map as a column of the paper's Table 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceFigures {
+    /// Columns and rows.
+    pub size: (usize, usize),
+    /// Extent along x and y, mm.
+    pub extent_mm: (f64, f64),
+    /// Its heights.
+    pub roughness: Roughness,
+}
+
+impl SurfaceFigures {
+    /// Of a map.
+    pub fn of(map: &HeightMap) -> Self {
+        let size = (map.nx(), map.ny());
+        let extent = |count: usize, pitch_um: f64| 1e-3 * pitch_um * count as f64;
+        let extent_mm = (extent(size.0, map.dx_um()), extent(size.1, map.dy_um()));
+        Self { size, extent_mm, roughness: Roughness::of(map) }
+    }
+}
+
 /// One method on one sample.
 #[derive(Clone, Debug)]
 pub struct Attempt {
     /// Name of the method.
     pub method: String,
-    /// The fit and its model file, or why there is none.
-    pub result: Result<(Entry, Model), String>,
+    /// The fit, or why there is none.
+    pub result: Result<Cell, String>,
 }
 
 impl Attempt {
     /// The fit, if there is one.
-    pub fn entry(&self) -> Option<&Entry> {
-        self.result.as_ref().ok().map(|(entry, _)| entry)
+    pub fn cell(&self) -> Option<&Cell> {
+        self.result.as_ref().ok()
     }
 
     /// Whether there is a fit that describes the sample.
     pub fn describes(&self) -> bool {
-        self.entry().is_some_and(|entry| entry.verdict.grade.is_accepted())
+        self.cell().is_some_and(Cell::is_accepted)
     }
 
     /// Method, with its law if it has one.
     pub fn label(&self) -> &str {
-        self.entry().map_or(&self.method, |entry| &entry.label)
+        self.cell().map_or(&self.method, |cell| &cell.label)
     }
 
     /// The notes: the warnings of the fit word for word, or why there is no fit.
     pub fn notes(&self) -> &[String] {
         match &self.result {
-            Ok((_, model)) => &model.validity,
+            Ok(cell) => &cell.model.validity,
             Err(why) => std::slice::from_ref(why),
         }
     }
@@ -76,13 +100,13 @@ impl Attempt {
 impl SampleResult {
     /// The noise of the measurement from its fits: the least of their estimates, because what a model misses can only add.
     pub fn floor_of(attempts: &[Attempt]) -> Option<f64> {
-        let known = attempts.iter().filter_map(|a| a.entry()?.fit.noise_floor_percent);
+        let known = attempts.iter().filter_map(|a| a.cell()?.model.noise_floor_percent);
         known.min_by(f64::total_cmp)
     }
 
     /// The lowest error of the fits that describe the sample.
     pub fn best(&self) -> Option<&Attempt> {
-        let error = |a: &&Attempt| a.entry().map_or(f64::INFINITY, |e| e.fit.rmsd_percent);
+        let error = |a: &&Attempt| a.cell().map_or(f64::INFINITY, Cell::rmsd_percent);
         let described = self.attempts.iter().filter(|a| a.describes());
         described.min_by(|a, b| error(a).total_cmp(&error(b)))
     }
@@ -94,14 +118,14 @@ impl SampleResult {
 
     /// Which method is best, in a sentence or two.
     pub fn verdict(&self) -> String {
-        let Some((best, entry)) = self.best().and_then(|b| Some((b, b.entry()?))) else {
+        let Some((best, cell)) = self.best().and_then(|b| Some((b, b.cell()?))) else {
             return "No method describes this sample.".into();
         };
         let noise = match self.noise_floor_percent {
             Some(noise) => format!("the measurement's own noise is {noise:.3} %"),
             None => "the measurement's own noise is unknown".into(),
         };
-        let mut text = format!("Best: {}, {:.3} %; {noise}.", best.label(), entry.fit.rmsd_percent);
+        let mut text = format!("Best: {}, {:.3} %; {noise}.", best.label(), cell.rmsd_percent());
         if self.attempts.iter().any(|a| !self.is_best(a) && !a.notes().is_empty()) {
             text += " What is known of why others are worse, or were not tried:";
         }
@@ -116,13 +140,13 @@ impl SampleResult {
 
     /// What the atlas of rigorous solutions says of the measured map; nothing without a map and a wavelength.
     pub fn atlas(&self) -> &[String] {
-        let known = self.attempts.iter().filter_map(Attempt::entry).map(|e| &e.atlas[..]);
+        let known = self.attempts.iter().filter_map(Attempt::cell).map(|c| &c.model.atlas[..]);
         known.into_iter().find(|lines| !lines.is_empty()).unwrap_or_default()
     }
 
     /// Name of the model file of a method on a sample of a name.
     pub fn model_file(name: &str, method: &str) -> String {
-        format!("{name}-{method}.json")
+        format!("{name}/{method}.json")
     }
 }
 
@@ -136,6 +160,7 @@ impl Comparison {
                 "noise_floor_percent": sample.noise_floor_percent,
                 "best": sample.best().map(|b| &b.method),
                 "verdict": sample.verdict(),
+                "surface": sample.surface.as_ref().map(surface),
                 "atlas": sample.atlas(),
                 "ranking": (!sample.ranking.is_empty()).then_some(&sample.ranking),
                 "results": sample.attempts.iter().map(|a| result(sample, a, self.timing)).collect::<Vec<_>>(),
@@ -156,15 +181,30 @@ impl Comparison {
     }
 }
 
+fn surface(s: &SurfaceFigures) -> Value {
+    let r = &s.roughness;
+    json!({
+        "points": [s.size.0, s.size.1],
+        "extent_mm": [s.extent_mm.0, s.extent_mm.1],
+        "ra_um": r.ra_um,
+        "rq_um": r.rq_um,
+        "rv_um": r.rv_um,
+        "rp_um": r.rp_um,
+        "rz_um": r.rz_um,
+        "rz5_um": r.rz5_um,
+        "rsk": r.rsk,
+        "rku": r.rku,
+    })
+}
+
 fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
-    let fit = attempt.entry().map(|e| &e.fit);
-    let model = attempt.result.as_ref().ok().map(|(_, model)| model);
+    let model = attempt.cell().map(|cell| &cell.model);
     let mut result = json!({
         "method": attempt.method,
         "label": attempt.label(),
-        "error_percent": fit.map(|f| f.rmsd_percent),
-        "simulation_noise_percent": fit.and_then(|f| f.simulation_noise_percent),
-        "evaluations": fit.map(|f| f.evaluations),
+        "error_percent": model.and_then(|m| m.rmsd_percent),
+        "simulation_noise_percent": model.and_then(|m| m.simulation_noise_percent),
+        "evaluations": model.and_then(|m| m.evaluations),
         "describes": attempt.describes(),
         "verdict": model.map(|m| &m.verdict),
         "fluxes": model.map(|m| &m.fluxes),
@@ -173,8 +213,8 @@ fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
         "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),
         "notes": attempt.notes(),
     });
-    if let Some(fit) = fit.filter(|_| timing) {
-        result["timing"] = json!({ "seconds": fit.seconds });
+    if let Some(seconds) = attempt.cell().and_then(Cell::seconds).filter(|_| timing) {
+        result["timing"] = json!({ "seconds": seconds });
     }
     result
 }

@@ -16,6 +16,7 @@ use crate::method::{Kind, Method};
 use crate::provenance::InputFile;
 use crate::watch::Watch;
 
+use super::cell::Cell;
 use super::comparison::Attempt;
 use super::found::{Entry, Found};
 use super::record::record;
@@ -104,7 +105,7 @@ impl Task<'_> {
             Ok(_) if watch.is_stopped() => Err("interrupted before it was begun".to_owned()),
             Ok(trials) => self.fit(trials, watch).map_err(|e| e.to_string()).map(|found| {
                 failed = found.failed;
-                (found.entry, found.model)
+                Cell::of(&found.entry, found.model, watch)
             }),
         };
         (Attempt { method: method.to_owned(), result }, failed)

@@ -8,7 +8,7 @@
 //! | body and instrument of a scan | [`Said::about`] |
 //! | one method on one sample: the laws and speckles tried, the one kept | [`Task::trials`], [`Task::fit`] |
 //! | the law that the data support | [`Task::rank`] |
-//! | every method on every sample | [`Comparison`], filled by [`Task::attempt`] |
+//! | every method on every sample | [`Comparison`], its cells filled by [`Task::attempt`] |
 //! | a model, a table, or a map as a boundary | [`Subject`] |
 //! | a scan or a balance of one | [`ScanRequest::run`], [`CheckRequest::run`] |
 
@@ -20,23 +20,29 @@ mod header;
 mod scan;
 mod check;
 mod found;
+mod lobes;
+mod cell;
 mod grounds;
 mod comparison;
 mod task;
 mod verdict;
 mod record;
+mod store;
 mod fitting;
 mod ranking;
 
+pub use cell::Cell;
 pub use check::{Check, CheckRequest, NoBalance, validity_json};
-pub use comparison::{Attempt, Comparison, SampleResult};
+pub use comparison::{Attempt, Comparison, SampleResult, SurfaceFigures};
 pub use fitting::{FitScanError, fit_scan};
 pub use found::{Entry, Found};
 pub use grounds::Grounds;
 pub use light::{Light, Unlit};
+pub use lobes::{BoundaryValue, boundary_values};
 pub use needed::Lacking;
 pub use ranking::{Ranked, Ranking};
 pub use scan::{NoScan, ScanRequest, VirtualScan};
 pub use situation::{Said, Situation, Unclear, check_aperture, check_plate};
+pub use store::{Index, IndexedCell, IndexedSample, OtherContent, Store};
 pub use subject::{Engine, NoSubject, Subject};
 pub use task::{Task, Trials, Unusable, usually_asked};

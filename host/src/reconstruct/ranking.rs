@@ -5,14 +5,15 @@
 //! with the fewest parameters is chosen. Where there is one incidence alone, or a law traces rays, the criterion of
 //! Schwarz decides: `n ln(mean square) + k ln n`, with `n` the number of readings that are worth independent ones.
 
-use crate::fit::{Fit, FitError, FitOptions, Fitted, Objective, cost_at, tail_score};
+use crate::fit::{FitError, FitOptions, Objective, Shown, cost_at, tail_score};
 use crate::measurement::{Measurement, Reading};
 use crate::method::Method;
 use crate::model::Rank;
 use crate::watch::Watch;
 
+use super::cell::Cell;
 use super::comparison::Attempt;
-use super::found::{Entry, Found};
+use super::found::Found;
 use super::grounds::Grounds;
 use super::task::{Task, Trials};
 
@@ -43,10 +44,49 @@ pub struct Ranking {
 
 /// A law with what it predicted.
 struct Candidate<'a> {
-    fit: &'a Fit,
+    /// Simulated readings of the fit, and the value of its objective.
+    readings: &'a [f64],
+    objective: f64,
     rank: Rank,
     /// Mean squares of what it predicted, by group of incidences, over the square of the largest reading; none: not tried.
     folds: Vec<f64>,
+}
+
+/// What is ranked of a fit.
+struct Fit<'a> {
+    label: &'a str,
+    parameters: Vec<Shown>,
+    readings: &'a [f64],
+    rmsd_percent: f64,
+    objective: f64,
+    is_refused: bool,
+}
+
+impl<'a> Fit<'a> {
+    fn of(found: &'a Found) -> Self {
+        let fit = &found.entry.fit;
+        Self {
+            label: &found.entry.label,
+            parameters: fit.parameters.iter().map(Shown::of).collect(),
+            readings: &fit.readings,
+            rmsd_percent: fit.rmsd_percent,
+            objective: fit.objective.1,
+            is_refused: !found.entry.verdict.grade.is_accepted(),
+        }
+    }
+}
+
+impl<'a> From<&'a Cell> for Fit<'a> {
+    fn from(cell: &'a Cell) -> Self {
+        Self {
+            label: &cell.label,
+            parameters: cell.parameters.clone(),
+            readings: &cell.readings,
+            rmsd_percent: cell.rmsd_percent(),
+            objective: cell.model.objective_value.unwrap_or(f64::NAN),
+            is_refused: !cell.is_accepted(),
+        }
+    }
 }
 
 impl Task<'_> {
@@ -80,7 +120,7 @@ impl Task<'_> {
         if all.is_empty() {
             return Err(first_error.unwrap_or(FitError::Interrupted));
         }
-        let of = all.iter().map(|(found, folds)| self.candidate(&found.entry, folds.clone()));
+        let of = all.iter().map(|(found, folds)| self.candidate(&Fit::of(found), folds.clone()));
         let (ranks, grounds) = self.order(of);
         let mut found: Vec<Option<Found>> = all.into_iter().map(|(found, _)| Some(found)).collect();
         let laws = ranks.into_iter().filter_map(|(k, rank)| {
@@ -100,11 +140,11 @@ impl Task<'_> {
         let folds = self.folds();
         let mut all = Vec::new();
         for (attempt, trials) in attempts {
-            let Some(entry) = attempt.entry() else { continue };
-            let kept = trials.iter().position(|law| law.label() == entry.label);
+            let Some(cell) = attempt.cell() else { continue };
+            let kept = trials.iter().position(|law| law.label() == cell.label);
             let law = kept.and_then(|k| trials.get(k..=k)).unwrap_or_default();
-            watch.now(&format!("predicting with {}", entry.label));
-            all.push(self.candidate(entry, self.predict(law, &folds, watch)));
+            watch.now(&format!("predicting with {}", cell.label));
+            all.push(self.candidate(&Fit::from(cell), self.predict(law, &folds, watch)));
         }
         if watch.is_stopped() || all.len() < 2 {
             return (Vec::new(), Grounds::default());
@@ -158,24 +198,23 @@ impl Task<'_> {
         folds.iter().map(one).collect::<Option<_>>().unwrap_or_default()
     }
 
-    fn candidate<'a>(&self, entry: &'a Entry, folds: Vec<f64>) -> Candidate<'a> {
-        let fit = &entry.fit;
+    fn candidate<'a>(&self, fit: &Fit<'a>, folds: Vec<f64>) -> Candidate<'a> {
         let mean = folds.iter().sum::<f64>() / folds.len().max(1) as f64;
-        let weak = |p: &&Fitted| {
+        let weak = |p: &&Shown| {
             let large = p.std_error.is_none_or(|e| e >= p.value.abs());
-            !p.is_none && (p.at_bound || large || p.is_unreliable())
+            !p.is_none && (p.at_bound || large || p.is_unreliable)
         };
         let rank = Rank {
-            law: entry.label.clone(),
+            law: fit.label.to_owned(),
             parameters: fit.parameters.iter().filter(|p| !p.is_none).count(),
             rmsd_percent: fit.rmsd_percent,
             out_of_sample_percent: (!folds.is_empty()).then(|| 100.0 * mean.sqrt()),
-            tail_log10: tail_score(self.measurement, &fit.readings),
+            tail_log10: tail_score(self.measurement, fit.readings),
             criterion: 0.0,
-            undetermined: fit.parameters.iter().filter(weak).map(|p| p.name.to_owned()).collect(),
-            refused: !entry.verdict.grade.is_accepted(),
+            undetermined: fit.parameters.iter().filter(weak).map(|p| p.name.clone()).collect(),
+            refused: fit.is_refused,
         };
-        Candidate { fit, rank, folds }
+        Candidate { readings: fit.readings, objective: fit.objective, rank, folds }
     }
 
     /// Places and ranks of candidates, the chosen one first.
@@ -203,9 +242,9 @@ impl Task<'_> {
             return 0.0;
         };
         let most = laws.iter().map(|(_, law)| law.rank.parameters).max().unwrap_or(0);
-        let n = effective_number(self.measurement, best.fit).max(most as f64 + 2.0);
+        let n = effective_number(self.measurement, best.readings).max(most as f64 + 2.0);
         for (_, law) in &mut *laws {
-            let mean_square = law.fit.objective.1.max(1e-12).powi(2);
+            let mean_square = law.objective.max(1e-12).powi(2);
             law.rank.criterion = n * mean_square.ln() + law.rank.parameters as f64 * n.ln();
         }
         let least = laws.iter().map(|(_, law)| law.rank.criterion).fold(f64::INFINITY, f64::min);
@@ -217,19 +256,19 @@ impl Task<'_> {
 }
 
 /// Readings worth independent ones: neighbours whose residuals go together count as one.
-fn effective_number(scan: &Measurement, fit: &Fit) -> f64 {
+fn effective_number(scan: &Measurement, simulated: &[f64]) -> f64 {
     let (mut squares, mut products) = (0.0, 0.0);
     let mut from = 0;
     for plane in scan.by_plane() {
         let readings = plane.readings.len();
-        let pairs = plane.readings.iter().zip(&fit.readings[from..from + readings]);
+        let pairs = plane.readings.iter().zip(&simulated[from..from + readings]);
         let residuals: Vec<f64> = pairs.map(|(r, s)| r.value - s).collect();
         squares += residuals.iter().map(|r| r * r).sum::<f64>();
         products += residuals.windows(2).map(|two| two[0] * two[1]).sum::<f64>();
         from += readings;
     }
     let together = if squares > 0.0 { (products / squares).clamp(0.0, 0.999) } else { 0.0 };
-    fit.readings.len() as f64 * (1.0 - together) / (1.0 + together)
+    simulated.len() as f64 * (1.0 - together) / (1.0 + together)
 }
 
 /// Puts the chosen law first, the others by what decides; refused ones behind.

@@ -3,67 +3,16 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use asperity_core::direction::{Direction, Side};
+use asperity_core::direction::Side;
 
 use super::figures::FigureError;
-use crate::boundary::Boundary;
 use crate::energy::side_name;
-use crate::model::Spread;
 use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Across, Curve, CurveStyle, Figure, Panel, Scale};
+use crate::reconstruct::BoundaryValue;
 
-/// Angles of incidence in the medium that the light comes from, degrees.
-const INCIDENCES: [f64; 3] = [0.0, 30.0, 60.0];
 /// Half the width of a band, in standard uncertainties: 95 % of a normal distribution.
 const BAND: f64 = 1.96;
-
-/// A value of the BSDF in the plane of incidence.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BoundaryValue {
-    /// Where the light comes from.
-    pub side: Side,
-    /// Angle of incidence in that medium, degrees.
-    pub incidence_deg: f64,
-    /// Whether the light goes through.
-    pub is_transmitted: bool,
-    /// Angle of observation in the medium it goes to, degrees; the mirrored and the undeviated beam are at positive ones.
-    pub theta_deg: f64,
-    /// BSDF, 1/sr, without cosine.
-    pub f: f64,
-    /// Its standard uncertainty, 1/sr; `None` if the errors of the law are not known.
-    pub std: Option<f64>,
-}
-
-/// The boundary from both sides at three incidences; empty if it cannot be evaluated.
-pub fn boundary_values(boundary: &Boundary, spread: Option<&Spread>) -> Vec<BoundaryValue> {
-    let has_inside = boundary.eta().is_some() && !boundary.is_sheet();
-    let sides: &[Side] = if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
-    let lobes: &[bool] = if boundary.eta().is_some() { &[false, true] } else { &[false] };
-    let mut values = Vec::new();
-    for &side in sides {
-        for incidence_deg in INCIDENCES {
-            for &is_transmitted in lobes {
-                values.extend((-178..=178).filter_map(|half| {
-                    let theta_deg = 0.5 * f64::from(half);
-                    let up = if side == Side::Air { 1.0 } else { -1.0 };
-                    let away = if is_transmitted { -up } else { up };
-                    let wi = in_plane(-incidence_deg, up);
-                    let wo = in_plane(theta_deg, away);
-                    let f = boundary.eval(wi, wo)?;
-                    let of = |b: &Boundary| b.eval(wi, wo).unwrap_or(f64::NAN);
-                    let std = spread.map(|spread| spread.std_of(f, of));
-                    Some(BoundaryValue { side, incidence_deg, is_transmitted, theta_deg, f, std })
-                }));
-            }
-        }
-    }
-    values
-}
-
-fn in_plane(theta_deg: f64, up: f64) -> Direction<f64> {
-    let (s, c) = theta_deg.to_radians().sin_cos();
-    Direction::from_unit(s, 0.0, up * c)
-}
 
 /// The values as CSV, with the columns `side,lobe,incidence_deg,theta_deg,bsdf_per_sr,std_per_sr`.
 pub fn boundary_csv(values: &[BoundaryValue]) -> String {

@@ -1,9 +1,9 @@
 //! The tables of a comparison: errors of all methods, and each sample method by method.
 
-use super::grid::{Cell, Grid};
+use super::grid::{Field, Grid};
 use super::parameters_text;
-use crate::model::{Grade, Verdict};
-use crate::reconstruct::{Attempt, Comparison, Entry, SampleResult};
+use crate::model::Grade;
+use crate::reconstruct::{Attempt, Cell, Comparison, SampleResult};
 
 impl SampleResult {
     /// Method by method; the last column holds the numbers of the notes.
@@ -26,17 +26,17 @@ impl SampleResult {
                 })
                 .collect();
             let best = self.is_best(attempt);
-            let fit = attempt.entry().map(|e| &e.fit);
-            let verdict = attempt.entry().map_or("none".into(), |entry| worth(entry, best));
-            let tails = attempt.entry().and_then(|e| e.verdict.tail_score);
+            let cell = attempt.cell();
+            let verdict = cell.map_or("none".into(), |cell| worth(cell, best));
+            let tails = cell.and_then(|c| c.verdict()?.tail_score);
             rows.push(vec![
                 attempt.label().to_owned().into(),
-                Cell { text: percent(fit.map(|f| f.rmsd_percent), "-"), strong: best },
+                Field { text: percent(cell.map(Cell::rmsd_percent), "-"), strong: best },
                 percent(self.noise_floor_percent, "unknown").into(),
-                percent(fit.and_then(|f| f.simulation_noise_percent), "-").into(),
+                percent(cell.and_then(|c| c.model.simulation_noise_percent), "-").into(),
                 tails.map_or_else(|| "-".to_owned(), |t| format!("{t:.2}")).into(),
-                attempt.entry().map_or_else(|| "-".to_owned(), lost).into(),
-                fit.map_or_else(|| "-".to_owned(), parameters_text).into(),
+                cell.map_or_else(|| "-".to_owned(), lost).into(),
+                cell.map_or_else(|| "-".to_owned(), |c| parameters_text(&c.parameters)).into(),
                 verdict.into(),
                 notes.join(", ").into(),
             ]);
@@ -46,8 +46,8 @@ impl SampleResult {
 }
 
 /// The place of a fit and its grade.
-fn worth(entry: &Entry, is_best: bool) -> String {
-    let Verdict { grade, times_noise, .. } = &entry.verdict;
+fn worth(cell: &Cell, is_best: bool) -> String {
+    let (grade, times_noise) = (cell.grade(), cell.verdict().and_then(|v| v.times_noise));
     let place = match (is_best, grade.is_accepted()) {
         (true, _) => "best",
         (false, true) => "fits",
@@ -60,8 +60,8 @@ fn worth(entry: &Entry, is_best: bool) -> String {
 }
 
 /// What is lost at normal incidence from air and from inside, %.
-fn lost(entry: &Entry) -> String {
-    let normal = entry.fluxes.iter().filter(|f| f.incidence_deg.abs() <= 0.0);
+fn lost(cell: &Cell) -> String {
+    let normal = cell.model.fluxes.iter().filter(|f| f.incidence_deg.abs() <= 0.0);
     let shares: Vec<String> = normal.map(|f| format!("{:.1}", 100.0 * f.lost + 0.0)).collect();
     if shares.is_empty() { "-".into() } else { shares.join(" / ") }
 }
@@ -78,14 +78,12 @@ impl Comparison {
         let head = std::iter::once("sample".to_owned()).chain(self.methods.iter().cloned());
         let row = |sample: &SampleResult| {
             let cells = sample.attempts.iter().map(|attempt| {
-                let text = match attempt.entry() {
+                let text = match attempt.cell() {
                     None => "-".into(),
-                    Some(e) if !e.verdict.grade.is_accepted() => {
-                        format!("{:.2} % (no)", e.fit.rmsd_percent)
-                    }
-                    Some(e) => format!("{:.2} %", e.fit.rmsd_percent),
+                    Some(c) if !c.is_accepted() => format!("{:.2} % (no)", c.rmsd_percent()),
+                    Some(c) => format!("{:.2} %", c.rmsd_percent()),
                 };
-                Cell { text, strong: sample.is_best(attempt) }
+                Field { text, strong: sample.is_best(attempt) }
             });
             std::iter::once(sample.title.clone().into()).chain(cells).collect()
         };
@@ -95,9 +93,9 @@ impl Comparison {
     /// The durations of the fits, one row each, if they are shown.
     pub(super) fn times(&self) -> Option<Grid> {
         let row = |sample: &SampleResult, attempt: &Attempt| {
-            let seconds = format!("{:.2}", attempt.entry()?.fit.seconds);
+            let seconds = format!("{:.2}", attempt.cell()?.seconds()?);
             let cells = [sample.title.clone(), attempt.label().to_owned(), seconds];
-            Some(cells.map(Cell::from).to_vec())
+            Some(cells.map(Field::from).to_vec())
         };
         let rows = self.samples.iter();
         let rows = rows.flat_map(|s| s.attempts.iter().filter_map(move |a| row(s, a))).collect();

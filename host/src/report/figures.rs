@@ -7,7 +7,7 @@ use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{
     self, Figure, PlotError, PolarPicture, PolarPoint, PolarRow, Scale, sigma_panels,
 };
-use crate::reconstruct::Entry;
+use crate::reconstruct::{Cell, Entry};
 
 /// Why a plot was not written.
 #[derive(Debug, thiserror::Error)]
@@ -20,9 +20,34 @@ pub enum FigureError {
     Output(#[from] OutputError),
 }
 
+/// A fit as it is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<'a> {
+    /// Method, with its law if it has one.
+    pub label: &'a str,
+    /// Error of eq. (18), %.
+    pub rmsd_percent: f64,
+    /// Simulated readings, in the order of the measurement's.
+    pub readings: &'a [f64],
+}
+
+impl<'a> From<&'a Entry> for Drawn<'a> {
+    fn from(entry: &'a Entry) -> Self {
+        let fit = &entry.fit;
+        Self { label: &entry.label, rmsd_percent: fit.rmsd_percent, readings: &fit.readings }
+    }
+}
+
+impl<'a> From<&'a Cell> for Drawn<'a> {
+    fn from(cell: &'a Cell) -> Self {
+        let rmsd_percent = cell.rmsd_percent();
+        Self { label: &cell.label, rmsd_percent, readings: &cell.readings }
+    }
+}
+
 /// The figure of a measurement and its fits, one panel per incidence.
-pub fn figure(title: &str, measurement: &Measurement, entries: &[&Entry], scale: Scale) -> Figure {
-    drawn(title, measurement, entries, scale, &|_| true)
+pub fn figure(title: &str, measurement: &Measurement, fits: &[Drawn<'_>], scale: Scale) -> Figure {
+    drawn(title, measurement, fits, scale, &|_| true)
 }
 
 /// The same of one incidence alone.
@@ -30,16 +55,16 @@ pub fn figure_at(
     sigma_deg: f64,
     title: &str,
     measurement: &Measurement,
-    entries: &[&Entry],
+    fits: &[Drawn<'_>],
     scale: Scale,
 ) -> Figure {
-    drawn(title, measurement, entries, scale, &|sigma| sigma.total_cmp(&sigma_deg).is_eq())
+    drawn(title, measurement, fits, scale, &|sigma| sigma.total_cmp(&sigma_deg).is_eq())
 }
 
 fn drawn(
     title: &str,
     measurement: &Measurement,
-    entries: &[&Entry],
+    fits: &[Drawn<'_>],
     scale: Scale,
     wanted: &dyn Fn(f64) -> bool,
 ) -> Figure {
@@ -51,17 +76,17 @@ fn drawn(
             (i.sigma_deg, readings.collect::<Vec<_>>())
         })
         .collect();
-    let fits: Vec<_> = entries
+    let fits: Vec<_> = fits
         .iter()
-        .map(|entry| {
+        .map(|fit| {
             let curves = incidences()
                 .map(|i| {
-                    let values = &entry.fit.readings[i.range.clone()];
+                    let values = &fit.readings[i.range.clone()];
                     let readings = cut(i.readings).map(|k| (i.readings[k].theta_deg, values[k]));
                     (i.sigma_deg, readings.collect::<Vec<_>>())
                 })
                 .collect::<Vec<_>>();
-            (format!("{} ({:.2} %)", entry.label, entry.fit.rmsd_percent), curves)
+            (format!("{} ({:.2} %)", fit.label, fit.rmsd_percent), curves)
         })
         .collect();
     sigma_panels(title, &measured, &fits, scale)

@@ -1,7 +1,7 @@
 //! A comparison as text, Markdown and CSV.
 
 use super::parameters_text;
-use crate::reconstruct::{Attempt, Comparison, SampleResult};
+use crate::reconstruct::{Attempt, Cell, Comparison, SampleResult};
 
 impl Comparison {
     /// For a terminal.
@@ -69,72 +69,59 @@ const HEAD: [&str; 11] = [
 /// The time is the last column, empty if it is not shown.
 fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
     let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
-    let fit = attempt.entry().map(|e| &e.fit);
+    let cell = attempt.cell();
     [
         sample.name.clone(),
         attempt.method.clone(),
         attempt.label().to_owned(),
-        number(fit.map(|f| f.rmsd_percent)),
+        number(cell.map(Cell::rmsd_percent)),
         number(sample.noise_floor_percent),
-        number(fit.and_then(|f| f.simulation_noise_percent)),
+        number(cell.and_then(|c| c.model.simulation_noise_percent)),
         attempt.describes().to_string(),
         sample.is_best(attempt).to_string(),
-        fit.map(parameters_text).unwrap_or_default(),
+        cell.map(|c| parameters_text(&c.parameters)).unwrap_or_default(),
         attempt.notes().join("; "),
-        number(fit.filter(|_| timing).map(|f| f.seconds)),
+        number(cell.filter(|_| timing).and_then(Cell::seconds)),
     ]
 }
 
 #[cfg(test)]
 mod tests {
-    use crate::fit::{Errors, Fit, Fitted, Objective, Termination};
-    use crate::forward::Neglected;
-    use crate::method::{Body, GgxMethod, Method};
-    use crate::model::{Grade, Model, Verdict};
-    use crate::reconstruct::{Attempt, Comparison, Entry, Grounds, SampleResult};
+    use crate::fit::Shown;
+    use crate::method::{Body, GgxMethod};
+    use crate::model::{Grade, Model, Timing, Verdict};
+    use crate::reconstruct::{Attempt, Cell, Comparison, Grounds, SampleResult};
 
     fn attempt(method: &str, rmsd_percent: f64, refusal: Option<&str>) -> Attempt {
         let body = Body::Dielectric { ior: 1.5 };
-        let ggx = GgxMethod::new(body);
-        let alpha = Fitted {
-            name: "alpha",
-            unit: "",
+        let alpha = Shown {
+            name: "alpha".into(),
+            unit: String::new(),
             value: 0.187,
             std_error: Some(0.0009),
-            profile: None,
+            is_unreliable: false,
             at_bound: false,
             is_none: false,
         };
-        let fit = Fit {
-            parameters: vec![alpha],
-            errors: Errors::default(),
-            boundary: ggx.boundary(&[0.187], body).unwrap(),
-            ior: Some(1.5),
-            readings: Vec::new(),
-            rmsd_percent,
-            objective: (Objective::Rmsd, rmsd_percent),
-            incidences: Vec::new(),
-            neglected: Neglected::default(),
-            simulation_noise_percent: None,
-            noise_floor_percent: Some(0.125),
-            evaluations: 7,
-            seconds: 0.25,
-            termination: Termination::Converged,
-        };
-        let mut model = Model::new(&ggx, body, []);
+        let mut model = Model::new(&GgxMethod::new(body), body, []);
         model.validity = refusal.map(String::from).into_iter().collect();
+        model.rmsd_percent = Some(rmsd_percent);
+        model.noise_floor_percent = Some(0.125);
+        model.evaluations = Some(7);
+        model.timing = Some(Timing { seconds: 0.25 });
         let grade = if refusal.is_some() { Grade::NotDescribed } else { Grade::WithinNoise };
-        let verdict = Verdict {
+        model.verdict = Some(Verdict {
             grade,
             causes: model.validity.clone(),
             times_noise: None,
             worst_sigma_deg: None,
             peak_off_deg: None,
             tail_score: Some(0.12),
-        };
-        let (label, fluxes, warnings) = (method.into(), Vec::new(), Vec::new());
-        let entry = Entry { label, fit, verdict, fluxes, warnings, atlas: Vec::new() };
-        Attempt { method: method.into(), result: Ok((entry, model)) }
+        });
+        let (label, parameters) = (method.into(), vec![alpha]);
+        let (readings, boundary) = (Vec::new(), Vec::new());
+        let cell = Cell { label, model, parameters, readings, boundary };
+        Attempt { method: method.into(), result: Ok(cell) }
     }
 
     fn comparison() -> Comparison {
@@ -144,6 +131,7 @@ mod tests {
             title: format!("{name} (Rq = 1.47 um)"),
             noise_floor_percent: Some(0.125),
             attempts,
+            surface: None,
             ranking: Vec::new(),
             grounds: Grounds::default(),
         };
@@ -205,7 +193,7 @@ mod tests {
         assert_eq!(&rows[4][9], "does not describe, \"limit\"");
         assert_eq!(json["samples"][0]["best"], "b");
         assert!(json["samples"][1]["best"].is_null());
-        assert_eq!(json["samples"][0]["results"][1]["file"], "one-b.json");
+        assert_eq!(json["samples"][0]["results"][1]["file"], "one/b.json");
         assert!(json["samples"][0]["results"][2]["file"].is_null());
     }
 
@@ -214,8 +202,8 @@ mod tests {
         let quiet = |seconds: f64| {
             let mut comparison = Comparison { timing: false, ..comparison() };
             for attempt in comparison.samples.iter_mut().flat_map(|s| &mut s.attempts) {
-                if let Ok((entry, _)) = &mut attempt.result {
-                    entry.fit.seconds = seconds;
+                if let Ok(cell) = &mut attempt.result {
+                    cell.model.timing = Some(Timing { seconds });
                 }
             }
             let page = crate::report::page(&comparison, &[]);

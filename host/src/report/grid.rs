@@ -5,13 +5,13 @@ use maud::{Markup, html};
 
 /// A cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Cell {
+pub(super) struct Field {
     pub(super) text: String,
     /// The one to look at: `*` in a terminal, bold elsewhere.
     pub(super) strong: bool,
 }
 
-impl From<String> for Cell {
+impl From<String> for Field {
     fn from(text: String) -> Self {
         Self { text, strong: false }
     }
@@ -21,7 +21,7 @@ impl From<String> for Cell {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Grid {
     pub(super) head: Vec<String>,
-    pub(super) rows: Vec<Vec<Cell>>,
+    pub(super) rows: Vec<Vec<Field>>,
 }
 
 /// Width where there is no terminal: that of a page.
@@ -77,11 +77,11 @@ impl Grid {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cell, Grid};
+    use super::{Field, Grid};
 
     #[test]
     fn the_three_looks_hold_the_same() {
-        let best = Cell { text: "0.26 %".into(), strong: true };
+        let best = Field { text: "0.26 %".into(), strong: true };
         let grid = Grid {
             head: vec!["sample".into(), "ggx".into()],
             rows: vec![vec!["a | <b>".to_owned().into(), best]],

@@ -10,30 +10,30 @@ mod heights;
 mod html;
 mod trade;
 
-pub use boundary::{BoundaryFiles, BoundaryValue, boundary_csv, boundary_figure, boundary_values};
-pub use figures::{FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
+pub use boundary::{BoundaryFiles, boundary_csv, boundary_figure};
+pub use figures::{Drawn, FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use html::{Picture, page};
 pub use number::{figure_text, power_text, significant, with_error};
 pub use trade::TradeReport;
 
-use crate::fit::Fit;
+use crate::fit::Shown;
 
 /// A fitted value with its error and unit; `none` if it means nothing is there.
-pub fn value_text(p: &crate::fit::Fitted) -> String {
+pub fn value_text(p: &Shown) -> String {
     if p.is_none {
         return "none".into();
     }
     let unit = if p.unit.is_empty() { String::new() } else { format!(" {}", p.unit) };
-    let unsure = if p.is_unreliable() { " (error unreliable)" } else { "" };
+    let unsure = if p.is_unreliable { " (error unreliable)" } else { "" };
     with_error(p.value, p.std_error) + &unit + unsure
 }
 
 /// The parameters of a fit in one line.
-pub fn parameters_text(fit: &Fit) -> String {
-    let one = |p: &crate::fit::Fitted| {
+pub fn parameters_text(parameters: &[Shown]) -> String {
+    let one = |p: &Shown| {
         let bound = if p.at_bound { " (at its bound)" } else { "" };
         format!("{} = {}{bound}", p.name, value_text(p))
     };
-    fit.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
+    parameters.iter().map(one).collect::<Vec<_>>().join(", ")
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::grid::{Cell, Grid};
+use super::grid::{Field, Grid};
 use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
 use crate::trade::{Axis, Evaluator, Row};
 
@@ -77,7 +77,7 @@ impl TradeReport {
             head.push("chosen".into());
         }
         let row = |r: &Row| {
-            let mut cells: Vec<Cell> = vec![r.method.clone().into(), r.evaluator_text().into()];
+            let mut cells: Vec<Field> = vec![r.method.clone().into(), r.evaluator_text().into()];
             cells.extend(used.iter().map(|c| c.2(r).map_or("-".into(), shown).into()));
             if with_place {
                 cells.push(r.max_at.clone().unwrap_or("-".into()).into());

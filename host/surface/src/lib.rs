@@ -27,7 +27,7 @@
 //! - [`Form`] removes a mean, a plane or a quadratic surface; [`Roughness`] has Ra, Rq, Rz and their kin, slopes and the
 //!   autocorrelation length; [`Areal`] the parameters of ISO 25178-2; [`Spectrum`] the power spectral density; [`structure`] the structure function.
 //! - [`LowPass`], [`split`] and [`scaled`] make other maps of one; [`Edges`] says how a map goes on.
-//! - [`GaussianSurface`] and [`RandomHeights`] make surfaces, from a seed.
+//! - [`GaussianSurface`] and [`RandomHeights`] make surfaces, from a seed; [`Patches`] two pieces of one with printed figures.
 //! - [`Preparation`] does all of it in the usual order, from a file to the map that is used, and can be written down.
 //! - [`sanity`] refuses what no surface is: rms slopes above 30, and for light one line of points or pixels of a
 //!   decimetre.
@@ -56,6 +56,8 @@ pub mod gaussian;
 #[cfg(test)]
 mod synthetic;
 pub mod modify;
+pub mod figures;
+pub mod patches;
 pub mod spectrum;
 pub mod split;
 pub mod structure;
@@ -67,11 +69,13 @@ pub mod random;
 pub use areal::Areal;
 pub use crop::Crop;
 pub use edges::Edges;
+pub use figures::{HeightDensity, HeightFigures, NoHeights};
 pub use fill::Fill;
 pub use form::Form;
 pub use gaussian::GaussianSurface;
 pub use heightmap::{HeightMap, HeightMapError, Incomplete};
 pub use modify::{LowPass, scaled};
+pub use patches::{Patches, Profilometer};
 pub use prepare::{Preparation, Prepared, Purpose};
 pub use random::{HeightLaw, RandomHeights};
 pub use roughness::Roughness;

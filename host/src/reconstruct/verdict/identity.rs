@@ -1,6 +1,7 @@
 //! Whether the readings determine the fitted values.
 
-use crate::fit::{Fit, Fitted, is_of_instrument};
+use crate::fit::{Fit, FitOptions, Fitted, is_of_instrument};
+use crate::method::Body;
 use crate::model::Correlation;
 
 /// A correlation from which on two parameters trade against each other.
@@ -9,6 +10,11 @@ const MOST_CORRELATION: f64 = 0.95;
 const MOST_ERROR: f64 = 0.1;
 /// The relative error below which values are known however they go together: of readings without noise.
 const KNOWN: f64 = 1e-3;
+
+/// The share of n - 1, which makes the reflectance and the refraction, from which on an error of the index n leaves it open.
+const MOST_OF_INDEX: f64 = 0.1;
+/// The share of n - 1 by which a material is hardly off what is stated of it.
+const FAR_INDEX: f64 = 0.2;
 
 /// Whether a parameter is of the instrument or the medium, not of the surface: the gain of an opaque body is its own.
 fn is_nuisance(name: &str, fit: &Fit) -> bool {
@@ -28,6 +34,24 @@ pub(super) fn undetermined(fit: &Fit, is_free_form: bool) -> Vec<String> {
     let mut found: Vec<String> = fit.parameters.iter().filter_map(|p| alone(fit, p)).collect();
     found.extend(fit.errors.tied().iter().filter_map(|pair| traded(fit, pair)));
     found
+}
+
+/// Why a fitted index is not that of the material; `None` if it may be. Where a law misses the readings by more than noise,
+/// an index far from the stated one takes up what the law misses.
+pub(super) fn index_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<String> {
+    let Body::Dielectric { ior: stated } = options.body else { return None };
+    let index = fit.parameters.iter().find(|p| p.name == "ior" && options.fit_ior)?;
+    let (value, error) = (index.value, index.std_error?);
+    if error > MOST_OF_INDEX * (value - 1.0).abs() {
+        return Some(format!("the readings do not determine the index, {value:.2} +- {error:.2}"));
+    }
+    let is_far = (value - stated).abs() > FAR_INDEX * (stated - 1.0).abs();
+    (!is_noise && is_far).then(|| {
+        format!(
+            "the index ended at {value:.3}, far from the stated {stated:.3}, and the law still misses the readings by more \
+             than noise: the index takes up what the law misses; state it (--ior without --fit-ior), or try another law"
+        )
+    })
 }
 
 /// What a value says of itself.

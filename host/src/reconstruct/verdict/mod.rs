@@ -39,9 +39,12 @@ pub(super) fn judge(
     let is_noise = times_noise.map_or(fit.rmsd_percent <= UNKNOWN_NOISE, |times| times <= WITHIN);
     let mut grade = if is_noise { Grade::WithinNoise } else { Grade::Misfit };
     let mut causes = Vec::new();
+    let mut undetermined = Vec::new();
     // readings of a model have no noise, and their errors mean nothing
-    let undetermined =
-        if task.diagnose { identity::undetermined(fit, method.is_free_form()) } else { Vec::new() };
+    if task.diagnose {
+        undetermined.extend(identity::undetermined(fit, method.is_free_form()));
+        undetermined.extend(identity::index_astray(fit, &task.options, is_noise));
+    }
     if !undetermined.is_empty() {
         grade = Grade::NotIdentifiable;
         causes.extend(undetermined);

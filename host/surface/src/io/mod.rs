@@ -62,7 +62,7 @@ pub use error::{MapError, MapFault};
 pub use open::{FORMATS, Format, open, parse};
 pub use options::{OpenOptions, Source, Sources};
 pub use unit::{LengthUnit, NoLengthUnit};
-pub use write::sdf_text;
+pub use write::{gsf_bytes, sdf_text};
 
 use crate::heightmap::HeightMap;
 

@@ -1,0 +1,181 @@
+//! The cells of a comparison on disk: a finished fit is not made again.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::output::{OutputError, write_text};
+use crate::provenance::InputFile;
+
+use super::cell::Cell;
+use super::task::{Task, Trials};
+
+/// Version of the files; another one is not read.
+const FORMAT: u32 = 1;
+/// Most bytes of a file that is read again.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A cell with what it was made of.
+#[derive(Serialize, Deserialize)]
+struct File {
+    asperity_cell: u32,
+    key: String,
+    cell: Cell,
+}
+
+impl Task<'_> {
+    /// What names the data and the options of a fit, a SHA-256: equal where the fit would come out equal.
+    pub fn key(&self, method: &str, laws: &Trials) -> String {
+        let mut text = format!(
+            "{} {FORMAT}\n{method}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n",
+            env!("CARGO_PKG_VERSION"),
+            laws.iter().map(|law| law.label()).collect::<Vec<_>>(),
+            self.setup,
+            self.options,
+            self.max_misfit,
+            self.light,
+            self.bounces,
+            self.input,
+            (self.of, self.in_plate, self.diagnose),
+            self.measurement.meta,
+            self.map.map(|map| (&map.input, &map.preparation, map.edges)),
+        );
+        for r in self.measurement.readings() {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "{r:?}");
+        }
+        InputFile::of_bytes("", text.as_bytes()).sha256
+    }
+}
+
+/// The folder of a comparison.
+#[derive(Clone, Copy, Debug)]
+pub struct Store<'a> {
+    folder: &'a Path,
+}
+
+impl<'a> Store<'a> {
+    /// In a folder, which need not exist yet.
+    pub fn new(folder: &'a Path) -> Self {
+        Self { folder }
+    }
+
+    /// Where a cell lies.
+    pub fn path(&self, sample: &str, method: &str) -> PathBuf {
+        self.folder.join(sample).join(format!("{method}.cell.json"))
+    }
+
+    /// A finished cell with this key; `None` if there is none, or it cannot be read.
+    pub fn load(&self, sample: &str, method: &str, key: &str) -> Option<Cell> {
+        let bytes =
+            crate::surface::input::read_file(&self.path(sample, method), MOST_BYTES).ok()?;
+        let file: File = serde_json::from_slice(&bytes).ok()?;
+        (file.asperity_cell == FORMAT && file.key == key).then_some(file.cell)
+    }
+
+    /// Keeps a cell.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn save(
+        &self,
+        (sample, method): (&str, &str),
+        key: &str,
+        cell: &Cell,
+    ) -> Result<(), OutputError> {
+        let file = File { asperity_cell: FORMAT, key: key.to_owned(), cell: cell.clone() };
+        let text = serde_json::to_string(&file).unwrap_or_default();
+        write_text(self.path(sample, method), &text)
+    }
+}
+
+/// The file that says which comparison a folder holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Index {
+    /// Version of the format, 1.
+    pub asperity: u32,
+    /// What it is.
+    pub title: String,
+    /// A SHA-256 of all data and options but the list of methods.
+    pub comparison: String,
+    /// The samples, each with its folder.
+    pub samples: Vec<IndexedSample>,
+}
+
+/// A sample in an [`Index`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IndexedSample {
+    /// Its name, which is its folder.
+    pub name: String,
+    /// The files it was read from.
+    pub inputs: Vec<InputFile>,
+    /// Its fits.
+    pub cells: Vec<IndexedCell>,
+}
+
+/// A fit in an [`Index`].
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct IndexedCell {
+    /// Its method.
+    pub method: String,
+    /// Its key; `None` if the method cannot be used.
+    pub key: Option<String>,
+    /// The file of the model, once it is there.
+    pub model: Option<String>,
+}
+
+/// Why a folder cannot take a comparison.
+#[derive(Debug, thiserror::Error)]
+pub enum OtherContent {
+    /// It holds another one.
+    #[error(
+        "{} holds another comparison, of {samples}, with other data or options; give another folder, or remove this one",
+        folder.display()
+    )]
+    Comparison {
+        /// The folder.
+        folder: PathBuf,
+        /// Its samples.
+        samples: String,
+    },
+    /// Its index is not one.
+    #[error("{}: not an index of this program: {why}; give another folder, or remove the file", path.display())]
+    Index {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        why: String,
+    },
+}
+
+impl Index {
+    /// Its name in the folder.
+    pub const NAME: &'static str = "index.json";
+
+    /// Whether a folder can take this comparison: it holds none, or the same.
+    ///
+    /// # Errors
+    /// [`OtherContent`].
+    pub fn check(&self, folder: &Path) -> Result<(), OtherContent> {
+        let path = folder.join(Self::NAME);
+        if !path.exists() {
+            return Ok(());
+        }
+        let fault = |why: String| OtherContent::Index { path: path.clone(), why };
+        let bytes = crate::surface::input::read_file(&path, MOST_BYTES)
+            .map_err(|e| fault(e.to_string()))?;
+        let found: Self = serde_json::from_slice(&bytes).map_err(|e| fault(e.to_string()))?;
+        if found.comparison == self.comparison {
+            return Ok(());
+        }
+        let names: Vec<&str> = found.samples.iter().map(|s| s.name.as_str()).collect();
+        let samples = crate::message::brief(&names.join(", ")).into_owned();
+        Err(OtherContent::Comparison { folder: folder.to_owned(), samples })
+    }
+
+    /// As the file.
+    pub fn text(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
