@@ -164,7 +164,7 @@ def scans(program, name, title, models, decades, *arguments):
 
 
 PLATE = ("--ior", "1.49")
-MAP = ("--map", "demo/map.sdf", *PLATE)
+MAP = ("--map", "demo/virtual/map.sdf", *PLATE)
 LIGHT = ("--wavelength-nm", "550")
 RAYS = ("--rays", "4e5", "--seed", "1")
 
@@ -283,7 +283,7 @@ def mix(program):
 
 def bounces(program):
     """R of Smith's surface with all bounces beside that of rays on a Gaussian map of the same rms slopes; also as a table."""
-    said = json.loads(program.run("stats", "demo/map.sdf", "--json"))
+    said = json.loads(program.run("stats", "demo/virtual/map.sdf", "--json"))
     slope = math.hypot(said["rms_slope_x"], said["rms_slope_y"]) / math.sqrt(2)
     angles = [0, 10, 20, 30, 40, 50, 60, 70, 75, 80, 85]
     panels = [Panel(words, "incidence, °", "R", (0, 90), (-2, 0)) for words in ("from the air", "from inside")]
@@ -308,12 +308,12 @@ def bounces(program):
 
 def atlas(program):
     """True errors over the incidence; the wavelength sets Rq in wavelengths."""
-    rq = json.loads(program.run("stats", "demo/map.sdf", "--json"))["rq_um"]
+    rq = json.loads(program.run("stats", "demo/virtual/map.sdf", "--json"))["rq_um"]
     incidences = ",".join(str(deg) for deg in range(0, 61, 5))
     panels = [Panel(words, "incidence, °", "error, % of the peak", (0, 60), (-2, 2)) for words in ("transmitted", "reflected")]
     for height, colour in zip((0.2, 0.5, 1.2), COLOURS):
         light = ("--wavelength-nm", f"{1000 * rq / height:.0f}", "--incidence", incidences)
-        said = json.loads(program.run("stats", "demo/map.sdf", *PLATE, *light, "--json"))["atlas"]["lobes"]
+        said = json.loads(program.run("stats", "demo/virtual/map.sdf", *PLATE, *light, "--json"))["atlas"]["lobes"]
         for panel, lobe in zip(panels, ("transmission", "reflection")):
             mine = [row for row in said if (row["side"], row["lobe"]) == ("air", lobe)]
             for engine, dashed in (("kirchhoff", False), ("rays", True)):

@@ -61,8 +61,8 @@ fn methods_stand_side_by_side_in_all_formats() {
             result["error_percent"].as_f64().unwrap()
         );
         assert!(row.starts_with(&begin), "{row} does not start with {begin}");
-        assert_eq!(result["file"], format!("scan-{method}.json"));
-        let model = folder.json(&format!("r/scan-{method}.json"));
+        assert_eq!(result["file"], format!("scan/{method}.json"));
+        let model = folder.json(&format!("r/scan/{method}.json"));
         assert_eq!(model["rmsd_percent"], result["error_percent"]);
         assert_eq!(model["parameters"], result["parameters"]);
         assert_eq!(model.get("map").is_some(), method == "measured-ray");
@@ -78,7 +78,7 @@ fn methods_stand_side_by_side_in_all_formats() {
 
     for stem in ["all", "sigma0", "sigma30"] {
         for scale in ["linear", "log"] {
-            let name = format!("r/scan-{stem}-{scale}.svg");
+            let name = format!("r/scan/{stem}-{scale}.svg");
             is_plot(&folder, &name);
             let text = folder.text(&name);
             assert!(["measured", "ggx", "normals"].iter().all(|m| text.contains(m)), "{name}");
@@ -109,8 +109,8 @@ fn what_cannot_be_used_is_listed_with_the_reason_and_the_others_run() {
         assert_eq!((&ggx["best"], &sample["best"]), (&true.into(), &"ggx".into()));
     }
     assert!(samples[0]["results"][1]["error_percent"].as_f64().unwrap() < 0.1);
-    assert!(!folder.path("r/scan-measured-ray.json").exists());
-    assert!(folder.path("r/scan-ggx.json").exists() && folder.path("r/exact-ggx.json").exists());
+    assert!(!folder.path("r/scan/measured-ray.json").exists());
+    assert!(folder.path("r/scan/ggx.json").exists() && folder.path("r/exact/ggx.json").exists());
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn a_sample_that_no_method_describes_is_a_no() {
     assert!(json["samples"][0]["best"].is_null());
     // what was found is written all the same
     assert!(json["samples"][0]["results"][0]["error_percent"].as_f64().unwrap() > 0.0);
-    folder.run("check r/scan-ggx.json --incidence 0").ok();
+    folder.run("check r/scan/ggx.json --incidence 0").ok();
 }
 
 #[test]

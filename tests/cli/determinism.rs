@@ -79,13 +79,18 @@ fn a_report_without_timing_is_the_same_bytes_in_every_run() {
     let runs = ["a", "b"].map(|to| {
         let line = format!("compare s.csv --methods ggx,normals --no-timing -o {to}");
         let printed = folder.run(&line).with_code(0);
-        (printed.out.replace(&format!("are in {to}\n"), ""), files(&folder, to))
+        let of_sample = files(&folder, &format!("{to}/s"));
+        (printed.out.replace(&format!("are in {to}\n"), ""), files(&folder, to), of_sample)
     });
     assert!(runs[0] == runs[1], "two runs differ");
-    assert!(runs[0].1.len() > 10 && !runs[0].0.contains("seconds"), "{}", runs[0].0);
+    assert!(
+        runs[0].1.len() == 5 && runs[0].2.len() > 10 && !runs[0].0.contains("seconds"),
+        "{}",
+        runs[0].0
+    );
     // with it, the same but for the key `timing`
     folder.run("compare s.csv --methods ggx,normals -o c").ok();
-    for name in ["s-ggx.json", "compare.json"] {
+    for name in ["s/ggx.json", "compare.json"] {
         let mut timed = folder.json(&format!("c/{name}"));
         let quiet = folder.json(&format!("a/{name}"));
         let mut found = 0;

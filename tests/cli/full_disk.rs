@@ -56,7 +56,7 @@ fn a_comparison_keeps_models_and_tables_where_plots_do_not_fit() {
     let done = done.with_code(1);
     assert!(done.err.contains(": cannot be written"), "{}", done.err);
     assert!(done.out.contains("Best: "), "{}", done.out);
-    for name in ["s-ggx.json", "s-normals.json", "compare.json", "compare.csv", "compare.md"] {
+    for name in ["s/ggx.json", "s/normals.json", "compare.json", "compare.csv", "compare.md"] {
         assert!(folder.path("out").join(name).exists(), "{name} is missing");
     }
     let left = std::fs::read_dir(folder.path("out")).expect("the folder").count();

@@ -464,18 +464,18 @@ fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
     names.retain(|n| n.as_ref().is_ok_and(|n| n.file_name().to_string_lossy().starts_with('.')));
     assert!(names.is_empty(), "temporary files are left: {names:?}");
     for fit in fits {
-        let file = format!("new/results/virtual-{}.json", fit["method"].as_str().unwrap());
+        let file = format!("new/results/virtual/{}.json", fit["method"].as_str().unwrap());
         assert_eq!(&folder.json(&file), fit);
         // also from elsewhere: a map is found beside its model
         folder.run(&format!("check {file} --incidence 0 --rays 1e4")).ok();
     }
-    let stats = folder.run("stats new/results/map.sdf --form mean --json").json();
+    let stats = folder.run("stats new/results/virtual/map.sdf --form mean --json").json();
     close(&stats["rq_um"], 0.7, 1e-6);
-    let scan = folder.text("new/results/scan.csv");
+    let scan = folder.text("new/results/virtual/scan.csv");
     assert!(scan.contains("virtual plate") && scan.contains("no measured data"));
     assert_eq!(rows(&scan).len(), 5 * 1801);
     for name in ["all-linear", "all-log", "sigma0-linear", "sigma60-log"] {
-        let name = format!("new/results/virtual-{name}.svg");
+        let name = format!("new/results/virtual/{name}.svg");
         is_plot(&folder, &name);
         is_balanced(&name, &folder.text(&name));
     }
@@ -488,7 +488,7 @@ fn demo_does_the_whole_job_and_says_that_its_data_are_virtual() {
     without_nan("report.html", &html);
     is_balanced("report.html", &html);
     // the scan is a scan like any other
-    folder.run("fit new/results/scan.csv --method ggx --sigma-range 0:15").ok();
+    folder.run("fit new/results/virtual/scan.csv --method ggx --sigma-range 0:15").ok();
 }
 
 #[test]

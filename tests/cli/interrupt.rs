@@ -129,7 +129,7 @@ fn a_comparison_keeps_its_finished_fits() {
     folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
     folder.run("scan m.json --sigma 0,30 --step 2 --aperture 2 -o s.csv").ok();
     let line = "compare s.csv --methods ggx,heights,normals --fit-rays 1e9 -o .";
-    let mut run = start(&folder, line, "s-ggx.json");
+    let mut run = start(&folder, line, "s/ggx.json");
     run.interrupt();
     let done = run.end().with_code(1);
     assert!(done.err.contains("no: interrupted; what was finished is written"), "{}", done.err);
@@ -139,7 +139,7 @@ fn a_comparison_keeps_its_finished_fits() {
         assert_eq!(results[k]["describes"], false, "{results}");
         assert!(results[k]["notes"].to_string().contains("interrupted"), "{results}");
     }
-    assert!(folder.path("s-all-log.png").exists() && folder.path("report.html").exists());
+    assert!(folder.path("s/all-log.png").exists() && folder.path("report.html").exists());
     assert!(!folder.names().iter().any(|n| n.starts_with('.')), "{:?}", folder.names());
 }
 

@@ -30,7 +30,8 @@ use crate::surface::{GaussianSurface, Preparation, Prepared, Purpose};
 ///
 /// The sample is made by this program: an acrylic plate whose rough face is a random height map with a Gaussian
 /// autocorrelation, and its scan, rays traced through that plate. So the truth is known: `measured-ray`
-/// must find a scale of 1. What is written is what `compare` writes, and the map (map.sdf) and the scan (scan.csv).
+/// must find a scale of 1. What is written is what `compare` writes, and the map (virtual/map.sdf) and the scan
+/// (virtual/scan.csv).
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Folder for the results; made if it does not exist
@@ -55,6 +56,8 @@ const SURFACE: GaussianSurface = GaussianSurface {
     lengths_um: (8.0, 8.0),
     seed: SEED,
 };
+/// What the sample is called.
+const NAME: &str = "virtual";
 const IOR: f64 = 1.49;
 const WAVELENGTH_NM: f64 = 550.0;
 const SEED: u64 = 20_261_122;
@@ -62,7 +65,9 @@ const SEED: u64 = 20_261_122;
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let folder = &args.output;
     let _made = ResultFolder::create(folder)?;
-    let [map_file, scan_file] = ["map.sdf", "scan.csv"].map(|n| AtomicFile::create(folder.join(n)));
+    let own = folder.join(NAME);
+    let _own = ResultFolder::create(&own)?;
+    let [map_file, scan_file] = ["map.sdf", "scan.csv"].map(|n| AtomicFile::create(own.join(n)));
     let (map_file, scan_file) = (map_file?, scan_file?);
     let body = Body::Dielectric { ior: IOR };
     let eta = body.eta().map_err(Failure::bad)?;
@@ -110,7 +115,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let methods = methods(&[])?;
     let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);
     // This map is exact: no cut-off is looked for.
-    let sample = Sample::new("virtual".into(), title, task, &methods, &|_| false)?;
+    let sample = Sample::new(NAME.into(), title, task, &methods, &|_| false)?;
     let work = Work {
         title: "Asperity: demo on a virtual sample".into(),
         what,

@@ -206,7 +206,7 @@ mod tests {
                     cell.model.timing = Some(Timing { seconds });
                 }
             }
-            let page = crate::report::page(&comparison, &[]);
+            let page = crate::report::page(&comparison, &[], &crate::report::Origin::default());
             let json = comparison.json().to_string();
             [comparison.text(), comparison.markdown(), comparison.csv(), json, page]
         };

@@ -62,17 +62,29 @@ impl Grid {
         text
     }
 
-    /// As a table of HTML.
-    pub(super) fn html(&self) -> Markup {
+    /// As a table of HTML that scrolls in a box of its own; the first column names the rows.
+    pub(super) fn html(&self, caption: &str) -> Markup {
         html! {
-            table {
-                thead { tr { @for name in &self.head { th { (name) } } } }
-                tbody { @for row in &self.rows { tr { @for cell in row {
-                    td { @if cell.strong { b { (cell.text) } } @else { (cell.text) } }
-                } } } }
+            div.table tabindex="0" role="region" aria-label=(caption) {
+                table {
+                    caption { (caption) }
+                    thead { tr { @for name in &self.head { th scope="col" { (name) } } } }
+                    tbody { @for row in &self.rows {
+                        tr.best[row.iter().any(|cell| cell.strong)] {
+                            @for (k, cell) in row.iter().enumerate() {
+                                @if k == 0 { th scope="row" { (text(cell)) } }
+                                @else { td { (text(cell)) } }
+                            }
+                        }
+                    } }
+                }
             }
         }
     }
+}
+
+fn text(cell: &Field) -> Markup {
+    html! { @if cell.strong { b { (cell.text) } } @else { (cell.text) } }
 }
 
 #[cfg(test)]
@@ -90,7 +102,7 @@ mod tests {
             grid.markdown(),
             "| sample | ggx |\n| --- | --- |\n| a \\| <b> | **0.26 %** |\n"
         );
-        let html = grid.html().into_string();
+        let html = grid.html("caption").into_string();
         assert!(html.contains("<td>a | &lt;b&gt;</td><td><b>0.26 %</b></td>"), "{html}");
         let text = grid.text();
         assert!(text.contains("sample") && text.contains("0.26 % *"), "{text}");

@@ -7,14 +7,14 @@ mod formats;
 mod figures;
 mod boundary;
 mod heights;
-mod html;
+mod page;
 mod trade;
 
 pub use boundary::{BoundaryFiles, boundary_csv, boundary_figure};
 pub use figures::{Drawn, FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
-pub use html::{Picture, page};
 pub use number::{figure_text, power_text, significant, with_error};
+pub use page::{Origin, page};
 pub use trade::TradeReport;
 
 use crate::fit::Shown;

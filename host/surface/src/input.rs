@@ -93,6 +93,11 @@ fn too_large(most: u64) -> Error {
     Error::new(ErrorKind::FileTooLarge, format!("it is larger than {} MiB", most >> 20))
 }
 
+/// The SHA-256 of bytes.
+pub fn sha256(bytes: &[u8]) -> [u8; 32] {
+    Sha256::digest(bytes).into()
+}
+
 /// One input file, recognisable after it was moved or changed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputFile {
@@ -106,7 +111,7 @@ impl InputFile {
     /// The file at `path` with the content `bytes`, which the caller has read already.
     pub fn of_bytes(path: impl AsRef<Path>, bytes: &[u8]) -> Self {
         let mut sha256 = String::with_capacity(64);
-        for byte in Sha256::digest(bytes) {
+        for byte in self::sha256(bytes) {
             // Writing to a string cannot fail.
             let _ = write!(sha256, "{byte:02x}");
         }

@@ -21,7 +21,7 @@ use super::{interrupt, say};
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::provenance::InputFile;
 use crate::reconstruct::{Attempt, Cell, Comparison, Index, SampleResult, Store};
-use crate::report::{self, FigureFiles};
+use crate::report::{self, FigureFiles, Origin};
 
 pub(super) use sample::Sample;
 
@@ -90,9 +90,11 @@ impl Work<'_> {
         failures.extend(tables.err().map(Failure::from));
         failures.extend(say(&comparison).err());
         let drawn = self.samples.iter().zip(&comparison.samples);
-        let plots: Vec<_> =
-            drawn.map(|(s, result)| s.draw(&result.attempts, (folder, &mut failures))).collect();
-        let page = html.finish(report::page(&comparison, &plots).as_bytes());
+        for (sample, result) in drawn {
+            sample.draw(&result.attempts, (folder, &mut failures));
+        }
+        let scans: Vec<_> = self.samples.iter().map(|sample| sample.task.measurement).collect();
+        let page = html.finish(report::page(&comparison, &scans, &self.origin()).as_bytes());
         failures.extend(page.err().map(Failure::from));
         all(failures.into_iter().map(Err).chain([verdict(&comparison)]))
     }
@@ -196,15 +198,24 @@ impl Work<'_> {
         cell: &Cell,
         store: Store<'_>,
     ) -> Result<(), Failure> {
-        let mut model = cell.model.clone();
-        model.timing = model.timing.filter(|_| self.timing);
+        let mut cell = cell.clone();
+        cell.model.timing = cell.model.timing.filter(|_| self.timing);
         let path = store.path(&sample.name, &planned.method);
-        write_text(path.with_file_name(format!("{}.json", planned.method)), &model.to_json())?;
+        write_text(path.with_file_name(format!("{}.json", planned.method)), &cell.model.to_json())?;
         match &planned.key {
             Some(key) if !cell.is_interrupted() && !interrupt::asked() => {
-                Ok(store.save((&sample.name, &planned.method), key, cell)?)
+                Ok(store.save((&sample.name, &planned.method), key, &cell)?)
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Where the page comes from; without timing nothing differs between two runs.
+    fn origin(&self) -> Origin {
+        let command: Vec<String> = std::env::args().skip(1).collect();
+        Origin {
+            command: self.timing.then(|| format!("asperity {}", command.join(" "))),
+            date: self.timing.then(|| chrono::Utc::now().format("%Y-%m-%d").to_string()),
         }
     }
 

@@ -8,12 +8,12 @@ use crate::cli::{progress, say};
 use crate::measurement::noise;
 use crate::method::{Kind, Waves};
 use crate::model::Rank;
-use crate::plot::{self, Scale};
+use crate::plot;
 use crate::reconstruct::{
     Attempt, Cell, Grounds, IndexedCell, IndexedSample, SampleResult, Store, SurfaceFigures, Task,
     Trials,
 };
-use crate::report::{self, Drawn, FigureError, FigureFiles, Picture};
+use crate::report::{self, Drawn, FigureError, FigureFiles};
 
 /// A sample with the methods that are to be tried on it.
 pub(in crate::cli) struct Sample<'a> {
@@ -126,17 +126,15 @@ impl<'a> Sample<'a> {
         std::iter::once(("all".to_owned(), None)).chain(alone).collect()
     }
 
-    /// Draws all plots; gives those with all incidences. What cannot be drawn is said and left out; after one that cannot
-    /// be written no other is.
+    /// Draws all plots. What cannot be drawn is said and left out; after one that cannot be written no other is.
     pub(super) fn draw(
         &self,
         attempts: &[Attempt],
         (folder, failures): (&Path, &mut Vec<Failure>),
-    ) -> Vec<Picture> {
+    ) {
         let fits: Vec<Drawn<'_>> =
             attempts.iter().filter_map(Attempt::cell).map(Drawn::from).collect();
         let scan = self.task.measurement;
-        let mut pictures = Vec::new();
         for (stem, sigma) in self.figures() {
             let figure = |scale| match sigma {
                 None => report::figure(&self.title, scan, &fits, scale),
@@ -149,21 +147,9 @@ impl<'a> Sample<'a> {
                 Err(FigureError::Plot(e)) => {
                     let name = &self.name;
                     say::note(format_args!("warning: {name}/{stem} cannot be drawn: {e}"));
-                    continue;
                 }
                 Err(FigureError::Output(e)) => failures.push(e.into()),
             }
-            if sigma.is_none() {
-                for (scale, caption) in [
-                    (Scale::Linear, "Measured and fitted readings, linear scale."),
-                    (Scale::LOG, "The same, logarithmic."),
-                ] {
-                    let caption = caption.into();
-                    let drawn = plot::svg(&figure(scale)).map(|svg| Picture { caption, svg });
-                    pictures.extend(drawn.ok());
-                }
-            }
         }
-        pictures
     }
 }
