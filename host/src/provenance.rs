@@ -35,12 +35,6 @@ impl Provenance {
     }
 }
 
-/// The SHA-256 of bytes in base64, as policies of web pages name scripts.
-pub fn sha256_base64(bytes: &[u8]) -> String {
-    use base64::Engine as _;
-    base64::engine::general_purpose::STANDARD.encode(crate::input::sha256(bytes))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -114,6 +114,88 @@ fn what_cannot_be_used_is_listed_with_the_reason_and_the_others_run() {
 }
 
 #[test]
+fn finished_fits_are_kept_and_a_folder_of_another_comparison_is_refused() {
+    let folder = sampled();
+    let line = |methods: &str| {
+        format!(
+            "compare scan.csv --map map.txt --pixel-um 1 --methods {methods} {FEW} --no-timing -o r"
+        )
+    };
+    folder.run(&line("ggx,measured-ray")).with_code(0);
+    let tables = || {
+        ["compare.csv", "compare.md", "compare.json", "report.html"]
+            .map(|name| folder.text(&format!("r/{name}")))
+    };
+    let before = tables();
+    // once more: nothing is fitted, and nothing differs
+    let again = folder.run(&line("ggx,measured-ray")).with_code(0);
+    assert!(again.err.contains("2 fits of an earlier run"), "{}", again.err);
+    assert!(before == tables(), "a comparison that was taken up again differs");
+    // a fit that is gone, or no fit at all, is made again
+    std::fs::write(folder.path("r/scan/ggx.cell.json"), "{\"asperity_cell\": 1").unwrap();
+    let again = folder.run(&line("ggx,measured-ray")).with_code(0);
+    assert!(again.err.contains("1 fits of an earlier run"), "{}", again.err);
+    assert!(before == tables(), "a comparison that was taken up again differs");
+    // methods may be added
+    let more = folder.run(&line("ggx,normals,measured-ray")).with_code(0);
+    assert!(more.err.contains("2 fits of an earlier run"), "{}", more.err);
+    let index = folder.json("r/index.json");
+    let cells = index["samples"][0]["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 3);
+    assert!(cells.iter().all(|c| c["model"].as_str().unwrap().starts_with("scan/")), "{index}");
+    // other options or data may not
+    let before = tables();
+    for line in [
+        line("ggx").replace("--rays 40000", "--rays 50000"),
+        line("ggx").replace("--rough-side source", "--rough-side detector"),
+        "compare r/../scan.csv --methods ggx --max-misfit 60 -o r".to_owned(),
+    ] {
+        let done = folder.run(&line).with_code(2);
+        assert!(
+            done.err.contains("another comparison") && done.err.contains("scan"),
+            "{}",
+            done.err
+        );
+    }
+    assert!(before == tables(), "a refused comparison has changed the folder");
+    std::fs::write(folder.path("r/index.json"), "[]").unwrap();
+    let done = folder.run(&line("ggx")).with_code(2);
+    assert!(done.err.contains("index.json: not an index"), "{}", done.err);
+}
+
+#[test]
+fn the_report_answers_first_and_is_complete_in_itself() {
+    let folder = sampled();
+    folder.run(&format!(
+        "compare scan.csv --map map.txt --pixel-um 1 --methods ggx,measured-ray {FEW} -o r"
+    ));
+    let html = folder.text("r/report.html");
+    let answer = html.split("class=\"answer\">").nth(1).unwrap().split("</p>").next().unwrap();
+    assert!(answer.contains("take measured-ray: error 0."), "{answer}");
+    assert!(answer.contains("from inside at 30°"), "{answer}");
+    // scripts are named by their hashes, and nothing comes from outside
+    assert!(html.contains("default-src 'none'") && html.matches("'sha256-").count() == 2);
+    assert!(!html.contains("src=\"http") && !html.contains("href=\"http"));
+    for word in
+        ["SHA-256", "asperity compare scan.csv", "Table 1", "Table 2", "viewport", "How to cite"]
+    {
+        assert!(html.contains(word), "{word} is not in the report");
+    }
+    let data = html.split("id=\"report-data\">").nth(1).unwrap().split("</script>").next().unwrap();
+    let data: Value = serde_json::from_str(data).unwrap();
+    let sample = &data["samples"][0];
+    assert_eq!(sample["methods"].as_array().unwrap().len(), 2);
+    let first = &sample["incidences"][0];
+    let count = first["theta_deg"].as_array().unwrap().len();
+    assert!(count >= 40 && first["fits"][1].as_array().unwrap().len() == count);
+    for lobes in sample["boundary"].as_array().unwrap() {
+        let inside = lobes.as_array().unwrap().iter().filter(|lobe| lobe["side"] == "inside");
+        assert_eq!(inside.count(), 6);
+    }
+    assert!(html.len() < 1_000_000, "{}", html.len());
+}
+
+#[test]
 fn a_sample_that_no_method_describes_is_a_no() {
     let folder = sampled();
     let line = format!("compare scan.csv --methods ggx {FEW} --max-misfit 0.01 -o r");

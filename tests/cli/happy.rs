@@ -9,7 +9,7 @@ use crate::program::Folder;
 const GGX: &str = "model ggx --set alpha=0.2 --ior 1.49";
 
 #[track_caller]
-fn close(found: &Value, expected: f64, tolerance: f64) {
+pub(crate) fn close(found: &Value, expected: f64, tolerance: f64) {
     let found = found.as_f64().unwrap_or_else(|| panic!("{found} is not a number"));
     assert!((found - expected).abs() <= tolerance, "{found} is not {expected}");
 }

@@ -43,6 +43,7 @@
 
 mod program;
 mod refusal;
+mod samples;
 mod help;
 mod effect;
 mod snapshots;

@@ -39,6 +39,7 @@ mod convert;
 mod inspect;
 mod plan;
 mod samples;
+mod plot;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -90,6 +91,7 @@ Examples:
   asperity export m.json --format zemax --side air --lobe transmission -o m.bsdf
   asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
   asperity plan scene.toml -o plan.json                what a scene requires, and no more
+  asperity plot fit.json -o boundary                   the law itself, from the air and from inside
   asperity samples make -o samples                     the eight samples of the paper, made anew
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, interrupted, or an instrument or a
@@ -114,6 +116,7 @@ enum Verb {
     Trade(trade::Args),
     Plan(plan::Args),
     Samples(samples::Args),
+    Plot(plot::Args),
     Completions(completions::Args),
     #[command(hide = true)]
     Manual(manual::Args),
@@ -171,6 +174,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Trade(a) => trade::run(&a),
         Verb::Plan(a) => plan::run(&a),
         Verb::Samples(a) => samples::run(&a),
+        Verb::Plot(a) => plot::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
     };

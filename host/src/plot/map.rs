@@ -96,8 +96,8 @@ fn draw(map: &MapPicture<'_>, medium: Medium) -> Result<Canvas, PlotError> {
         let place = (x, frame.bottom() + 8.0 + f64::from(size::TICK));
         canvas.text(place, &label.unwrap_or_default(), size::TICK, Anchor::Middle);
     }
-    canvas.text((middle, frame.bottom() + 68.0), "x (um)", size::LABEL, Anchor::Middle);
-    canvas.text((frame.left - 90.0, TOP - 22.0), "y (um)", size::LABEL, Anchor::Start);
+    canvas.text((middle, frame.bottom() + 68.0), "x (µm)", size::LABEL, Anchor::Middle);
+    canvas.text((frame.left - 90.0, TOP - 22.0), "y (µm)", size::LABEL, Anchor::Start);
     upright(&mut canvas, frame, &lengths(height_um), -1.0);
     bar(&mut canvas, frame, map.label, (lowest, lowest + span), &raster.palette)?;
     if raster.pixels.contains(&COLORS) {
@@ -174,7 +174,7 @@ mod tests {
     use super::{MapPicture, PlotError, map_png, map_svg};
 
     fn picture(points: (usize, usize), extent_um: (f64, f64), values: &[f64]) -> MapPicture<'_> {
-        MapPicture { title: "a <map>".into(), points, extent_um, label: "height (um)", values }
+        MapPicture { title: "a <map>".into(), points, extent_um, label: "height (µm)", values }
     }
 
     #[test]
@@ -191,7 +191,7 @@ mod tests {
         let svg = map_svg(&map).unwrap();
         assert!(svg.len() < 2_000_000, "{} bytes", svg.len());
         for text in
-            ["a &lt;map&gt;", "x (um)", "height (um)", "missing", "data:image/png;base64,iVBOR"]
+            ["a &lt;map&gt;", "x (µm)", "height (µm)", "missing", "data:image/png;base64,iVBOR"]
         {
             assert!(svg.contains(text), "no `{text}`");
         }

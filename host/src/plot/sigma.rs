@@ -28,7 +28,7 @@ pub fn sigma_panels(
         title,
         x_label: "observation angle θ (°)".into(),
         y_label: "reading".into(),
-        x_range: angle_range(measured),
+        x_range: angle_range(measured, scale),
         across: Across::Angle,
         scale,
         shared_y: true,
@@ -54,15 +54,42 @@ fn panel((sigma, points): &AtSigma, fits: &[(String, Vec<AtSigma>)]) -> Panel {
 /// Incidences closer than this, in degrees, are the same one written differently.
 const SAME_SIGMA: f64 = 1e-3;
 
-/// The half circle, unless the measured readings fill less than a third of it or leave it: then
-/// what they fill.
-fn angle_range(measured: &[AtSigma]) -> (f64, f64) {
-    let angles = measured.iter().flat_map(|(_, points)| points).map(|point| point.0);
-    let (lo, hi) = angles
-        .filter(|angle| angle.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), angle| (lo.min(angle), hi.max(angle)));
+/// Readings below this share of the largest are no light on a linear scale.
+const DARK: f64 = 0.005;
+/// What is shown beside the light, degrees.
+const MARGIN: f64 = 5.0;
+
+/// Fewer lit readings are no lobe.
+const FEW: usize = 10;
+
+/// The angles at which there is light, with a margin; all that the readings fill if these are less than a third of the half
+/// circle or leave it, and the half circle if hardly any reading is lit.
+fn angle_range(measured: &[AtSigma], scale: Scale) -> (f64, f64) {
+    let (lo, hi) = filled(measured, f64::NEG_INFINITY);
     let within = lo >= -90.0 && hi <= 90.0;
-    if lo < hi && !(within && hi - lo >= 60.0) { (lo, hi) } else { (-90.0, 90.0) }
+    if lo < hi && !(within && hi - lo >= 60.0) {
+        return (lo, hi);
+    }
+    let largest = measured.iter().flat_map(|(_, points)| points).map(|p| p.1).fold(0.0, f64::max);
+    let share = match scale {
+        Scale::Linear => DARK,
+        Scale::Log { decades } => 10.0_f64.powi(-i32::from(decades)),
+    };
+    let lit = |p: &&(f64, f64)| largest > 0.0 && p.1 >= share * largest;
+    if measured.iter().flat_map(|(_, points)| points).filter(lit).count() < FEW {
+        return (-90.0, 90.0);
+    }
+    let (lo, hi) = filled(measured, share * largest);
+    ((lo - MARGIN).max(-90.0), (hi + MARGIN).min(90.0))
+}
+
+/// The ends of the angles with readings of at least so much.
+fn filled(measured: &[AtSigma], least: f64) -> (f64, f64) {
+    let points = measured.iter().flat_map(|(_, points)| points);
+    let angles = points.filter(|point| point.1 >= least).map(|point| point.0);
+    angles
+        .filter(|angle| angle.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), angle| (lo.min(angle), hi.max(angle)))
 }
 
 /// Which of so many incidences [`sigma_panels`] shows.

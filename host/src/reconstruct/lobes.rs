@@ -39,9 +39,21 @@ pub fn boundary_values(
     spread: Option<&Spread>,
     watch: Watch<'_>,
 ) -> Vec<BoundaryValue> {
-    let places = places(boundary);
+    boundary_values_at(boundary, spread, &INCIDENCES, RAYS, watch)
+}
+
+/// The same at given incidences, 0 to below 90 degrees in the medium that the light comes from; `rays` per incidence of a
+/// boundary that has to be traced.
+pub fn boundary_values_at(
+    boundary: &Boundary,
+    spread: Option<&Spread>,
+    incidences_deg: &[f64],
+    rays: Rays,
+    watch: Watch<'_>,
+) -> Vec<BoundaryValue> {
+    let places = places(boundary, incidences_deg);
     let wi: Vec<Direction<f64>> = places.iter().map(|(_, wi, _)| *wi).collect();
-    let asked = Asked::of(boundary, &wi, RAYS, watch).unwrap_or(Asked::Stopped);
+    let asked = Asked::of(boundary, &wi, rays, watch).unwrap_or(Asked::Stopped);
     let value = |(place, wi, wo): &(BoundaryValue, Direction<f64>, Direction<f64>)| {
         let (f, std) = match &asked {
             Asked::AsItIs => {
@@ -58,13 +70,16 @@ pub fn boundary_values(
 }
 
 /// The places of the values, with the directions of the light.
-fn places(boundary: &Boundary) -> Vec<(BoundaryValue, Direction<f64>, Direction<f64>)> {
+fn places(
+    boundary: &Boundary,
+    incidences_deg: &[f64],
+) -> Vec<(BoundaryValue, Direction<f64>, Direction<f64>)> {
     let has_inside = boundary.eta().is_some() && !boundary.is_sheet();
     let sides: &[Side] = if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
     let lobes: &[bool] = if boundary.eta().is_some() { &[false, true] } else { &[false] };
     let mut places = Vec::new();
     for &side in sides {
-        for incidence_deg in INCIDENCES {
+        for &incidence_deg in incidences_deg {
             for &is_transmitted in lobes {
                 let up = if side == Side::Air { 1.0 } else { -1.0 };
                 let away = if is_transmitted { -up } else { up };

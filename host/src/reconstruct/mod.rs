@@ -38,7 +38,7 @@ pub use fitting::{FitScanError, fit_scan};
 pub use found::{Entry, Found};
 pub use grounds::Grounds;
 pub use light::{Light, Unlit};
-pub use lobes::{BoundaryValue, boundary_values};
+pub use lobes::{BoundaryValue, boundary_values, boundary_values_at};
 pub use needed::Lacking;
 pub use ranking::{Ranked, Ranking};
 pub use scan::{NoScan, ScanRequest, VirtualScan};

@@ -33,7 +33,7 @@ pub fn boundary_csv(values: &[BoundaryValue]) -> String {
     text
 }
 
-fn lobe_name(is_transmitted: bool) -> &'static str {
+pub(super) fn lobe_name(is_transmitted: bool) -> &'static str {
     if is_transmitted { "transmission" } else { "reflection" }
 }
 

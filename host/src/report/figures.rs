@@ -89,7 +89,15 @@ fn drawn(
             (format!("{} ({:.2} %)", fit.label, fit.rmsd_percent), curves)
         })
         .collect();
-    sigma_panels(title, &measured, &fits, scale)
+    Figure { y_label: reading_label(measurement), ..sigma_panels(title, &measured, &fits, scale) }
+}
+
+/// What a reading is, with its unit.
+fn reading_label(measurement: &Measurement) -> String {
+    match measurement.quantity() {
+        Quantity::Flux => "flux into the detector, of that of the beam".into(),
+        Quantity::Bsdf => "BSDF (1/sr)".into(),
+    }
 }
 
 /// The places of the readings in the plane of incidence, of the first rotation of the sample.

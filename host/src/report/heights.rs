@@ -72,7 +72,7 @@ fn picture<'a>(figures: &MapFigures<'a>, values: &'a [f64]) -> MapPicture<'a> {
         title: figures.title.to_owned(),
         points: (map.nx(), map.ny()),
         extent_um: (map.nx() as f64 * map.dx_um(), map.ny() as f64 * map.dy_um()),
-        label: "height (um)",
+        label: "height (µm)",
         values,
     }
 }
@@ -107,8 +107,8 @@ fn histogram(figures: &MapFigures<'_>) -> Figure {
     });
     Figure {
         title: figures.title.to_owned(),
-        x_label: "height about the mean (um)".into(),
-        y_label: "density (1/um)".into(),
+        x_label: "height about the mean (µm)".into(),
+        y_label: "density (1/µm)".into(),
         x_range: (lo, hi),
         across: Across::Linear,
         scale: Scale::Linear,
@@ -122,7 +122,7 @@ fn histogram(figures: &MapFigures<'_>) -> Figure {
                     style: CurveStyle::Measured,
                 },
                 Curve {
-                    label: format!("Gaussian, Rq {:.4} um", r.rq_um),
+                    label: format!("Gaussian, Rq {:.4} µm", r.rq_um),
                     points: gauss.collect(),
                     style: CurveStyle::Fitted,
                 },
@@ -144,8 +144,8 @@ fn radial(title: &str, spectrum: &Spectrum) -> Option<Figure> {
     let lowest = points.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
     (last > first).then(|| Figure {
         title: title.to_owned(),
-        x_label: "spatial frequency (1/um)".into(),
-        y_label: "power spectral density (um⁴)".into(),
+        x_label: "spatial frequency (1/µm)".into(),
+        y_label: "power spectral density (µm⁴)".into(),
         x_range: (first, last),
         across: Across::Log,
         scale: Scale::Log { decades: (highest / lowest).log10().ceil().clamp(1.0, 15.0) as u8 },

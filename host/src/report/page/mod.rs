@@ -13,11 +13,14 @@ mod data;
 mod tables;
 
 use asperity_core::direction::Side;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use crate::input::sha256;
 use crate::measurement::Measurement;
 use crate::plot::{self, Scale};
-use crate::provenance::{InputFile, sha256_base64};
+use crate::provenance::InputFile;
 use crate::reconstruct::{Attempt, Comparison, SampleResult};
 
 use super::boundary::boundary_figure;
@@ -40,7 +43,8 @@ pub struct Origin {
 /// The page. `scans` holds the measurement of each sample, in their order.
 pub fn page(comparison: &Comparison, scans: &[&Measurement], origin: &Origin) -> String {
     let data = data::json(comparison, scans).to_string().replace("</", "<\\/");
-    let hashes = [UPLOT, SCRIPT].map(|s| format!("'sha256-{}'", sha256_base64(s.as_bytes())));
+    let hashes =
+        [UPLOT, SCRIPT].map(|s| format!("'sha256-{}'", BASE64.encode(sha256(s.as_bytes()))));
     let policy = format!(
         "default-src 'none'; style-src 'unsafe-inline'; script-src {}; img-src data:",
         hashes.join(" ")

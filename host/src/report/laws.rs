@@ -1,0 +1,187 @@
+//! Laws over each other: their lobes from both sides, and where the light goes.
+
+use asperity_core::direction::Side;
+
+use super::boundary::lobe_name;
+use crate::model::Flux;
+use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
+use crate::reconstruct::BoundaryValue;
+
+/// Half the width of a band, in standard uncertainties.
+const BAND: f64 = 1.96;
+
+/// A law by its name, with its values in the plane of incidence.
+pub type NamedValues = (String, Vec<BoundaryValue>);
+/// A law by its name, with its balances.
+pub type NamedFluxes = (String, Vec<Flux>);
+
+/// The lobes of several laws, a panel for each side, incidence and lobe, with their bands.
+pub fn lobes_figure(title: &str, laws: &[NamedValues], scale: Scale) -> Figure {
+    let mut places: Vec<(Side, f64, bool)> = Vec::new();
+    for value in laws.iter().flat_map(|(_, values)| values) {
+        let place = (value.side, value.incidence_deg, value.is_transmitted);
+        if !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    let is_at = |v: &BoundaryValue, (side, deg, through): (Side, f64, bool)| {
+        v.side == side && v.is_transmitted == through && v.incidence_deg.total_cmp(&deg).is_eq()
+    };
+    let panel = |place: (Side, f64, bool)| {
+        let of = |(label, values): &NamedValues| {
+            let here: Vec<BoundaryValue> =
+                values.iter().filter(|v| is_at(v, place)).copied().collect();
+            curve_and_band(label, &here)
+        };
+        let from = if place.0 == Side::Air { "from the air" } else { "from inside" };
+        let caption = format!("{from}, {}°, {}", place.1, lobe_name(place.2));
+        Panel { caption, curves: laws.iter().flat_map(of).collect() }
+    };
+    let panels: Vec<Panel> = places.into_iter().map(panel).collect();
+    Figure {
+        title: title.to_owned(),
+        x_label: "angle of observation in the medium that the light goes to (°)".into(),
+        y_label: "BSDF (1/sr)".into(),
+        x_range: lit(&panels, scale),
+        across: Across::Angle,
+        scale,
+        shared_y: scale != Scale::Linear,
+        panels: panels.into_iter().filter(|p| !p.curves.is_empty()).collect(),
+    }
+}
+
+fn curve_and_band(label: &str, values: &[BoundaryValue]) -> Vec<Curve> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let points = values.iter().map(|v| (v.theta_deg, v.f)).collect();
+    let line = Curve { label: label.to_owned(), points, style: CurveStyle::Fitted };
+    if values.iter().all(|v| v.std.is_none()) {
+        return vec![line];
+    }
+    let ends = |v: &BoundaryValue| {
+        let by = BAND * v.std.filter(|std| std.is_finite()).unwrap_or(0.0);
+        [(v.theta_deg, (v.f - by).max(0.0)), (v.theta_deg, v.f + by)]
+    };
+    let points = values.iter().flat_map(ends).collect();
+    vec![Curve { label: label.to_owned(), points, style: CurveStyle::Band }, line]
+}
+
+/// The angles at which a panel shows light, with a margin.
+fn lit(panels: &[Panel], scale: Scale) -> (f64, f64) {
+    const MARGIN: f64 = 5.0;
+    let share = match scale {
+        Scale::Linear => 0.005,
+        Scale::Log { decades } => 10.0_f64.powi(-i32::from(decades)),
+    };
+    let curves = || panels.iter().flat_map(|p| &p.curves).filter(|c| c.style != CurveStyle::Band);
+    let largest = curves().flat_map(|c| &c.points).map(|p| p.1).fold(0.0, f64::max);
+    let seen = curves().flat_map(|c| &c.points).filter(|p| p.1 >= share * largest).map(|p| p.0);
+    let (low, high) =
+        seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    if low > high {
+        return (-90.0, 90.0);
+    }
+    ((low - MARGIN).max(-90.0), (high + MARGIN).min(90.0))
+}
+
+/// Where the light of several laws goes over the incidence: reflected, transmitted and lost from both sides, with bands.
+pub fn flux_figure(title: &str, laws: &[NamedFluxes]) -> Figure {
+    type Share = (&'static str, fn(&Flux) -> f64, fn(&Flux) -> Option<f64>);
+    const SHARES: [Share; 3] = [
+        ("reflected", |f| f.reflected, |f| f.std_reflected),
+        ("transmitted", |f| f.transmitted, |f| f.std_transmitted),
+        ("lost", |f| f.lost, |_| None),
+    ];
+    let panel = |(side, from): (&str, &str), (name, value, error): Share| {
+        let of = |(label, fluxes): &NamedFluxes| {
+            let here: Vec<&Flux> = fluxes.iter().filter(|f| f.side == side).collect();
+            let points: Vec<(f64, f64)> =
+                here.iter().map(|f| (f.incidence_deg, value(f))).collect();
+            if points.is_empty() {
+                return Vec::new();
+            }
+            let band = here.iter().flat_map(|f| {
+                let by = BAND * error(f).unwrap_or(0.0);
+                [(f.incidence_deg, value(f) - by), (f.incidence_deg, value(f) + by)]
+            });
+            let has_band = here.iter().any(|f| error(f).is_some());
+            let band = has_band.then(|| Curve {
+                label: label.clone(),
+                points: band.collect(),
+                style: CurveStyle::Band,
+            });
+            let line = Curve { label: label.clone(), points, style: CurveStyle::Fitted };
+            band.into_iter().chain([line]).collect::<Vec<_>>()
+        };
+        Panel { caption: format!("{from}, {name}"), curves: laws.iter().flat_map(of).collect() }
+    };
+    let sides = [("air", "from the air"), ("dielectric", "from inside")];
+    let panels = sides.into_iter().flat_map(|s| SHARES.map(|share| panel(s, share)));
+    Figure {
+        title: title.to_owned(),
+        x_label: "angle of incidence in the medium that the light comes from (°)".into(),
+        y_label: "share of the light".into(),
+        x_range: (0.0, 90.0),
+        across: Across::Angle,
+        scale: Scale::Linear,
+        shared_y: true,
+        panels: panels.filter(|p| !p.curves.is_empty()).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_core::direction::Side;
+
+    use super::{flux_figure, lobes_figure};
+    use crate::model::Flux;
+    use crate::plot::{CurveStyle, Scale};
+    use crate::reconstruct::BoundaryValue;
+
+    fn lobe(is_transmitted: bool, width: f64) -> Vec<BoundaryValue> {
+        (-88..=88)
+            .map(|t| BoundaryValue {
+                side: Side::Dielectric,
+                incidence_deg: 30.0,
+                is_transmitted,
+                theta_deg: f64::from(t),
+                f: (-(f64::from(t) / width).powi(2)).exp(),
+                std: is_transmitted.then_some(0.01),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn lobes_have_a_panel_each_and_the_axis_ends_where_the_light_does() {
+        let laws = [("a".to_owned(), lobe(false, 5.0)), ("b".to_owned(), lobe(true, 5.0))];
+        let figure = lobes_figure("title", &laws, Scale::LOG);
+        let captions: Vec<&str> = figure.panels.iter().map(|p| p.caption.as_str()).collect();
+        assert_eq!(captions, ["from inside, 30°, reflection", "from inside, 30°, transmission"]);
+        // 1e-4 of the peak at 5 sqrt(ln 1e4) = 15.2 degrees, and a margin of 5
+        assert_eq!(figure.x_range, (-20.0, 20.0));
+        let styles: Vec<_> = figure.panels[1].curves.iter().map(|c| c.style).collect();
+        assert_eq!(styles, [CurveStyle::Band, CurveStyle::Fitted]);
+    }
+
+    #[test]
+    fn fluxes_have_a_panel_for_each_side_and_share() {
+        let flux = |incidence_deg: f64| Flux {
+            side: "air".into(),
+            incidence_deg,
+            reflected: 0.1,
+            transmitted: 0.8,
+            lost: 0.1,
+            std_reflected: Some(0.01),
+            std_transmitted: None,
+        };
+        let figure = flux_figure("title", &[("a".to_owned(), vec![flux(0.0), flux(60.0)])]);
+        let captions: Vec<&str> = figure.panels.iter().map(|p| p.caption.as_str()).collect();
+        assert_eq!(
+            captions,
+            ["from the air, reflected", "from the air, transmitted", "from the air, lost"]
+        );
+        assert_eq!(figure.panels[0].curves[0].points[1], (0.0, 0.1 + 0.0196));
+        assert_eq!(figure.panels[1].curves.len(), 1);
+    }
+}
