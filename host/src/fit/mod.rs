@@ -292,7 +292,11 @@ pub fn fit(
         match search.minimise(&draft, &start, Effort::Draft, draft_tolerance) {
             Ok(end) if end.cost < cost => found.push((end.cost, end.values)),
             Ok(_) => found.push((cost, start)),
-            Err(Stopped) => break,
+            // the best of the first evaluations is a result too
+            Err(Stopped) => {
+                found.push(search.best_pair().unwrap_or((cost, start)));
+                break;
+            }
         }
     }
     found.retain(|(cost, _)| *cost < search::IMPOSSIBLE);
@@ -377,12 +381,15 @@ fn last_readings(
     measurement: &Measurement,
     options: &FitOptions,
 ) -> Result<Option<Readings>, BuildError> {
-    if !problem.is_traced() {
-        return problem.simulate(values, Effort::Full);
-    }
     let watch = problem.watch();
     let seed = options.rays.seed.wrapping_add(1);
     let with = |count, watch: Watch<'_>| problem.simulate_last(values, Rays { count, seed }, watch);
+    if !watch.is_stopped() && !problem.is_traced() {
+        let readings = problem.simulate(values, Effort::Full)?;
+        if readings.is_some() || !watch.is_stopped() {
+            return Ok(readings);
+        }
+    }
     if watch.is_stopped() {
         // The best values so far deserve figures, however noisy.
         return soon(|late| with(options.rays.draft, Watch::silent(late)));

@@ -68,6 +68,11 @@ impl<'a> Search<'a> {
         self.watch.is_stopped()
     }
 
+    /// The best values of the search under way with their cost; `None` before its first evaluation.
+    pub(super) fn best_pair(&self) -> Option<(f64, Vec<f64>)> {
+        self.best.lock().ok()?.clone()
+    }
+
     /// The best values of the search under way, or others.
     pub(super) fn best_or(&self, others: Vec<f64>) -> Vec<f64> {
         match self.best.lock() {
