@@ -147,11 +147,11 @@ fn incidences(
         .scan
         .by_incidence()
         .map(|i| {
-            let of = |values: &[f64]| values[i.range.clone()].iter().map(|v| few(*v, 4)).collect();
+            let of = |values: &[f64]| values[i.range.clone()].iter().map(|v| few(*v, 5)).collect();
             json!({
                 "sigma_deg": i.sigma_deg,
                 "theta_deg": i.readings.iter().map(|r| few(r.theta_deg, 5)).collect::<Vec<_>>(),
-                "measured": i.readings.iter().map(|r| few(r.value, 4)).collect::<Vec<_>>(),
+                "measured": i.readings.iter().map(|r| few(r.value, 5)).collect::<Vec<_>>(),
                 "noise": noise.map(|n| few(n, 4)),
                 "fits": fits.iter().map(|fit| of(fit)).collect::<Vec<Value>>(),
             })

@@ -42,7 +42,7 @@ pub struct Origin {
 
 /// The page. `scans` holds the measurement of each sample, in their order.
 pub fn page(comparison: &Comparison, scans: &[&Measurement], origin: &Origin) -> String {
-    let data = data::json(comparison, scans).to_string().replace("</", "<\\/");
+    let data = data::json(comparison, scans).to_string().replace('<', "\\u003c");
     let hashes =
         [UPLOT, SCRIPT].map(|s| format!("'sha256-{}'", BASE64.encode(sha256(s.as_bytes()))));
     let policy = format!(

@@ -51,11 +51,16 @@
   }
 
   // Marker shapes, one per method: corners on a circle of radius 1.
-  const polygon = (n, turn, inner = 1) => Array.from({ length: inner === 1 ? n : 2 * n }, (_, i, step = inner === 1 ? n : 2 * n) => {
-    const r = i % 2 && inner !== 1 ? inner : 1, a = (turn + 360 * i / step) * Math.PI / 180;
-    return [r * Math.cos(a), r * Math.sin(a)];
-  });
-  const SHAPES = [polygon(24, 0), polygon(4, 45), polygon(3, -90), polygon(4, 0), polygon(3, 90), polygon(5, -90, .45), polygon(6, 0), polygon(4, 0, .35)];
+  function polygon(corners, turn, inner) { // with inner: a star
+    const count = inner ? 2 * corners : corners;
+    return Array.from({ length: count }, (_, i) => {
+      const r = inner && i % 2 ? inner : 1, angle = (turn + 360 * i / count) * Math.PI / 180;
+      return [r * Math.cos(angle), r * Math.sin(angle)];
+    });
+  }
+  const SHAPES = [
+    polygon(24, 0), polygon(4, 45), polygon(3, -90), polygon(4, 0), polygon(3, 90), polygon(5, -90, .45), polygon(6, 0), polygon(4, 0, .35),
+  ];
 
   function marker(ctx, shape, x, y, r, fill, stroke) {
     ctx.beginPath();
@@ -79,7 +84,7 @@
   // ---------------------------------------------------------------- one chart
   // panel: { title, aria, zoom, sync, height, empty, range: [x0, x1], x: {label, log}, y: {label, scale, decades},
   //          curves: [{name, style, shape, kind: 'line'|'measured'|'marks', dash, x, y, low, high, filled, names}],
-  //          right, under(u, ctx, theme), over(u, ctx, theme), describe(u) }
+  //          right, under(u, ctx, theme), over(u, ctx, theme), describe(u), rows() }
 
   // Puts the curves on their common abscissa; uPlot skips undefined and breaks a line at null.
   function align(curves, log) {
@@ -104,17 +109,15 @@
     return [Math.max(from, a - pad), Math.min(to, b + pad)];
   }
 
-  function yScale({ scale, decades = DECADES, zero = true }) {
-    if (scale === 'log') return {
-      distr: 3,
-      range: (u, min, max) => isNumber(max) && max > 0 ? [Math.max(min / 1.4, max * 10 ** -decades), max * 1.5] : [1e-3, 1],
-    };
-    if (scale === 'symlog') return {
-      distr: 4, asinh: 2,
-      range: (u, min, max) => { const m = 1.3 * Math.max(3, Math.abs(min ?? 0), Math.abs(max ?? 0)); return [-m, m]; },
-    };
-    if (scale === 'symmetric') return { range: (u, min, max) => { const m = 1.1 * (Math.max(Math.abs(min ?? 0), Math.abs(max ?? 0)) || 1); return [-m, m]; } };
-    return { range: (u, min, max) => isNumber(max) && max > 0 ? [zero ? Math.min(0, min) : min, max * 1.06] : [0, 1] };
+  function yScale({ scale, decades = DECADES }) {
+    const reach = (min, max, least) => Math.max(least, Math.abs(min ?? 0), Math.abs(max ?? 0));
+    const even = (min, max, least, room) => [-room * reach(min, max, least), room * reach(min, max, least)];
+    switch (scale) {
+      case 'log': return { distr: 3, range: (u, min, max) => max > 0 ? [Math.max(min / 1.4, max * 10 ** -decades), max * 1.5] : [1e-3, 1] };
+      case 'symlog': return { distr: 4, asinh: 2, range: (u, min, max) => even(min, max, 3, 1.3) };
+      case 'symmetric': return { range: (u, min, max) => even(min, max, 1e-6, 1.1) };
+      default: return { range: (u, min, max) => max > 0 ? [Math.min(0, min), max * 1.06] : [0, 1] };
+    }
   }
 
   // Grid lines at 1 to 9 times a power of ten, as many labels as there is room for; even steps in a short range.
@@ -174,6 +177,7 @@
       u.ctx.beginPath();
       u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
       u.ctx.clip();
+      u.ctx.setLineDash([]);
       paint();
       u.ctx.restore();
     };
@@ -208,7 +212,7 @@
       ],
       series, bands,
       hooks: {
-        drawClear: [u => panel.under && clipped(u, () => panel.under(u, u.ctx, t, ratio))],
+        drawAxes: [u => panel.under && clipped(u, () => panel.under(u, u.ctx, t, ratio))],
         draw: [u => { clipped(u, () => marks(u)); if (panel.over) panel.over(u, u.ctx, t, ratio); }],
         setCursor: [onCursor],
         setSelect: [u => {
@@ -229,17 +233,17 @@
   const HINT = 'Drag to zoom. Keys: ← → + − 0';
 
   class Plot {
-    constructor(figure, model, spec, controls) {
+    constructor(figure, model, spec, controls, legend = []) {
       Object.assign(this, { figure, model, spec, charts: [], boxes: [], readouts: [], at: [], built: false });
-      this.charts_ = el('div', { class: 'charts' });
+      this.area = el('div', { class: 'charts' });
       this.table = el('div', { class: 'table', tabindex: 0, role: 'region', 'aria-label': `Values of the plot: ${model.title}, ${figure.dataset.plot}` });
       this.details = el('details', { class: 'values', toggle: () => this.fillTable() }, el('summary', {}, 'Show values'), this.table);
-      const reset = el('button', { type: 'button', click: () => this.reset() }, 'Reset zoom');
-      this.toolbar = el('div', { class: 'toolbar', role: 'group', 'aria-label': `Controls: ${model.title}, ${figure.dataset.plot}` }, ...controls.slice(0, -1), ...(controls.at(-1).className === 'legend' ? [reset, controls.at(-1)] : [controls.at(-1), reset]));
+      const reset = el('button', { type: 'button', 'aria-label': 'Reset zoom', click: () => this.reset() }, 'Reset');
+      this.toolbar = el('div', { class: 'toolbar', role: 'group', 'aria-label': `Controls: ${model.title}, ${figure.dataset.plot}` }, ...controls, reset, ...legend);
       this.panels = spec();
-      this.charts_.dataset.panels = this.panels.length;
+      this.area.dataset.panels = this.panels.length;
       this.panels.forEach((panel, i) => this.addBox(panel, i));
-      figure.prepend(this.toolbar, this.charts_, this.details);
+      figure.prepend(this.toolbar, this.area, this.details);
       figure.classList.add('live');
       model.plots.push(this);
       plots.push(this);
@@ -251,7 +255,7 @@
       const readout = el('div', { class: 'readout', 'aria-hidden': 'true' });
       this.boxes.push(box);
       this.readouts.push(readout);
-      this.charts_.append(el('div', {}, box, readout));
+      this.area.append(el('div', {}, box, readout));
     }
 
     build() {
@@ -260,7 +264,7 @@
       try {
         this.render();
       } catch (error) { // Keep the static figure when a chart fails.
-        [this.toolbar, this.charts_, this.details].forEach(node => node.remove());
+        [this.toolbar, this.area, this.details].forEach(node => node.remove());
         this.figure.classList.remove('live');
         throw error;
       }
@@ -334,8 +338,9 @@
       if (move) place = place < 0 ? inside.length >> 1 : Math.min(Math.max(place + move, 0), inside.length - 1);
       else if (event.key === '+' || event.key === '=' || event.key === '-') {
         const log = this.panels[i].x.log, [f, g] = log ? [Math.log, Math.exp] : [v => v, v => v];
-        const center = f(place < 0 ? g((f(min) + f(max)) / 2) : x[inside[place]]), half = (f(max) - f(min)) / (event.key === '-' ? 1 : 4);
+        const center = f(place < 0 ? g((f(min) + f(max)) / 2) : x[inside[place]]), half = (f(max) - f(min)) * (event.key === '-' ? 1 : .25);
         const [from, to] = this.panels[i].range;
+        if (event.key !== '-' && max - min < 1e-3 * (to - from)) return;
         this.zoom(i, [Math.max(g(center - half), from), Math.min(g(center + half), to)]);
         live.textContent = `Shown range: ${this.model.view[this.panels[i].zoom].map(v => format(v)).join(' to ')}`;
       } else if (event.key === '0' || event.key === 'Escape') this.reset();
@@ -344,7 +349,7 @@
       if (!move) return;
       this.at[i] = inside[place];
       this.model.plots.forEach(p => p.pointAt(this.panels[i], x[this.at[i]], p === this && i));
-      live.textContent = this.readouts[i].textContent;
+      live.textContent = [...this.readouts[i].children].map(e => e.textContent).join(', ');
     }
 
     // Moves the cursor to the abscissa x in one panel, or in those that share its cursor.
@@ -439,17 +444,20 @@
     const boundaryAngles = [...new Set(all.flatMap(k => boundaryOf(k).map(b => b.incidence_deg)))].sort((a, b) => a - b);
     const boundarySides = sides(boundaryOf), fluxSides = sides(fluxOf);
     const model = new Model('s' + index, sample.title, {
-      incidence: 0, methods: new Set(accepted.length > 1 ? accepted : rank.slice(0, 2)), readingScale: 'linear', residualScale: 'symlog',
+      incidence: 0, methods: new Set(accepted.length > 1 ? accepted : rank.slice(0, 2)), readingScale: 'linear', residualScale: sample.incidences.some(inc => inc.noise > 0) ? 'symlog' : 'linear',
       side: boundarySides[0], boundaryIncidence: boundaryAngles[0], boundaryScale: 'log',
       fluxSide: fluxSides[0], fluxMethod: rank.find(k => fluxOf(k).length), fluxScale: 'linear',
     });
     const s = model.state;
     const line = k => ({ name: sample.methods[k].label, style: styleOf(sample.methods[k].label), kind: 'line' });
     const error = m => isNumber(m.error_percent) ? `${format(m.error_percent, 3)} %` : '';
-    const methods = read => model.legend('methods', all.filter(k => read(k)).map(k => [k, line(k), error(sample.methods[k])]));
+    const methods = read => {
+      const entries = all.filter(read).map(k => [k, line(k), error(sample.methods[k])]);
+      return entries.length ? [model.legend('methods', entries)] : [];
+    };
     const theta = { label: sample.theta_label, short: 'θ', unit: '°' };
     const sideText = { air: 'from air', inside: 'from inside' };
-    const sideOptions = list => list.map(side => [side, sideText[side]]);
+    const sideOptions = list => list.map(side => [side, side]);
     const degrees = v => format(v) + '°';
 
     const scan = () => {
@@ -467,12 +475,12 @@
         under: (u, ctx, t, ratio) => { // The noise of a reading, where the scale shows it.
           if (s.readingScale !== 'log' || !isNumber(inc.noise) || inc.noise < u.scales.y.min) return;
           const y = u.valToPos(inc.noise, 'y', true);
-          ctx.fillStyle = t.get('panel');
+          ctx.fillStyle = t.get('line') + '60';
           ctx.fillRect(u.bbox.left, y, u.bbox.width, u.bbox.height);
           ctx.fillStyle = t.get('muted');
           ctx.font = t.font(11 * ratio);
-          ctx.textAlign = 'left';
-          ctx.fillText('below the noise', u.bbox.left + 6 * ratio, y + 13 * ratio);
+          ctx.textAlign = 'right';
+          ctx.fillText('below the noise', u.bbox.left + u.bbox.width - 6 * ratio, u.bbox.top + u.bbox.height - 6 * ratio);
         },
       }];
     };
@@ -483,12 +491,12 @@
       const curves = fits.map(c => ({ ...c, y: c.y.map((v, i) => isNumber(v) && isNumber(inc.measured[i]) ? (v - inc.measured[i]) / unit : null) }));
       const quantity = known ? '(fit − measured) / noise' : 'fit − measured (% of largest)';
       return [{
-        zoom: 'scan', sync: model.id, height: 230, range, curves, empty: 'No method chosen.', x: theta,
+        zoom: 'scan', sync: model.id, height: 230, range, curves, empty: 'No fit of the chosen methods here.', x: theta,
         y: { label: quantity, scale: s.residualScale === 'linear' ? 'symmetric' : 'symlog' },
         aria: describe(sample.title, 'residuals ' + what, curves, quantity, range),
         under: (u, ctx, t) => { // Two standard deviations: a right method stays in this band.
           const top = u.valToPos(known ? 2 : 0, 'y', true), end = u.valToPos(known ? -2 : 0, 'y', true);
-          ctx.fillStyle = t.get('line') + '90';
+          ctx.fillStyle = t.get('line') + '80';
           ctx.fillRect(u.bbox.left, top, u.bbox.width, Math.max(end - top, 1));
         },
       }];
@@ -498,7 +506,7 @@
       const curves = all.filter(k => s.methods.has(k)).flatMap(k => boundaryOf(k)
         .filter(b => b.lobe === lobe && b.side === s.side && b.incidence_deg === s.boundaryIncidence)
         .map(b => {
-          const edge = sign => b.std ? b.f.map((f, i) => isNumber(f) && isNumber(b.std[i]) ? f + sign * Z95 * b.std[i] : null) : undefined;
+          const edge = sign => b.std ? b.f.map((f, i) => isNumber(f) && isNumber(b.std[i]) ? Math.max(0, f + sign * Z95 * b.std[i]) : null) : undefined;
           return { ...line(k), x: angles(b.theta_deg), y: b.f, low: edge(-1), high: edge(1) };
         }));
       const range = litRange(curves, s.boundaryScale === 'log');
@@ -512,7 +520,7 @@
     const flux = () => {
       const rows = fluxOf(s.fluxMethod).filter(r => r.side === s.fluxSide).sort((a, b) => a.incidence_deg - b.incidence_deg);
       const x = rows.map(r => r.incidence_deg), { name, style } = line(s.fluxMethod);
-      const edge = (key, sign) => rows.some(r => isNumber(r['std_' + key])) ? rows.map(r => isNumber(r['std_' + key]) ? r[key] + sign * Z95 * r['std_' + key] : null) : undefined;
+      const edge = (key, sign) => rows.some(r => isNumber(r['std_' + key])) ? rows.map(r => isNumber(r['std_' + key]) ? Math.max(0, r[key] + sign * Z95 * r['std_' + key]) : null) : undefined;
       const curve = (name, key, shape, dash) => ({ name, style, kind: 'marks', shape, dash, x, y: rows.map(r => r[key]), low: edge(key, -1), high: edge(key, 1) });
       const curves = [curve('transmitted', 'transmitted', 0, []), curve('reflected', 'reflected', 1, [8, 4]), curve('lost', 'lost', 2, [2, 3])];
       const span = x.length > 1 ? [x[0] - .03 * (x.at(-1) - x[0]), x.at(-1) + .03 * (x.at(-1) - x[0])] : [-1, 90];
@@ -539,22 +547,21 @@
     const plans = {
       readings: sample.incidences.length && (() => [readings, [
         incidence('incidence', sample.incidences.map((inc, i) => [i, degrees(inc.sigma_deg)]), ['scan']),
-        model.choice('Scale', 'readingScale', SCALE), methods(k => sample.incidences.some(inc => inc.fits[k]))]]),
+        model.choice('Scale', 'readingScale', SCALE)], methods(k => sample.incidences.some(inc => inc.fits[k]))]),
       residuals: sample.incidences.length && (() => [residuals, [
         incidence('incidence', sample.incidences.map((inc, i) => [i, degrees(inc.sigma_deg)]), ['scan']),
         model.choice('Scale', 'residualScale', [['linear', 'linear'], ['symlog', 'log beyond ±2']])]]),
       boundary: boundarySides.length && (() => [boundary, [
-        model.choice('Side', 'side', sideOptions(boundarySides), ['reflection', 'transmission']),
+        model.choice('From', 'side', sideOptions(boundarySides), ['reflection', 'transmission']),
         incidence('boundaryIncidence', boundaryAngles.map(v => [v, degrees(v)]), ['reflection', 'transmission']),
-        model.choice('Scale', 'boundaryScale', SCALE), methods(k => boundaryOf(k).length)]]),
+        model.choice('Scale', 'boundaryScale', SCALE)], methods(k => boundaryOf(k).length)]),
       flux: fluxSides.length && (() => [flux, [
         model.select('Method', 'fluxMethod', all.filter(k => fluxOf(k).length).map(k => [k, sample.methods[k].label])),
-        model.choice('Side', 'fluxSide', sideOptions(fluxSides), ['flux']), model.choice('Scale', 'fluxScale', SCALE)]]),
+        model.choice('From', 'fluxSide', sideOptions(fluxSides), ['flux']), model.choice('Scale', 'fluxScale', SCALE)]]),
     };
     for (const figure of section.querySelectorAll('figure.plot')) {
       const plan = plans[figure.dataset.plot];
-      if (plan) new Plot(figure, model, ...plan());
-      else figure.classList.remove('needs-js'); // Nothing to plot: its static part, if any, stays.
+      if (plan) new Plot(figure, model, ...plan()); // Nothing to plot: the static part, if any, stays.
     }
   }
 
@@ -606,15 +613,16 @@
             ctx.stroke();
           }
         },
-        over: (u, ctx, t, ratio) => { // Labels that meet no other label or point; the front goes first.
+        over: (u, ctx, t, ratio) => { // Labels that meet no other label or point, the front first: methods of one sample, or the end of each front.
           ctx.font = t.font(11.5 * ratio);
           ctx.textAlign = 'left';
           const at = p => [u.valToPos(p.x, 'x', true), u.valToPos(p.y, 'y', true)];
+          const ends = fronts.map(front => front.findLast(p => s.methods.has(p.label)));
           const taken = shown.map(p => { const [x, y] = at(p); return [x - 6 * ratio, y - 6 * ratio, x + 6 * ratio, y + 6 * ratio]; });
           const { left, top, width, height } = u.bbox;
           for (const p of [...shown].sort((a, b) => !!b.front - !!a.front)) {
             const text = chosen.length > 1 ? p.sample : p.label, w = ctx.measureText(text).width, h = 12 * ratio, [x, y] = at(p), gap = 8 * ratio;
-            if (chosen.length > 1 && !p.front) break;
+            if (chosen.length > 1 && !ends.includes(p)) continue;
             const spots = [[x + gap, y - h], [x + gap, y - h / 2], [x - gap - w, y - h / 2], [x - w / 2, y - gap - h], [x - w / 2, y + gap]];
             const spot = spots.find(([a, b]) => a >= left && b >= top && a + w <= left + width + 22 * ratio && b + h <= top + height &&
               taken.every(r => a + w < r[0] || a > r[2] || b + h < r[1] || b > r[3]));
@@ -626,9 +634,9 @@
         },
       }];
     };
-    const controls = [model.legend('methods', labels.map(label => [label, curveOf(label)]))];
-    if (samples.length > 1) controls.unshift(model.select('Sample', 'sample', [[-1, 'all samples'], ...samples.map((sample, i) => [i, sample.title])], ['pareto']));
-    new Plot(figure, model, spec, controls);
+    const choices = [[-1, 'all samples'], ...samples.map((sample, i) => [i, sample.title])];
+    const controls = samples.length > 1 ? [model.select('Sample', 'sample', choices, ['pareto'])] : [];
+    new Plot(figure, model, spec, controls, [model.legend('methods', labels.map(label => [label, curveOf(label)]))]);
   }
 
   // ---------------------------------------------------------------- start
@@ -644,9 +652,9 @@
   // Charts are drawn when they come near the window.
   const near = new IntersectionObserver(entries => entries.filter(e => e.isIntersecting).forEach(e => {
     near.unobserve(e.target);
-    plots.find(p => p.charts_ === e.target).build();
+    plots.find(p => p.area === e.target).build();
   }), { rootMargin: '400px' });
-  const size = new ResizeObserver(entries => entries.forEach(e => plots.find(p => p.charts_ === e.target).resize()));
-  plots.forEach(p => { near.observe(p.charts_); size.observe(p.charts_); });
+  const size = new ResizeObserver(entries => entries.forEach(e => plots.find(p => p.area === e.target).resize()));
+  plots.forEach(p => { near.observe(p.area); size.observe(p.area); });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => plots.forEach(p => p.render()));
 })();
