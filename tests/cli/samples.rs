@@ -50,6 +50,5 @@ fn what_makes_no_sample_is_refused() {
         case("samples make --only 8 --shot 2 -o s", &["--shot", "0 to 0.5"]),
         case("samples make --only 8 --resolution-um=-1 -o s", &["--resolution-um", "0 or more"]),
         case("samples make --only 8 --ior 0 -o s", &["0"]),
-        case("samples", &["Usage"]),
     ]);
 }

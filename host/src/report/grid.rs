@@ -103,7 +103,10 @@ mod tests {
             "| sample | ggx |\n| --- | --- |\n| a \\| <b> | **0.26 %** |\n"
         );
         let html = grid.html("caption").into_string();
-        assert!(html.contains("<td>a | &lt;b&gt;</td><td><b>0.26 %</b></td>"), "{html}");
+        assert!(
+            html.contains("<th scope=\"row\">a | &lt;b&gt;</th><td><b>0.26 %</b></td>"),
+            "{html}"
+        );
         let text = grid.text();
         assert!(text.contains("sample") && text.contains("0.26 % *"), "{text}");
     }

@@ -117,6 +117,7 @@ impl HeightDensity {
                 }
             }
             if off.iter().all(|off| off.abs() < TOLERANCE) {
+                heights.sort_by(f64::total_cmp);
                 return Ok(heights.into_iter().map(|y| rq * y).collect());
             }
             // the mean of y^j changes by j times that of y^(j - 1) and the movement

@@ -3,6 +3,8 @@
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, PoisonError};
 
+use rayon::ThreadPoolBuilder;
+
 /// Work with the memory that it takes.
 pub(super) struct Job<T> {
     pub(super) what: T,
@@ -17,7 +19,7 @@ struct Queue<T> {
 }
 
 /// Does all jobs, `workers` at once and in their order as far as `budget` bytes allow; one that needs more than that runs
-/// alone. Each job may use all threads: what one cannot use another does.
+/// alone. Each job has as many threads as there are: what one cannot use another does, and the system shares them fairly.
 pub(super) fn carry_out<T: Send>(
     jobs: Vec<Job<T>>,
     (workers, budget): (usize, u64),
@@ -38,7 +40,11 @@ pub(super) fn carry_out<T: Send>(
             here.free -= taken;
             here.running += 1;
             drop(here);
-            work(what);
+            // threads of its own, or a job with little to do would wait for one with much
+            match ThreadPoolBuilder::new().build() {
+                Ok(threads) if workers > 1 => threads.install(|| work(what)),
+                _ => work(what),
+            }
             here = lock();
             here.free += taken;
             here.running -= 1;

@@ -98,13 +98,18 @@ pub(super) fn json(comparison: &Comparison, scans: &[&Measurement]) -> Value {
     let of_boundary = BOUNDARY / (12 * cells.max(1));
     let clamp = |points: usize| points.clamp(POINTS.0, POINTS.1);
     let one = |(sample, scan): (&SampleResult, &&Measurement)| {
-        self::sample(sample, scan, [clamp(of_readings), clamp(of_boundary)])
+        self::sample(sample, scan, [clamp(of_readings), clamp(of_boundary)], comparison.timing)
     };
     let samples: Vec<Value> = comparison.samples.iter().zip(scans).map(one).collect();
     json!({ "samples": samples })
 }
 
-fn sample(sample: &SampleResult, scan: &Measurement, [readings, boundary]: [usize; 2]) -> Value {
+fn sample(
+    sample: &SampleResult,
+    scan: &Measurement,
+    [readings, boundary]: [usize; 2],
+    timing: bool,
+) -> Value {
     let fitted: Vec<&Attempt> = sample.attempts.iter().filter(|a| a.cell().is_some()).collect();
     let cells: Vec<&Cell> = fitted.iter().filter_map(|a| a.cell()).collect();
     let methods: Vec<Value> = cells
@@ -113,7 +118,7 @@ fn sample(sample: &SampleResult, scan: &Measurement, [readings, boundary]: [usiz
             json!({
                 "label": cell.label,
                 "error_percent": few(cell.rmsd_percent(), 4),
-                "seconds": cell.seconds().map(|s| few(s, 3)),
+                "seconds": cell.seconds().filter(|_| timing).map(|s| few(s, 3)),
                 "accepted": cell.is_accepted(),
                 "grade": cell.grade().to_string(),
             })
