@@ -173,7 +173,14 @@ fn a_plan_is_the_same_each_time_and_verbs_do_what_it_says() {
         .replace("\"haze\"", "\"flux\"\nface = \"transmitted\"")
         .replace("\"host\"", "\"cortex-m4f\"\nkib = 24\ninstructions = 400");
     folder.write("scene.toml", device);
-    let first = folder.run("plan scene.toml -o plan.json").ok();
+    let first = folder.run("plan scene.toml -o plan.json --report plan.html").ok();
+    let page = folder.text("plan.html");
+    crate::happy::is_balanced("plan.html", &page);
+    let plan = folder.json("plan.json");
+    for branch in ["choices", "left_out"].iter().flat_map(|k| plan[k].as_array().unwrap()) {
+        let what = branch["what"].as_str().unwrap().replace('<', "&lt;").replace('>', "&gt;");
+        assert!(page.contains(&what), "{what} is not in the page");
+    }
     assert!(first.contains("left out") && first.contains("predicted"), "{first}");
     let plan = folder.text("plan.json");
     folder.run("plan scene.toml -o again.json").ok();

@@ -7,6 +7,7 @@ use super::print;
 use crate::output::AtomicFile;
 use crate::plan::scene::{EXAMPLES, example};
 use crate::plan::{Actual, Costs, NoPlan, Plan, Scene, carry_out, plan};
+use crate::report::plan_page;
 
 /// Say what a scene requires of a model: what to measure, fit, tabulate and export, and what to leave out
 ///
@@ -37,6 +38,9 @@ pub(super) struct Args {
     /// Write the plan
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write the plan as a page for people: the decision as a tree with its numbers
+    #[arg(long, value_name = "FILE", conflicts_with = "example")]
+    report: Option<PathBuf>,
     /// Costs of this machine, from `asperity trade --csv`; those shipped without it
     #[arg(long, value_name = "FILE")]
     trade: Option<PathBuf>,
@@ -71,6 +75,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         None => Costs::shipped(),
     };
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
+    let report = args.report.as_ref().map(AtomicFile::create).transpose()?;
     let found = match plan(&scene, &costs, args.seed) {
         Ok(found) => found,
         Err(NoPlan::Bad(what)) => return Err(Failure::Bad(format!("{}: {what}", path.display()))),
@@ -88,6 +93,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let is_stdout = output.as_ref().is_some_and(AtomicFile::is_stdout);
     if let Some(file) = output {
         file.finish(found.to_json().as_bytes())?;
+    }
+    if let Some(file) = report {
+        file.finish(plan_page(&found).as_bytes())?;
     }
     if is_stdout {
         return Ok(());

@@ -17,7 +17,7 @@ pub use figures::{Drawn, FigureError, FigureFiles, PolarFiles, figure, figure_at
 pub use heights::{MapFigureFiles, MapFigures};
 pub use laws::{NamedFluxes, NamedValues, flux_figure, lobes_figure};
 pub use number::{figure_text, power_text, significant, with_error};
-pub use page::{Origin, page};
+pub use page::{Origin, page, plan_page};
 pub use residuals::{quantile_figure, residual_figure};
 pub use trade::TradeReport;
 

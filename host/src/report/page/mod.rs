@@ -6,11 +6,15 @@
 //! |---|---|
 //! | `answer` | which method to take, how good it is, how much light goes through |
 //! | `data` | the curves, thinned out, for the scripts |
+//! | `plan` | the page of a plan |
 //! | `tables` | the paper's two tables, and those of each sample |
 
 mod answer;
 mod data;
+mod plan;
 mod tables;
+
+pub use plan::plan_page;
 
 use asperity_core::direction::Side;
 use base64::Engine as _;
