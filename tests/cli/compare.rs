@@ -147,8 +147,8 @@ fn finished_fits_are_kept_and_a_folder_of_another_comparison_is_refused() {
     // other options or data may not
     let before = tables();
     for line in [
-        line("ggx").replace("--rays 40000", "--rays 50000"),
-        line("ggx").replace("--rough-side source", "--rough-side detector"),
+        line("measured-ray").replace("--rays 40000", "--rays 50000"),
+        line("measured-ray").replace("--rough-side source", "--rough-side detector"),
         "compare r/../scan.csv --methods ggx --max-misfit 60 -o r".to_owned(),
     ] {
         let done = folder.run(&line).with_code(2);

@@ -40,8 +40,13 @@ fn every_verb_explains_itself_and_names_its_flags() {
         ),
         (
             "plan",
-            "[SCENE] --example --output --trade --check --seed --json",
+            "[SCENE] --example --output --report --trade --check --seed --json",
             "--example light-guide > scene.toml",
+        ),
+        (
+            "plot",
+            "<FILE>... --output --view --incidence --side --linear --decades --title --rays --sigma-range --pixel-um",
+            "asperity plot fit.json -o boundary",
         ),
         ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
         (

@@ -62,6 +62,7 @@ mod hybrid;
 mod compare;
 mod trade;
 mod plan;
+mod plot;
 mod tables;
 mod exchange;
 mod foreign;

@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::program::Folder;
 
 /// Every verb that explains itself.
-const VERBS: [&str; 13] = [
+const VERBS: [&str; 14] = [
     "demo",
     "model",
     "scan",
@@ -18,6 +18,7 @@ const VERBS: [&str; 13] = [
     "compare",
     "trade",
     "plan",
+    "plot",
     "eval",
     "check",
     "stats",
