@@ -105,7 +105,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     for (one, name) in loaded.iter().zip(&names) {
         let title = match &one.map {
             Some(prepared) => {
-                format!("{name} (Rq = {:.2} um)", Roughness::of(&prepared.map).rq_um)
+                format!("{name} (Rq = {:.2} µm)", Roughness::of(&prepared.map).rq_um)
             }
             None => name.clone(),
         };

@@ -113,7 +113,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ..Task::new(&measurement, Situation { body, setup })
     };
     let methods = methods(&[])?;
-    let title = format!("virtual (Rq = {:.2} um)", SURFACE.rq_um);
+    let title = format!("virtual (Rq = {:.2} µm)", SURFACE.rq_um);
     // This map is exact: no cut-off is looked for.
     let sample = Sample::new(NAME.into(), title, task, &methods, &|_| false)?;
     let work = Work {

@@ -115,11 +115,7 @@ struct Law {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let bytes = args.files.iter().map(csv::load).collect::<Result<Vec<_>, _>>();
-    let is_law: Vec<bool> = match &bytes {
-        Ok(all) => args.files.iter().zip(all).map(|(path, b)| law_file::is_law(path, b)).collect(),
-        Err(_) => args.files.iter().map(|_| false).collect(),
-    };
+    let is_law = args.files.iter().map(|path| is_law(path)).collect::<Result<Vec<_>, _>>()?;
     match is_law.iter().position(|law| !law) {
         None => args.laws(),
         Some(0) if is_law[1..].iter().all(|law| *law) => match args.scan() {
@@ -128,7 +124,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             Err(why) if args.files.len() > 1 => Err(why),
             Err(Failure::Bad(no_scan)) => args.surface().map_err(|e| match e {
                 Failure::Bad(no_map) => {
-                    Failure::bad(format!("neither a scan nor a height map:\n{no_scan}\n{no_map}"))
+                    Failure::bad(format!("as a scan: {no_scan}; as a height map: {no_map}"))
                 }
                 other => other,
             }),
@@ -332,6 +328,15 @@ impl Args {
             say::note(format_args!("wrote {}", path(end).display()));
         }
         Ok(())
+    }
+}
+
+/// Whether a file holds a law; a file that is too large for one does not.
+fn is_law(path: &Path) -> Result<bool, Failure> {
+    match csv::load(path) {
+        Ok(bytes) => Ok(law_file::is_law(path, &bytes)),
+        Err(_) if path.is_file() => Ok(false),
+        Err(e) => Err(Failure::bad(e)),
     }
 }
 

@@ -64,11 +64,12 @@ impl Work<'_> {
         let own = self.samples.iter().map(|s| ResultFolder::create(&folder.join(&s.name)));
         let _own = own.collect::<Result<Vec<_>, _>>()?;
         check_all(self.names(folder))?;
+        let before = std::fs::read_to_string(folder.join(Index::NAME)).unwrap_or_default();
         let [csv, markdown, json, html, index] =
             SUMMARIES.map(|n| AtomicFile::create(folder.join(n)));
         let (csv, markdown, json, html, index) = (csv?, markdown?, json?, html?, index?);
         let mut failures = Vec::new();
-        let attempts = self.attempts(folder, &mut failures);
+        let (attempts, is_new) = self.attempts(folder, &mut failures);
         let results = self.samples.iter().zip(attempts);
         let comparison = Comparison {
             title: self.title.clone(),
@@ -81,16 +82,18 @@ impl Work<'_> {
             let of = comparison.samples.iter().filter(|s| s.name == name).flat_map(|s| &s.attempts);
             of.into_iter().any(|a| a.method == method && a.cell().is_some())
         };
+        let now = self.index(&is_done).text();
+        let is_drawn = !is_new && before == now && self.pictures(folder).all(|path| path.exists());
         let tables = finish_all(vec![
             (csv, comparison.csv().into_bytes()),
             (markdown, comparison.markdown().into_bytes()),
             (json, format!("{:#}\n", comparison.json()).into_bytes()),
-            (index, self.index(&is_done).text().into_bytes()),
+            (index, now.into_bytes()),
         ]);
         failures.extend(tables.err().map(Failure::from));
         failures.extend(say(&comparison).err());
         let drawn = self.samples.iter().zip(&comparison.samples);
-        for (sample, result) in drawn {
+        for (sample, result) in drawn.filter(|_| !is_drawn) {
             sample.draw(&result.attempts, (folder, &mut failures));
         }
         let scans: Vec<_> = self.samples.iter().map(|sample| sample.task.measurement).collect();
@@ -116,8 +119,9 @@ impl Work<'_> {
         }
     }
 
-    /// All fits, several at once; a fit is written as soon as it is found. What cannot be written is said at the end.
-    fn attempts(&self, folder: &Path, failures: &mut Vec<Failure>) -> Vec<Vec<Attempt>> {
+    /// All fits, several at once, and whether any of them is new; a fit is written as soon as it is found. What cannot be
+    /// written is said at the end.
+    fn attempts(&self, folder: &Path, failures: &mut Vec<Failure>) -> (Vec<Vec<Attempt>>, bool) {
         let store = Store::new(folder);
         let mut found: Vec<Vec<Option<Attempt>>> = Vec::new();
         let mut jobs = Vec::new();
@@ -145,6 +149,7 @@ impl Work<'_> {
             say::note(format_args!("{kept} fits of an earlier run are taken as they are"));
         }
         let board = Board::new(jobs.len());
+        let is_new = !jobs.is_empty();
         let done = Mutex::new((found, Vec::new()));
         let workers = self.jobs.unwrap_or_else(rayon::current_num_threads);
         let budget = self.memory.unwrap_or_else(crew::usual_budget);
@@ -158,7 +163,7 @@ impl Work<'_> {
         });
         let (found, unwritten) = done.into_inner().unwrap_or_else(PoisonError::into_inner);
         failures.extend(unwritten);
-        found.into_iter().map(|row| row.into_iter().flatten().collect()).collect()
+        (found.into_iter().map(|row| row.into_iter().flatten().collect()).collect(), is_new)
     }
 
     /// One method on one sample, and its files.
@@ -232,11 +237,19 @@ impl Work<'_> {
             names.extend(models.map(|name| folder.join(name)));
             let cells = self.methods.iter().map(|m| Store::new(folder).path(&sample.name, m));
             names.extend(cells);
+        }
+        names.extend(self.pictures(folder));
+        names
+    }
+
+    /// The files of the plots.
+    fn pictures(&self, folder: &Path) -> impl Iterator<Item = PathBuf> {
+        let of = |sample: &Sample<'_>| {
             let own = folder.join(&sample.name);
             let figures = sample.figures();
-            names.extend(figures.iter().flat_map(|(stem, _)| FigureFiles::names(&own, stem)));
-        }
-        names
+            figures.iter().flat_map(|(stem, _)| FigureFiles::names(&own, stem)).collect::<Vec<_>>()
+        };
+        self.samples.iter().flat_map(of).collect::<Vec<_>>().into_iter()
     }
 }
 
