@@ -51,6 +51,7 @@ mod atlas;
 mod believe;
 mod book;
 mod bounces;
+mod merge;
 mod mix;
 mod happy;
 mod maps;

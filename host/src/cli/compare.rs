@@ -10,7 +10,7 @@ use super::flags::scan::number;
 use super::model::BouncesFlag;
 use super::planned::PlanFlag;
 use super::{auto, print};
-use crate::reconstruct::{SampleResult, Task, usually_asked};
+use crate::reconstruct::{SampleResult, Shard, Task, usually_asked};
 use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side
@@ -62,6 +62,10 @@ pub(super) struct Args {
     /// Leave out how long it took, the only part that differs from run to run
     #[arg(long, hide_short_help = true)]
     no_timing: bool,
+    /// Make a part of the fits, the I-th of N: on another machine, or in another job. The parts, each with a folder of its own,
+    /// are put together by `asperity merge`
+    #[arg(long, value_name = "I/N", hide_short_help = true, conflicts_with_all = ["rank", "json"])]
+    shard: Option<Shard>,
     /// Fits at once [default: as many as threads]; their times are then those beside each other
     #[arg(long, value_name = "N", hide_short_help = true, value_parser = parse_jobs)]
     jobs: Option<usize>,
@@ -121,6 +125,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         timing: !args.no_timing,
         rank: args.rank,
         jobs: args.jobs,
+        shard: args.shard,
         memory: args.memory_gib.map(|gib| (gib * GIB) as u64),
     };
     work.carry_out(&args.output, &|comparison| {

@@ -124,6 +124,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         timing: !args.no_timing,
         rank: false,
         jobs: None,
+        shard: None,
         memory: None,
     };
     work.carry_out(folder, &|comparison| args.say(comparison))

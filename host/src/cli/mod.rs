@@ -40,6 +40,7 @@ mod inspect;
 mod plan;
 mod samples;
 mod plot;
+mod merge;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -117,6 +118,7 @@ enum Verb {
     Plan(plan::Args),
     Samples(samples::Args),
     Plot(plot::Args),
+    Merge(merge::Args),
     Completions(completions::Args),
     #[command(hide = true)]
     Manual(manual::Args),
@@ -175,6 +177,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Plan(a) => plan::run(&a),
         Verb::Samples(a) => samples::run(&a),
         Verb::Plot(a) => plot::run(&a),
+        Verb::Merge(a) => merge::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
     };

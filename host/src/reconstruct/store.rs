@@ -106,8 +106,50 @@ pub struct Index {
     pub title: String,
     /// A SHA-256 of all data and options but the list of methods.
     pub comparison: String,
+    /// The part of the fits that the folder holds; all without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<Shard>,
     /// The samples, each with its folder.
     pub samples: Vec<IndexedSample>,
+}
+
+/// One of `of` parts of the fits: every `of`-th one, from the `part`-th on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shard {
+    /// Which part, from 1.
+    pub part: usize,
+    /// How many parts there are.
+    pub of: usize,
+}
+
+impl Shard {
+    /// Whether a fit of this number, from 0, is in it.
+    pub fn holds(self, number: usize) -> bool {
+        number % self.of == self.part - 1
+    }
+}
+
+impl std::fmt::Display for Shard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.part, self.of)
+    }
+}
+
+/// A text that is no part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("write the part and the number of parts, such as 2/7")]
+pub struct NoShard;
+
+impl std::str::FromStr for Shard {
+    type Err = NoShard;
+
+    fn from_str(text: &str) -> Result<Self, NoShard> {
+        let (part, of) = text.split_once('/').ok_or(NoShard)?;
+        let number = |text: &str| text.trim().parse::<usize>().map_err(|_| NoShard);
+        let (part, of) = (number(part)?, number(of)?);
+        if (1..=of).contains(&part) && of <= 100_000 { Ok(Self { part, of }) } else { Err(NoShard) }
+    }
 }
 
 /// A sample in an [`Index`].
@@ -146,6 +188,19 @@ pub enum OtherContent {
         /// Its samples.
         samples: String,
     },
+    /// It holds another part of the same.
+    #[error(
+        "{} holds {} of this comparison, not {}; give each part a folder of its own",
+        folder.display(), part_text(*holds), part_text(*asked)
+    )]
+    Part {
+        /// The folder.
+        folder: PathBuf,
+        /// What it holds.
+        holds: Option<Shard>,
+        /// What was asked for.
+        asked: Option<Shard>,
+    },
     /// Its index is not one.
     #[error("{}: not an index of this program: {why}; give another folder, or remove the file", path.display())]
     Index {
@@ -154,6 +209,10 @@ pub enum OtherContent {
         /// What is wrong.
         why: String,
     },
+}
+
+fn part_text(shard: Option<Shard>) -> String {
+    shard.map_or_else(|| "all".to_owned(), |shard| format!("part {shard}"))
 }
 
 impl Index {
@@ -165,19 +224,40 @@ impl Index {
     /// # Errors
     /// [`OtherContent`].
     pub fn check(&self, folder: &Path) -> Result<(), OtherContent> {
-        let path = folder.join(Self::NAME);
-        if !path.exists() {
+        if !folder.join(Self::NAME).exists() {
             return Ok(());
         }
-        let fault = |why: String| OtherContent::Index { path: path.clone(), why };
-        let bytes = own_file(&path).map_err(|e| fault(e.to_string()))?;
-        let found: Self = serde_json::from_slice(&bytes).map_err(|e| fault(e.to_string()))?;
+        let found = Self::read(folder)?;
         if found.comparison == self.comparison {
-            return Ok(());
+            if found.shard == self.shard {
+                return Ok(());
+            }
+            let (holds, asked) = (found.shard, self.shard);
+            return Err(OtherContent::Part { folder: folder.to_owned(), holds, asked });
         }
         let names: Vec<&str> = found.samples.iter().map(|s| s.name.as_str()).collect();
         let samples = crate::message::brief(&names.join(", ")).into_owned();
         Err(OtherContent::Comparison { folder: folder.to_owned(), samples })
+    }
+
+    /// The index of a folder.
+    ///
+    /// # Errors
+    /// [`OtherContent::Index`].
+    pub fn read(folder: &Path) -> Result<Self, OtherContent> {
+        let path = folder.join(Self::NAME);
+        let fault = |why: String| OtherContent::Index { path: path.clone(), why };
+        let bytes = own_file(&path).map_err(|e| fault(e.to_string()))?;
+        serde_json::from_slice(&bytes).map_err(|e| fault(e.to_string()))
+    }
+
+    /// The fits that can be made, in the order in which they are dealt out to parts: sample, method, key.
+    pub fn fits(&self) -> impl Iterator<Item = (&str, &str, &str)> {
+        self.samples.iter().flat_map(|sample| {
+            sample.cells.iter().filter_map(|cell| {
+                Some((sample.name.as_str(), cell.method.as_str(), cell.key.as_deref()?))
+            })
+        })
     }
 
     /// As the file.

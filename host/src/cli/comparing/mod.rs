@@ -20,7 +20,7 @@ use super::progress::Board;
 use super::{interrupt, say};
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
 use crate::provenance::InputFile;
-use crate::reconstruct::{Attempt, Cell, Comparison, Index, SampleResult, Store};
+use crate::reconstruct::{Attempt, Cell, Comparison, Index, SampleResult, Shard, Store};
 use crate::report::{self, FigureFiles, Origin};
 
 pub(super) use sample::Sample;
@@ -41,6 +41,8 @@ pub(super) struct Work<'a> {
     pub(super) rank: bool,
     /// Fits at once; as many as threads without it.
     pub(super) jobs: Option<usize>,
+    /// The part of the fits that is made; all without it.
+    pub(super) shard: Option<Shard>,
     /// Memory for them, bytes; half of what is free without it.
     pub(super) memory: Option<u64>,
 }
@@ -68,8 +70,19 @@ impl Work<'_> {
         let [csv, markdown, json, html, index] =
             SUMMARIES.map(|n| AtomicFile::create(folder.join(n)));
         let (csv, markdown, json, html, index) = (csv?, markdown?, json?, html?, index?);
+        // from now on the folder is that of this comparison, whatever ends it
+        write_text(folder.join(Index::NAME), &self.index(&|_, _| false).text())?;
         let mut failures = Vec::new();
         let (attempts, is_new) = self.attempts(folder, &mut failures);
+        if let Some(shard) = self.shard {
+            let done = |name: &str, method: &str| {
+                let rows = self.samples.iter().zip(&attempts).filter(|(s, _)| s.name == name);
+                rows.flat_map(|(_, row)| row).any(|a| a.method == method && a.result.is_ok())
+            };
+            let written = index.finish(self.index(&done).text().as_bytes());
+            failures.extend(written.err().map(Failure::from));
+            return end_part(shard, failures);
+        }
         let results = self.samples.iter().zip(attempts);
         let comparison = Comparison {
             title: self.title.clone(),
@@ -110,6 +123,7 @@ impl Work<'_> {
         Index {
             asperity: 1,
             title: self.title.clone(),
+            shard: self.shard,
             comparison: InputFile::of_bytes("", identity.join("\n").as_bytes()).sha256,
             samples: self
                 .samples
@@ -125,10 +139,15 @@ impl Work<'_> {
         let store = Store::new(folder);
         let mut found: Vec<Vec<Option<Attempt>>> = Vec::new();
         let mut jobs = Vec::new();
-        let mut kept = 0;
+        let (mut kept, mut number) = (0, 0);
         for (s, sample) in self.samples.iter().enumerate() {
             let mut row = Vec::new();
             for (m, planned) in sample.plan.iter().enumerate() {
+                number += usize::from(planned.laws.is_ok());
+                if planned.laws.is_ok() && self.shard.is_some_and(|part| !part.holds(number - 1)) {
+                    row.push(None);
+                    continue;
+                }
                 let known = match &planned.laws {
                     Err(why) => {
                         say::note(format_args!("{}{}: {why}", self.prefix(sample), planned.method));
@@ -251,6 +270,17 @@ impl Work<'_> {
         };
         self.samples.iter().flat_map(of).collect::<Vec<_>>().into_iter()
     }
+}
+
+/// The end of a part: its tables are made of all parts together.
+fn end_part(shard: Shard, failures: Vec<Failure>) -> Result<(), Failure> {
+    say::note(format_args!(
+        "part {shard} is done; `asperity merge` puts the parts together, and the same command without --shard makes the tables"
+    ));
+    let stopped = interrupt::asked().then(|| {
+        Err(Failure::No("interrupted; what was finished is kept, the same command goes on".into()))
+    });
+    all(failures.into_iter().map(Err).chain(stopped))
 }
 
 /// The end of the verb: no if the user stopped it, or a sample has no description.

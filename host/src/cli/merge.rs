@@ -1,0 +1,137 @@
+//! `merge`: the parts of a comparison into one folder.
+
+use std::path::{Path, PathBuf};
+
+use super::error::Failure;
+use super::print;
+use crate::output::{ResultFolder, write_text};
+use crate::reconstruct::{Cell, Index, SampleResult, Shard, Store};
+
+/// Put the parts of a comparison together
+///
+/// `compare --shard I/N` makes a part of the fits, each part into a folder of its own, on as many machines as there are. All
+/// N parts are put into one folder here; the same `compare` without --shard into that folder then takes every fit as it is and
+/// writes the tables, plots and the report that one machine would have written.
+///
+/// Refused are parts that are missing, doubled, unfinished, or of another comparison.
+///
+/// Examples:
+///   asperity compare a.csv b.csv --shard 1/2 -o part1
+///   asperity compare a.csv b.csv --shard 2/2 -o part2
+///   asperity merge part1 part2 -o results
+///   asperity compare a.csv b.csv -o results
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Args {
+    /// The folders of all parts, in any order
+    #[arg(required = true, value_name = "PART")]
+    parts: Vec<PathBuf>,
+    /// Folder for all of them; made if it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+/// A part that was read.
+struct Part<'a> {
+    folder: &'a Path,
+    index: Index,
+    shard: Shard,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let parts = args.parts.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
+    let of = first.shard.of;
+    for part in &parts {
+        same_work(first, part)?;
+    }
+    let mut owners: Vec<Option<&Part<'_>>> = vec![None; of];
+    for part in &parts {
+        if let Some(other) = owners[part.shard.part - 1].replace(part) {
+            return Err(Failure::bad(format!(
+                "{} and {} are both part {}; give each part once",
+                other.folder.display(),
+                part.folder.display(),
+                part.shard
+            )));
+        }
+    }
+    let missing: Vec<String> =
+        (1..=of).filter(|k| owners[k - 1].is_none()).map(|k| format!("{k}/{of}")).collect();
+    if !missing.is_empty() {
+        let missing = missing.join(", ");
+        return Err(Failure::bad(format!("parts are missing: {missing}; give the folders of all")));
+    }
+    let mut whole = Index { shard: None, ..first.index.clone() };
+    whole.check(&args.output).map_err(Failure::bad)?;
+    let cells = cells(&first.index, &owners)?;
+    for cell in whole.samples.iter_mut().flat_map(|s| {
+        let name = s.name.clone();
+        s.cells.iter_mut().map(move |cell| (name.clone(), cell))
+    }) {
+        let (name, cell) = cell;
+        cell.model = cell.key.as_ref().map(|_| SampleResult::model_file(&name, &cell.method));
+    }
+    let _made = ResultFolder::create(&args.output)?;
+    let store = Store::new(&args.output);
+    for ((sample, method, key), cell) in whole.fits().zip(&cells) {
+        let _own = ResultFolder::create(&args.output.join(sample))?;
+        write_text(
+            args.output.join(SampleResult::model_file(sample, method)),
+            &cell.model.to_json(),
+        )?;
+        store.save((sample, method), key, cell)?;
+    }
+    write_text(args.output.join(Index::NAME), &whole.text())?;
+    print(&format!(
+        "{} fits of {of} parts are in {}; `asperity compare` as before, without --shard and with -o {}, makes the tables\n",
+        cells.len(),
+        args.output.display(),
+        args.output.display()
+    ))
+}
+
+fn read(folder: &Path) -> Result<Part<'_>, Failure> {
+    if !folder.is_dir() {
+        return Err(Failure::bad(format!(
+            "{}: there is no such folder; check the path",
+            folder.display()
+        )));
+    }
+    let index = Index::read(folder).map_err(Failure::bad)?;
+    let shard = index.shard.filter(|s| (1..=s.of).contains(&s.part)).ok_or_else(|| {
+        Failure::bad(format!("{} is no part; give folders of `compare --shard`", folder.display()))
+    })?;
+    Ok(Part { folder, index, shard })
+}
+
+/// Refuses a part that is not of the same comparison, methods and number of parts.
+fn same_work(first: &Part<'_>, part: &Part<'_>) -> Result<(), Failure> {
+    let two = format!("{} and {}", first.folder.display(), part.folder.display());
+    let differ = if part.index.comparison != first.index.comparison {
+        "are parts of different comparisons: other data, options or version"
+    } else if part.shard.of != first.shard.of {
+        "are parts of different numbers of parts"
+    } else if !part.index.fits().eq(first.index.fits()) {
+        "are parts of comparisons with different methods"
+    } else {
+        return Ok(());
+    };
+    Err(Failure::bad(format!("{two} {differ}; give the parts of one comparison")))
+}
+
+/// Every fit from the part that has to hold it.
+fn cells(index: &Index, owners: &[Option<&Part<'_>>]) -> Result<Vec<Cell>, Failure> {
+    let of = |(number, (sample, method, key)): (usize, (&str, &str, &str))| {
+        let part = owners[number % owners.len()];
+        let cell = part.and_then(|p| Store::new(p.folder).load(sample, method, key));
+        cell.ok_or_else(|| {
+            let folder = part.map_or(Path::new(""), |p| p.folder);
+            Failure::bad(format!(
+                "{}: {sample}, {method} is not finished there; run `compare --shard` of this part again",
+                folder.display()
+            ))
+        })
+    };
+    index.fits().enumerate().map(of).collect()
+}
