@@ -1,5 +1,6 @@
 //! `compare`: every method on every sample.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::comparing::{Sample, Work};
@@ -158,23 +159,32 @@ fn samples_text(names: &[String], loaded: &[Loaded]) -> String {
     names.iter().zip(loaded).map(one).collect::<Vec<_>>().join(" ")
 }
 
-/// Names for the files of the samples: those of the scans, made harmless and different from each other.
+/// Names for the folders of the samples: those of the scans, of scans that are called alike those of their folders, made harmless
+/// and different from each other.
 fn names(scans: &[PathBuf]) -> Vec<String> {
+    let stems: Vec<String> = scans.iter().map(|scan| harmless(scan.file_stem())).collect();
+    let is_alike = |a: &str, b: &str| a.eq_ignore_ascii_case(b);
+    let is_shared = |stem: &str| stems.iter().filter(|other| is_alike(other, stem)).count() > 1;
     let mut names: Vec<String> = Vec::new();
-    for scan in scans {
-        let stem = scan.file_stem().unwrap_or_else(|| Path::new("scan").as_os_str());
-        let harmless = |c: char| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '_' };
-        let stem: String = stem.to_string_lossy().chars().take(60).map(harmless).collect();
-        let taken = |name: &str| names.iter().any(|n| n.eq_ignore_ascii_case(name));
-        let mut name = stem.clone();
+    for (scan, stem) in scans.iter().zip(&stems) {
+        let folder = scan.parent().and_then(Path::file_name).filter(|_| is_shared(stem));
+        let wanted = folder.map_or_else(|| stem.clone(), |folder| harmless(Some(folder)));
+        let mut name = wanted.clone();
         let mut number = 2;
-        while taken(&name) {
-            name = format!("{stem}-{number}");
+        while names.iter().any(|taken| is_alike(taken, &name)) {
+            name = format!("{wanted}-{number}");
             number += 1;
         }
         names.push(name);
     }
     names
+}
+
+/// A name of a file without what a name of a folder should not have.
+fn harmless(name: Option<&OsStr>) -> String {
+    let name = name.unwrap_or_else(|| OsStr::new("scan")).to_string_lossy();
+    let change = |c: char| if c.is_alphanumeric() || "-_.+".contains(c) { c } else { '_' };
+    name.chars().take(60).map(change).collect()
 }
 
 #[cfg(test)]
@@ -186,6 +196,8 @@ mod tests {
         let scans =
             ["a/scan.csv", "b/scan.csv", "scan-2", "c/SCAN.csv", "x y\u{1b}/o\u{1b}[ü 1.csv"];
         let found = names(&scans.map(Into::into));
-        assert_eq!(found, ["scan", "scan-2", "scan-2-2", "SCAN-3", "o__ü_1"]);
+        assert_eq!(found, ["a", "b", "scan-2", "c", "o__ü_1"]);
+        let same = ["scan.csv", "./scan.csv", "s/scan.csv", "t/s/scan.csv"];
+        assert_eq!(names(&same.map(Into::into)), ["scan", "scan-2", "s", "s-2"]);
     }
 }
