@@ -44,6 +44,25 @@ fn parts_give_the_same_bytes_as_one_run() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn killed_at_any_moment_it_goes_on_to_the_same_table() {
+    let folder = folder();
+    folder.run(&format!("{LINE} -o whole")).with_code(0);
+    for moment in 0..10 {
+        let line = format!("{LINE} -o cut");
+        let mut run = folder.command(line.split_whitespace()).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(137 * moment));
+        run.kill().unwrap();
+        run.wait().unwrap();
+    }
+    folder.run(&format!("{LINE} -o cut")).with_code(0);
+    for name in ["compare.csv", "compare.md", "compare.json", "report.html", "index.json"] {
+        let [whole, cut] = ["whole", "cut"].map(|f| folder.text(&format!("{f}/{name}")));
+        assert!(whole == cut, "{name} differs");
+    }
+}
+
 #[test]
 fn wrong_parts_are_refused() {
     let folder = folder();
