@@ -240,6 +240,17 @@ impl Index {
         Err(OtherContent::Comparison { folder: folder.to_owned(), samples })
     }
 
+    /// Marks a folder as that of this comparison, before the index is complete: whatever ends the run, no other comparison gets
+    /// into it.
+    ///
+    /// # Errors
+    /// Those of the system.
+    pub fn mark(&self, folder: &Path) -> std::io::Result<()> {
+        let first = folder.join(".index.json.first");
+        std::fs::write(&first, self.text())?;
+        std::fs::rename(first, folder.join(Self::NAME))
+    }
+
     /// The index of a folder.
     ///
     /// # Errors

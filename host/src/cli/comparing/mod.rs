@@ -70,8 +70,9 @@ impl Work<'_> {
         let [csv, markdown, json, html, index] =
             SUMMARIES.map(|n| AtomicFile::create(folder.join(n)));
         let (csv, markdown, json, html, index) = (csv?, markdown?, json?, html?, index?);
-        // from now on the folder is that of this comparison, whatever ends it
-        write_text(folder.join(Index::NAME), &self.index(&|_, _| false).text())?;
+        self.index(&|_, _| false).mark(folder).map_err(|e| {
+            Failure::Trouble(format!("{}: the index cannot be written: {e}", folder.display()))
+        })?;
         let mut failures = Vec::new();
         let (attempts, is_new) = self.attempts(folder, &mut failures);
         if let Some(shard) = self.shard {
