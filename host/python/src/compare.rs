@@ -3,7 +3,9 @@
 use asperity::fit::MISFIT_PERCENT;
 use asperity::measurement::noise;
 use asperity::method::Kind;
-use asperity::reconstruct::{Comparison, Grounds, SampleResult, SurfaceFigures, Task, Trials, usually_asked};
+use asperity::reconstruct::{
+    Comparison, Grounds, SampleResult, SurfaceFigures, Task, Trials, usually_asked,
+};
 use pyo3::prelude::*;
 
 use crate::error::bad;
