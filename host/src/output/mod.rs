@@ -5,6 +5,7 @@
 //! renamed together ([`finish_all`]).
 
 mod error;
+pub mod internal;
 
 pub use error::OutputError;
 

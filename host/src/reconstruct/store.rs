@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::output::{OutputError, write_text};
+use crate::output::{OutputError, internal, write_text};
 use crate::provenance::InputFile;
 
 use super::cell::Cell;
@@ -13,8 +13,6 @@ use super::task::{Task, Trials};
 
 /// Version of the files; another one is not read.
 const FORMAT: u32 = 1;
-/// Most bytes of a file that is read again.
-const MOST_BYTES: u64 = 1 << 30;
 
 /// A cell with what it was made of.
 #[derive(Serialize, Deserialize)]
@@ -49,14 +47,6 @@ impl Task<'_> {
     }
 }
 
-/// A file that this program has written and may write again: no input of the user's.
-fn own_file(path: &Path) -> std::io::Result<Vec<u8>> {
-    if std::fs::metadata(path)?.len() > MOST_BYTES {
-        return Err(std::io::ErrorKind::FileTooLarge.into());
-    }
-    std::fs::read(path)
-}
-
 /// The folder of a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Store<'a> {
@@ -76,7 +66,7 @@ impl<'a> Store<'a> {
 
     /// A finished cell with this key; `None` if there is none, or it cannot be read.
     pub fn load(&self, sample: &str, method: &str, key: &str) -> Option<Cell> {
-        let bytes = own_file(&self.path(sample, method)).ok()?;
+        let bytes = internal::read(&self.path(sample, method)).ok()?;
         let file: File = serde_json::from_slice(&bytes).ok()?;
         (file.asperity_cell == FORMAT && file.key == key).then_some(file.cell)
     }
@@ -246,9 +236,7 @@ impl Index {
     /// # Errors
     /// Those of the system.
     pub fn mark(&self, folder: &Path) -> std::io::Result<()> {
-        let first = folder.join(".index.json.first");
-        std::fs::write(&first, self.text())?;
-        std::fs::rename(first, folder.join(Self::NAME))
+        internal::write(&folder.join(Self::NAME), &self.text())
     }
 
     /// The index of a folder.
@@ -258,7 +246,7 @@ impl Index {
     pub fn read(folder: &Path) -> Result<Self, OtherContent> {
         let path = folder.join(Self::NAME);
         let fault = |why: String| OtherContent::Index { path: path.clone(), why };
-        let bytes = own_file(&path).map_err(|e| fault(e.to_string()))?;
+        let bytes = internal::read(&path).map_err(|e| fault(e.to_string()))?;
         serde_json::from_slice(&bytes).map_err(|e| fault(e.to_string()))
     }
 

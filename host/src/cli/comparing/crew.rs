@@ -1,9 +1,12 @@
 //! Several fits at once, as many as memory allows.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::{Condvar, Mutex, PoisonError};
 
 use rayon::ThreadPoolBuilder;
+
+use crate::output::internal;
 
 /// Work with the memory that it takes.
 pub(super) struct Job<T> {
@@ -70,7 +73,7 @@ impl<T> Queue<T> {
 
 /// Half of the memory that the system has to give, bytes; much where it does not say.
 pub(super) fn usual_budget() -> u64 {
-    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let text = internal::text(Path::new("/proc/meminfo"));
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
     let kib = line.and_then(|rest| rest.split_whitespace().next()?.parse::<u64>().ok());
     kib.map_or(8 << 30, |kib| kib * 512)

@@ -18,7 +18,7 @@ use super::error::{Failure, all};
 use super::fitted::warn_of_failed;
 use super::progress::Board;
 use super::{interrupt, say};
-use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, write_text};
+use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, internal, write_text};
 use crate::provenance::InputFile;
 use crate::reconstruct::{Attempt, Cell, Comparison, Index, SampleResult, Shard, Store};
 use crate::report::{self, FigureFiles, Origin};
@@ -66,7 +66,7 @@ impl Work<'_> {
         let own = self.samples.iter().map(|s| ResultFolder::create(&folder.join(&s.name)));
         let _own = own.collect::<Result<Vec<_>, _>>()?;
         check_all(self.names(folder))?;
-        let before = std::fs::read_to_string(folder.join(Index::NAME)).unwrap_or_default();
+        let before = internal::text(&folder.join(Index::NAME));
         let [csv, markdown, json, html, index] =
             SUMMARIES.map(|n| AtomicFile::create(folder.join(n)));
         let (csv, markdown, json, html, index) = (csv?, markdown?, json?, html?, index?);
