@@ -160,7 +160,7 @@ fn finished_fits_are_kept_and_a_folder_of_another_comparison_is_refused() {
     }
     assert!(before == tables(), "a refused comparison has changed the folder");
     std::fs::write(folder.path("r/index.json"), "[]").unwrap();
-    let done = folder.run(&line("ggx")).with_code(2);
+    let done = folder.run(&line("measured-ray")).with_code(2);
     assert!(done.err.contains("index.json: not an index"), "{}", done.err);
 }
 
