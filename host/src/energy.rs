@@ -12,6 +12,7 @@ use crate::forward::{Rays, count_flux_until};
 use crate::kirchhoff::{
     Beam, CoherentFlux, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders,
 };
+use crate::model::Flux;
 use crate::watch::Watch;
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -57,6 +58,21 @@ impl Energy {
             coherent_transmitted: coherent.transmitted,
             evanescent_reflected: None,
             evanescent_transmitted: None,
+        }
+    }
+}
+
+impl From<Energy> for Flux {
+    /// Without uncertainties.
+    fn from(e: Energy) -> Self {
+        Self {
+            side: e.side.into(),
+            incidence_deg: e.incidence_deg,
+            reflected: e.reflected,
+            transmitted: e.transmitted,
+            lost: e.lost,
+            std_reflected: None,
+            std_transmitted: None,
         }
     }
 }

@@ -224,16 +224,8 @@ impl Args {
             let bar = progress::bar(0, "balancing");
             let found = bar.watch(|watch| balances(&law.boundary, &beams, self.rays(), watch));
             let found = found.ok_or_else(|| Failure::No("interrupted; nothing is drawn".into()))?;
-            let fluxes = found.into_iter().map(|e| Flux {
-                side: e.side.into(),
-                incidence_deg: e.incidence_deg,
-                reflected: e.reflected,
-                transmitted: e.transmitted,
-                lost: e.lost,
-                std_reflected: None,
-                std_transmitted: None,
-            });
-            all.push((law.name.clone(), fluxes.collect::<Vec<_>>()));
+            let fluxes: Vec<Flux> = found.into_iter().map(Flux::from).collect();
+            all.push((law.name.clone(), fluxes));
         }
         Ok(flux_figure(&self.title("Where the light goes"), &all))
     }

@@ -1,7 +1,6 @@
 //! A parametric bootstrap [Efron & Tibshirani 1993]: fits of scans that the fitted law would have given, with the noise of the
 //! residuals and with doubts about the instrument drawn anew each time.
 
-use asperity_core::math::Real;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
@@ -10,6 +9,7 @@ use super::descent;
 use super::problem::Problem;
 use super::search::Search;
 use crate::forward::{Effort, mix};
+use crate::surface::gaussian::normal;
 use crate::watch::Watch;
 
 /// Evaluations of one fit at most, and the tolerance of its end.
@@ -90,10 +90,4 @@ pub(super) fn replicas(
         Some(end.values)
     };
     (0..count).into_par_iter().filter_map(one).collect()
-}
-
-/// A normal deviate, by the method of Box and Muller.
-fn normal(random: &mut Pcg64Mcg) -> f64 {
-    let [u, v] = [f64::uniform(random), f64::uniform(random)];
-    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }

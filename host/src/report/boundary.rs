@@ -12,7 +12,7 @@ use crate::plot::{self, Across, Curve, CurveStyle, Figure, Panel, Scale};
 use crate::reconstruct::BoundaryValue;
 
 /// Half the width of a band, in standard uncertainties: 95 % of a normal distribution.
-const BAND: f64 = 1.96;
+pub(super) const BAND: f64 = 1.96;
 
 /// The values as CSV, with the columns `side,lobe,incidence_deg,theta_deg,bsdf_per_sr,std_per_sr`.
 pub fn boundary_csv(values: &[BoundaryValue]) -> String {
@@ -44,7 +44,9 @@ pub fn boundary_figure(title: &str, values: &[BoundaryValue]) -> Figure {
         .chunk_by(|a, b| a.side == b.side && a.incidence_deg.total_cmp(&b.incidence_deg).is_eq());
     let panel = |here: &[BoundaryValue]| {
         let from = if here[0].side == Side::Air { "from the air" } else { "from inside" };
-        let curves = here.chunk_by(|a, b| a.is_transmitted == b.is_transmitted).flat_map(curves);
+        let curves = here
+            .chunk_by(|a, b| a.is_transmitted == b.is_transmitted)
+            .flat_map(|lobe| curve_and_band(lobe_name(lobe[0].is_transmitted), lobe));
         Panel { caption: format!("{from}, {}°", here[0].incidence_deg), curves: curves.collect() }
     };
     let bands = if has_band { ", with 95 % bands" } else { "" };
@@ -60,20 +62,22 @@ pub fn boundary_figure(title: &str, values: &[BoundaryValue]) -> Figure {
     }
 }
 
-/// A lobe and its band.
-fn curves(lobe: &[BoundaryValue]) -> Vec<Curve> {
-    let label = lobe_name(lobe[0].is_transmitted).to_owned();
-    let points = lobe.iter().map(|v| (v.theta_deg, v.f)).collect();
-    let line = Curve { label: label.clone(), points, style: CurveStyle::Fitted };
-    if lobe[0].std.is_none() {
+/// A curve and its band, if it has one.
+pub(super) fn curve_and_band(label: &str, values: &[BoundaryValue]) -> Vec<Curve> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let points = values.iter().map(|v| (v.theta_deg, v.f)).collect();
+    let line = Curve { label: label.to_owned(), points, style: CurveStyle::Fitted };
+    if values.iter().all(|v| v.std.is_none()) {
         return vec![line];
     }
     let ends = |v: &BoundaryValue| {
         let by = BAND * v.std.filter(|std| std.is_finite()).unwrap_or(0.0);
         [(v.theta_deg, (v.f - by).max(0.0)), (v.theta_deg, v.f + by)]
     };
-    let points = lobe.iter().flat_map(ends).collect();
-    vec![Curve { label, points, style: CurveStyle::Band }, line]
+    let points = values.iter().flat_map(ends).collect();
+    vec![Curve { label: label.to_owned(), points, style: CurveStyle::Band }, line]
 }
 
 /// The files `stem-boundary.svg`, `.png` and `.csv`, opened before the work.

@@ -2,13 +2,10 @@
 
 use asperity_core::direction::Side;
 
-use super::boundary::lobe_name;
+use super::boundary::{BAND, curve_and_band, lobe_name};
 use crate::model::Flux;
 use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
 use crate::reconstruct::BoundaryValue;
-
-/// Half the width of a band, in standard uncertainties.
-const BAND: f64 = 1.96;
 
 /// A law by its name, with its values in the plane of incidence.
 pub type NamedValues = (String, Vec<BoundaryValue>);
@@ -48,23 +45,6 @@ pub fn lobes_figure(title: &str, laws: &[NamedValues], scale: Scale) -> Figure {
         shared_y: scale != Scale::Linear,
         panels: panels.into_iter().filter(|p| !p.curves.is_empty()).collect(),
     }
-}
-
-fn curve_and_band(label: &str, values: &[BoundaryValue]) -> Vec<Curve> {
-    if values.is_empty() {
-        return Vec::new();
-    }
-    let points = values.iter().map(|v| (v.theta_deg, v.f)).collect();
-    let line = Curve { label: label.to_owned(), points, style: CurveStyle::Fitted };
-    if values.iter().all(|v| v.std.is_none()) {
-        return vec![line];
-    }
-    let ends = |v: &BoundaryValue| {
-        let by = BAND * v.std.filter(|std| std.is_finite()).unwrap_or(0.0);
-        [(v.theta_deg, (v.f - by).max(0.0)), (v.theta_deg, v.f + by)]
-    };
-    let points = values.iter().flat_map(ends).collect();
-    vec![Curve { label: label.to_owned(), points, style: CurveStyle::Band }, line]
 }
 
 /// The angles at which a panel shows light, with a margin.

@@ -1,9 +1,9 @@
 //! What a real instrument adds to readings: shot noise and a drift of the lamp.
 
-use asperity_core::math::Real;
 use rand_pcg::Pcg64Mcg;
 
 use crate::measurement::{InvalidReading, Measurement, Reading};
+use crate::surface::gaussian::normal;
 
 /// The noise of an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,12 +43,6 @@ impl ReadingNoise {
         }
         Measurement::new(meta, readings)
     }
-}
-
-/// A normal deviate \[Box and Muller\].
-fn normal(random: &mut Pcg64Mcg) -> f64 {
-    let [u, v] = [f64::uniform(random), f64::uniform(random)];
-    (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
 #[cfg(test)]

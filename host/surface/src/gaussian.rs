@@ -58,7 +58,7 @@ impl GaussianSurface {
 }
 
 /// A normal deviate \[Box and Muller\].
-pub(super) fn normal(generator: &mut Pcg64Mcg) -> f64 {
+pub fn normal(generator: &mut Pcg64Mcg) -> f64 {
     let r = (-2.0 * (1.0 - f64::uniform(generator)).ln()).sqrt();
     r * (std::f64::consts::TAU * f64::uniform(generator)).cos()
 }

@@ -38,16 +38,7 @@ pub(in crate::reconstruct) fn fluxes(boundary: &Boundary, watch: Watch<'_>) -> V
     let beams: Vec<(Side, f64)> =
         sides.iter().flat_map(|side| angles.iter().map(move |deg| (*side, *deg))).collect();
     let found = balances(boundary, &beams, RAYS, watch.quiet()).unwrap_or_default();
-    let flux = |e: crate::energy::Energy| Flux {
-        side: e.side.into(),
-        incidence_deg: e.incidence_deg,
-        reflected: e.reflected,
-        transmitted: e.transmitted,
-        lost: e.lost,
-        std_reflected: None,
-        std_transmitted: None,
-    };
-    found.into_iter().map(flux).collect()
+    found.into_iter().map(Flux::from).collect()
 }
 
 /// The fluxes of a fit, with the uncertainty that its values give them where the law is in closed form.
