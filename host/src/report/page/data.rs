@@ -28,7 +28,7 @@ impl Thinned {
         Self::with_points(scan, sample, POINTS.1)
     }
 
-    /// At most `points` readings an incidence, where the best fit has its light.
+    /// At most `points` readings per incidence, chosen where the best fit has its light.
     fn with_points(scan: &Measurement, sample: &SampleResult, points: usize) -> Option<Self> {
         let fits = sample.attempts.iter().filter_map(Attempt::cell);
         let best = fits.min_by(|a, b| a.rmsd_percent().total_cmp(&b.rmsd_percent()));
