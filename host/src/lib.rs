@@ -42,12 +42,12 @@
 //! 5. **Reconstruction.** A [`method`] turns a few parameters into a boundary; [`mod@fit`] searches the parameters, with standard errors and a verdict; [`mod@reconstruct`]
 //!    finds body and instrument in the header of a scan, tries what a method allows, and keeps the best.
 //! 6. **Results.** [`model`] is the file of parameters, [`law_file`] reads models and tables alike, [`energy`] sums fluxes, [`mod@tabulate`]
-//!    makes tables for a device, [`mod@export`] gives laws to the formats of other programs ([`exchange`]), [`trade`] compares evaluators. `report` and `plot` are for people; the command line is the last layer.
+//!    makes tables for a device, [`mod@export`] gives laws to the formats of other programs ([`exchange`]), [`trade`] compares evaluators. `report`, `plot` and `render` are for people; the command line is the last layer.
 //!
 //! The order of the `mod` lines is the layer order: a module imports only modules above it.
 //!
 //! # Features
-//! All are on by default: `cli`, the program `asperity`; `plots`, plots and reports; `serial`, instruments at a serial port.
+//! All are on by default: `cli`, the program `asperity`; `plots`, plots and reports; `render`, images of scenes; `serial`, instruments at a serial port.
 
 pub use asperity_exchange as exchange;
 pub use asperity_surface as surface;
@@ -85,5 +85,7 @@ pub mod plan;
 pub mod plot;
 #[cfg(feature = "plots")]
 pub mod report;
+#[cfg(feature = "render")]
+pub mod render;
 #[cfg(feature = "cli")]
 pub mod cli;

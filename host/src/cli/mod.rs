@@ -41,6 +41,8 @@ mod plan;
 mod samples;
 mod plot;
 mod merge;
+mod render;
+mod rendering;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -93,6 +95,7 @@ Examples:
   asperity trade scan.csv --plot trade.svg             error against cost of every evaluator
   asperity plan scene.toml -o plan.json                what a scene requires, and no more
   asperity plot fit.json -o boundary                   the law itself, from the air and from inside
+  asperity render fit.json -o fit.png                  a light booth, rendered with the law
   asperity samples make -o samples                     the eight samples of the paper, made anew
 
 Angles are in degrees. Exit status: 0 done, 1 the answer is no, interrupted, or an instrument or a
@@ -119,6 +122,7 @@ enum Verb {
     Samples(samples::Args),
     Plot(plot::Args),
     Merge(merge::Args),
+    Render(render::Args),
     Completions(completions::Args),
     #[command(hide = true)]
     Manual(manual::Args),
@@ -178,6 +182,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Samples(a) => samples::run(&a),
         Verb::Plot(a) => plot::run(&a),
         Verb::Merge(a) => merge::run(&a),
+        Verb::Render(a) => render::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
     };

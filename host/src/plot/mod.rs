@@ -26,7 +26,9 @@ mod render;
 mod sigma;
 mod map;
 mod polar;
+mod caption;
 
+pub(crate) use caption::{caption, difference_colour};
 pub use figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
 pub use map::{MapPicture, map_png, map_svg};
 pub use polar::{PolarPicture, PolarPoint, PolarRow, polar_png, polar_svg};

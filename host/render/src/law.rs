@@ -1,0 +1,44 @@
+//! What scatters at a rough surface, for the tracer: any law, through one trait.
+
+use asperity_core::bsdf::Scattered;
+use asperity_core::direction::Direction;
+
+/// Value of a law and density of its samples at a pair of directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Value {
+    /// `f |cos theta_o|`, 1/sr.
+    pub ars: f64,
+    /// Density of [`Law::sample`] at `wo`, 1/sr.
+    pub pdf: f64,
+}
+
+/// A ray that a law has sent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sent {
+    /// Its direction and weight.
+    pub ray: Scattered<f64>,
+    /// Density with which its direction was drawn, 1/sr; `None` of light that keeps its direction, and of laws that
+    /// can only be sampled.
+    pub pdf: Option<f64>,
+}
+
+/// A scattering law of a boundary, seen from both sides, in the conventions of `asperity_core::bsdf`.
+///
+/// A law may have bands: numbers 0 to [`Law::bands`] - 1, a wavelength each. One without is the same in all.
+pub trait Law: Send + Sync {
+    /// Sends a ray for light from `wi`; `None` if it is lost.
+    fn sample(
+        &self,
+        band: usize,
+        wi: Direction<f64>,
+        uniform: &mut dyn FnMut() -> f64,
+    ) -> Option<Sent>;
+
+    /// Value and density; `None` of a law that can only be sampled.
+    fn value(&self, band: usize, wi: Direction<f64>, wo: Direction<f64>) -> Option<Value>;
+
+    /// Its wavelengths in nm, if it has any.
+    fn wavelengths_nm(&self) -> &[f64] {
+        &[]
+    }
+}
