@@ -34,7 +34,8 @@
 //! Each stage reads the immutable result of the stage before and makes its own; nothing flows back.
 //!
 //! 1. **Data.** [`measurement`] reads scans, [`acquire`] measures them on an instrument. [`surface`] reads height maps and prepares them.
-//! 2. **Light on a map.** [`raytrace`] follows rays, [`kirchhoff`] computes waves, [`hybrid`] combines both; [`atlas`] quotes by how much they err.
+//! 2. **Light on a map.** [`raytrace`] follows rays, [`kirchhoff`] computes waves, [`hybrid`] combines both; [`atlas`] quotes by how much they err, [`rigorous`] solves
+//!    Maxwell's equations on grooves.
 //! 3. **Boundary.** [`boundary::Boundary`] is the rough face that any method makes: a closed form of [`asperity_core::bsdf`], a map with rays or
 //!    waves, or a table from a file ([`embedded`]). A boundary that can only be sampled gets values from [`binned`] rays.
 //! 4. **Forward model.** [`forward`] puts the boundary into a plate and an instrument and predicts readings: by quadrature if the boundary has
@@ -65,6 +66,7 @@ pub mod raytrace;
 pub mod kirchhoff;
 pub mod hybrid;
 pub mod atlas;
+pub mod rigorous;
 pub mod embedded;
 pub mod boundary;
 pub mod batch;

@@ -129,6 +129,11 @@ fn what_the_readings_do_not_tell_is_refused() {
         run.err
     );
     folder.run(&format!("{line} --accept")).ok();
+    // a zero twelve times its prior width away, under a law that does not fit
+    let line =
+        line.replace("--method ggx --fit-ior --fit-gain", "--method normals --objective log");
+    let run = folder.run(&format!("{line} --fit-offset --fit-stray")).with_code(1);
+    assert!(run.err.contains("standard deviations from what is known of it"), "{}", run.err);
 }
 
 #[test]

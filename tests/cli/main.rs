@@ -43,6 +43,7 @@
 
 mod program;
 mod refusal;
+mod render;
 mod samples;
 mod help;
 mod effect;
@@ -53,6 +54,7 @@ mod book;
 mod bounces;
 mod merge;
 mod mix;
+mod grooves;
 mod happy;
 mod maps;
 mod instruments;

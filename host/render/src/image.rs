@@ -185,6 +185,11 @@ impl Image {
 }
 
 impl Tile {
+    /// Whether nothing is left to be rendered of it.
+    pub fn is_done(&self, effort: Effort) -> bool {
+        self.done(effort) >= 1.0
+    }
+
     /// Sums of squared standard errors and of radiances of its pixels, and their number.
     fn noise_sums(&self) -> (f64, f64, f64) {
         let (mut squares, mut radiance) = (0.0, 0.0);

@@ -20,4 +20,10 @@ mod state;
 pub mod region;
 pub mod scene_file;
 
+pub use glam;
 pub use state::StateError;
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

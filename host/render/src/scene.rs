@@ -59,7 +59,7 @@ pub struct Body {
 impl Body {
     /// The material of a part.
     #[inline]
-    fn material_of(&self, part: u32) -> usize {
+    pub fn material_of(&self, part: u32) -> usize {
         self.faces.iter().find(|(face, _)| *face == part).map_or(self.material, |(_, m)| *m)
     }
 }

@@ -149,6 +149,16 @@ impl Draft {
         Self::parse(text, Path::new(name)).ok()
     }
 
+    /// Places of its materials that are models, in the order of the scene's materials, and which.
+    pub fn models(&self) -> Vec<(usize, Wanted)> {
+        let all = self.file.materials.values().enumerate();
+        all.filter_map(|(place, material)| match material.get_ref() {
+            MaterialToml::Model { file } => Some((place, self.resolve(file.as_deref()))),
+            _ => None,
+        })
+        .collect()
+    }
+
     /// The models it asks for, each once.
     pub fn wanted(&self) -> Vec<Wanted> {
         let mut all = Vec::new();

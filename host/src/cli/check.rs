@@ -9,6 +9,7 @@ use super::error::Failure;
 use super::flags::rays::RayFlags;
 use super::flags::subject::{SubjectFlags, lacking};
 use super::flags::waves;
+use super::grooves::{Light, ProfileFlags};
 use super::{print, progress};
 use crate::boundary::Boundary;
 use crate::energy::side_name;
@@ -42,6 +43,9 @@ impl From<SideFlag> for Side {
 ///
 /// Of waves it prints where the approximation holds, too, as `stats` does; where R + T is above 1.01 no lobe passes.
 ///
+/// With --profile it solves Maxwell's equations on one period of grooves, both polarisations, and says where the light of the
+/// orders --incidence-orders goes; --orders writes every order.
+///
 /// Exit 1 if the model gives more than it receives (R + T > 1.0001, of tables 1.0005, of waves 1.01) or a value that is not
 /// finite.
 #[derive(Debug, clap::Args)]
@@ -59,10 +63,18 @@ pub(super) struct Args {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    profile: ProfileFlags,
+    #[command(flatten)]
     subject: SubjectFlags,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if let Some(path) = &args.profile.profile {
+        let (ior, wavelength_um) = args.subject.of_profile()?;
+        let light = Light { ior, wavelength_um, side: args.side.map(Side::from) };
+        return args.profile.solve(path, light, args.json);
+    }
+    args.profile.need_profile()?;
     let request = CheckRequest {
         incidences_deg: args.incidence.clone(),
         side: args.side.map(Side::from),

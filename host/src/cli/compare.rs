@@ -54,6 +54,9 @@ pub(super) struct Args {
     /// to (each is fitted up to five times more), the others are judged by an information criterion
     #[arg(long)]
     rank: bool,
+    /// Render the methods of each sample in a light booth too: SAMPLE/booth, and a sheet in the report
+    #[arg(long, hide_short_help = true)]
+    render: bool,
     /// Folder for the results; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
@@ -125,6 +128,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         samples,
         timing: !args.no_timing,
         rank: args.rank,
+        render: args.render,
         jobs: args.jobs,
         shard: args.shard,
         memory: args.memory_gib.map(|gib| (gib * GIB) as u64),

@@ -123,6 +123,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         samples: vec![sample],
         timing: !args.no_timing,
         rank: false,
+        render: false,
         jobs: None,
         shard: None,
         memory: None,

@@ -1,19 +1,21 @@
-//! `merge`: the parts of a comparison into one folder.
+//! `merge`: the parts of a comparison, or of images, into one folder.
 
 use std::path::{Path, PathBuf};
 
 use super::error::Failure;
 use super::print;
+use super::rendering::{Folder, merge_images};
 use crate::output::{ResultFolder, write_text};
 use crate::reconstruct::{Cell, Index, SampleResult, Shard, Store};
 
-/// Put the parts of a comparison together
+/// Put the parts of a comparison or of images together
 ///
 /// `compare --shard I/N` makes a part of the fits, each part into a folder of its own, on as many machines as there are. All
 /// N parts are put into one folder here; the same `compare` without --shard into that folder then takes every fit as it is and
-/// writes the tables, plots and the report that one machine would have written.
+/// writes the tables, plots and the report that one machine would have written. So it is with `render --shard I/N`: the same
+/// `render` without --shard then writes the images.
 ///
-/// Refused are parts that are missing, doubled, unfinished, or of another comparison.
+/// Refused are parts that are missing, doubled, unfinished, or of other work.
 ///
 /// Examples:
 ///   asperity compare a.csv b.csv --shard 1/2 -o part1
@@ -31,28 +33,18 @@ pub(super) struct Args {
     output: PathBuf,
 }
 
-/// A part that was read.
-struct Part<'a> {
-    folder: &'a Path,
-    index: Index,
-    shard: Shard,
-}
-
-pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let parts = args.parts.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
-    let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
-    let of = first.shard.of;
-    for part in &parts {
-        same_work(first, part)?;
-    }
-    let mut owners: Vec<Option<&Part<'_>>> = vec![None; of];
-    for part in &parts {
-        if let Some(other) = owners[part.shard.part - 1].replace(part) {
+/// Places of the parts in their order, 1 to `of`.
+///
+/// # Errors
+/// A part that is there twice, or is missing.
+pub(super) fn in_order(parts: &[(&Path, Shard)], of: usize) -> Result<Vec<usize>, Failure> {
+    let mut owners: Vec<Option<usize>> = vec![None; of];
+    for (place, (folder, shard)) in parts.iter().enumerate() {
+        if let Some(other) = owners[shard.part - 1].replace(place) {
             return Err(Failure::bad(format!(
-                "{} and {} are both part {}; give each part once",
-                other.folder.display(),
-                part.folder.display(),
-                part.shard
+                "{} and {} are both part {shard}; give each part once",
+                parts[other].0.display(),
+                folder.display()
             )));
         }
     }
@@ -62,6 +54,29 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let missing = missing.join(", ");
         return Err(Failure::bad(format!("parts are missing: {missing}; give the folders of all")));
     }
+    Ok(owners.into_iter().flatten().collect())
+}
+
+/// A part that was read.
+struct Part<'a> {
+    folder: &'a Path,
+    index: Index,
+    shard: Shard,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    if args.parts.first().is_some_and(|first| Folder(first.clone()).is_of_images()) {
+        return merge_images(&args.parts, &args.output);
+    }
+    let parts = args.parts.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
+    let of = first.shard.of;
+    for part in &parts {
+        same_work(first, part)?;
+    }
+    let shards: Vec<(&Path, Shard)> = parts.iter().map(|part| (part.folder, part.shard)).collect();
+    let owners: Vec<&Part<'_>> =
+        in_order(&shards, of)?.into_iter().map(|place| &parts[place]).collect();
     let mut whole = Index { shard: None, ..first.index.clone() };
     whole.check(&args.output).map_err(Failure::bad)?;
     let cells = cells(&first.index, &owners)?;
@@ -121,15 +136,13 @@ fn same_work(first: &Part<'_>, part: &Part<'_>) -> Result<(), Failure> {
 }
 
 /// Every fit from the part that has to hold it.
-fn cells(index: &Index, owners: &[Option<&Part<'_>>]) -> Result<Vec<Cell>, Failure> {
+fn cells(index: &Index, owners: &[&Part<'_>]) -> Result<Vec<Cell>, Failure> {
     let of = |(number, (sample, method, key)): (usize, (&str, &str, &str))| {
         let part = owners[number % owners.len()];
-        let cell = part.and_then(|p| Store::new(p.folder).load(sample, method, key));
-        cell.ok_or_else(|| {
-            let folder = part.map_or(Path::new(""), |p| p.folder);
+        Store::new(part.folder).load(sample, method, key).ok_or_else(|| {
             Failure::bad(format!(
                 "{}: {sample}, {method} is not finished there; run `compare --shard` of this part again",
-                folder.display()
+                part.folder.display()
             ))
         })
     };

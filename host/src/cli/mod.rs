@@ -41,6 +41,7 @@ mod plan;
 mod samples;
 mod plot;
 mod merge;
+mod grooves;
 mod render;
 mod rendering;
 

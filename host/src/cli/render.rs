@@ -6,8 +6,9 @@ use super::error::Failure;
 use super::flags::rays::RayFlags;
 use super::rendering::{Job, Output, Pictures, read_regions, region_text};
 use super::{print, progress, say};
-use crate::output::AtomicFile;
+use crate::output::{AtomicFile, ResultFolder, write_text};
 use crate::reconstruct::Shard;
+use crate::render::Renderer;
 use crate::render::tracer::image::{Effort, Share};
 use crate::render::tracer::path::Tracer;
 use crate::render::tracer::region::{Until, region_means};
@@ -74,11 +75,23 @@ pub(super) struct Args {
     /// Render one of N shares of the tiles, from 1
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
+    /// Write the scene for another renderer into the folder -o instead; it says what that cannot hold
+    #[arg(long, value_name = "RENDERER", value_enum, conflicts_with_all = ["quick", "regions", "shard", "until", "paths"])]
+    export: Option<RendererFlag>,
     /// Print the numbers as JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
     rays: RayFlags,
+}
+
+/// Another renderer, as a flag.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum RendererFlag {
+    /// Mitsuba 3
+    Mitsuba,
+    /// pbrt, version 4
+    Pbrt,
 }
 
 /// Paths per pixel where the user says nothing.
@@ -114,6 +127,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let what = "where to? give -o FILE.png, FILE.exr or a folder, or --regions FILE";
         return Err(Failure::bad(what));
     };
+    if let Some(renderer) = args.export {
+        return export(args, path, &mut job, renderer);
+    }
     let output = Output::at(path, files.len(), args.shard.is_some())?;
     let pixels = job.pixels();
     job.set_pixels(match (args.size, args.quick) {
@@ -124,8 +140,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let paths = if args.quick { QUICK_PATHS } else { args.paths.unwrap_or(PATHS) };
     let effort = Effort { paths, until: args.until, seed: args.rays.rays().seed };
     let share = args.shard.map_or(Share::ALL, |s| Share { part: s.part - 1, of: s.of });
-    let pictures =
-        Pictures { job: &job, effort, reference: args.reference.as_deref(), white: args.white };
+    let pictures = Pictures {
+        job: &job,
+        effort,
+        reference: args.reference.as_deref(),
+        white: args.white,
+        replaces: false,
+    };
     let done = pictures.render(&output, args.shard, share)?;
     if args.json { print(&done.json()) } else { print(&done.text()) }?;
     if done.interrupted {
@@ -134,6 +155,32 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// The scene in the language of another renderer.
+fn export(
+    args: &Args,
+    folder: &Path,
+    job: &mut Job,
+    renderer: RendererFlag,
+) -> Result<(), Failure> {
+    job.set_pixels(args.size.unwrap_or_else(|| job.pixels()));
+    let renderer = match renderer {
+        RendererFlag::Mitsuba => Renderer::Mitsuba,
+        RendererFlag::Pbrt => Renderer::Pbrt,
+    };
+    let Some(foreign) = job.foreign(renderer) else {
+        return Err(Failure::bad("no model is given"));
+    };
+    let _made = ResultFolder::create(folder)?;
+    for (name, content) in &foreign.files {
+        write_text(folder.join(name), content)?;
+    }
+    for sentence in &foreign.missing {
+        say::note(format_args!("note: {sentence}"));
+    }
+    let names: Vec<&str> = foreign.files.iter().map(|(name, _)| name.as_str()).collect();
+    print(&format!("{} in {}\n", names.join(", "), folder.display()))
 }
 
 /// The mean radiances of the regions, for each model.

@@ -79,6 +79,22 @@ impl Nuisance {
     }
 }
 
+impl Nuisance {
+    /// Nominal value and standard deviation of what was known of a parameter beforehand, by its name; `None` where nothing was.
+    pub fn prior(&self, name: &str) -> Option<(f64, f64)> {
+        let (nominal, width) = match name {
+            THETA_ZERO => (0.0, self.theta_zero_deg),
+            SIGMA_ZERO => (0.0, self.sigma_zero_deg),
+            STRAY => (0.0, self.stray),
+            APERTURE => (1.0, self.aperture),
+            GAIN => (1.0, self.gain),
+            other if other.starts_with(GAIN_AT) => (1.0, self.gains),
+            _ => return None,
+        };
+        Some((nominal, width?))
+    }
+}
+
 /// Whether a name is that of a parameter of the instrument.
 pub fn is_of_instrument(name: &str) -> bool {
     [THETA_ZERO, SIGMA_ZERO, STRAY, APERTURE].contains(&name) || name.starts_with(GAIN_AT)
@@ -179,6 +195,9 @@ mod tests {
             ["theta_zero", "sigma_zero", "stray", "aperture_factor", "gain_at_0", "gain_at_30"]
         );
         assert!(names.iter().all(|name| is_of_instrument(name)) && !is_of_instrument("alpha"));
+        assert!(known.iter().all(|k| all.prior(k.parameter.name) == Some(k.prior)));
+        assert_eq!((all.prior("gain"), all.prior("alpha")), (Some((1.0, 0.1)), None));
+        assert_eq!(Nuisance::default().prior("gain_at_0"), None);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! A boundary as a law of the tracer.
 
+use std::f64::consts::PI;
+
 use asperity_core::bsdf::{Bsdf, Scatter, Scattered};
 use asperity_core::direction::Direction;
 use asperity_render::law::{Law, Sent, Value};
@@ -9,12 +11,17 @@ use crate::boundary::{Boundary, with_boundary};
 use crate::forward::Rays;
 use crate::watch::Watch;
 
+use super::RoughGlass;
+
 /// A boundary, ready to be rendered.
 ///
 /// Closed forms and tables are evaluated; what can only be sampled is sampled, exactly, and finds lamps by its own rays; waves
 /// are tabulated first, as the mean law of their speckle, whose grain no eye resolves.
 #[derive(Debug)]
-pub struct BoundaryLaw(Kind);
+pub struct BoundaryLaw {
+    kind: Kind,
+    glass: Option<RoughGlass>,
+}
 
 #[derive(Debug)]
 enum Kind {
@@ -35,18 +42,29 @@ impl BoundaryLaw {
         rays: Rays,
         watch: Watch<'_>,
     ) -> Result<Option<Self>, BinningError> {
-        if !matches!(boundary, Boundary::Wave(_)) {
-            return Ok(Some(Self(Kind::Boundary(Box::new(boundary)))));
-        }
-        let angle =
-            |k: u32| std::f64::consts::PI * (f64::from(k) + 0.5) / f64::from(2 * ALL_INCIDENCES);
-        let wi: Vec<_> =
-            (0..2 * ALL_INCIDENCES).map(|k| Direction::from_angles(angle(k), 0.0)).collect();
-        Ok(match Asked::of(&boundary, &wi, rays, watch)? {
-            Asked::AsItIs => Some(Self(Kind::Boundary(Box::new(boundary)))),
-            Asked::Table(table) => Some(Self(Kind::Table(table))),
-            Asked::Stopped => None,
-        })
+        let glass = match &boundary {
+            Boundary::Ggx(ggx) => Some(RoughGlass { alpha: ggx.alpha.get(), ior: ggx.eta.get() }),
+            _ => None,
+        };
+        let exact = |boundary| Kind::Boundary(Box::new(boundary));
+        let kind = if matches!(boundary, Boundary::Wave(_)) {
+            let angle = |k: u32| PI * (f64::from(k) + 0.5) / f64::from(2 * ALL_INCIDENCES);
+            let all = 0..2 * ALL_INCIDENCES;
+            let wi: Vec<_> = all.map(|k| Direction::from_angles(angle(k), 0.0)).collect();
+            match Asked::of(&boundary, &wi, rays, watch)? {
+                Asked::AsItIs => exact(boundary),
+                Asked::Table(table) => Kind::Table(table),
+                Asked::Stopped => return Ok(None),
+            }
+        } else {
+            exact(boundary)
+        };
+        Ok(Some(Self { kind, glass }))
+    }
+
+    /// The glass that other renderers know, if it is that.
+    pub fn glass(&self) -> Option<RoughGlass> {
+        self.glass
     }
 }
 
@@ -58,7 +76,7 @@ impl Law for BoundaryLaw {
         uniform: &mut dyn FnMut() -> f64,
     ) -> Option<Sent> {
         let mut uniform = uniform;
-        match &self.0 {
+        match &self.kind {
             Kind::Table(table) => {
                 let ray = table.sample(wi, &mut uniform)?;
                 Some(Sent { ray, pdf: Some(table.pdf(wi, ray.wo)) })
@@ -73,12 +91,8 @@ impl Law for BoundaryLaw {
     }
 
     fn value(&self, _band: usize, wi: Direction<f64>, wo: Direction<f64>) -> Option<Value> {
-        let of = |law: &dyn Fn() -> (f64, f64)| {
-            let (ars, pdf) = law();
-            Value { ars, pdf }
-        };
-        match &self.0 {
-            Kind::Table(table) => Some(of(&|| (table.ars(wi, wo), table.pdf(wi, wo)))),
+        match &self.kind {
+            Kind::Table(table) => Some(Value { ars: table.ars(wi, wo), pdf: table.pdf(wi, wo) }),
             Kind::Boundary(boundary) => with_boundary!(
                 &**boundary,
                 b => Some(Value { ars: b.ars(wi, wo), pdf: b.pdf(wi, wo) }),

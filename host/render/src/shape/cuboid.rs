@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::Rectangle;
 use crate::ray::{Near, Ray, Surface};
 
 /// A face of a box; x goes to the right, y away from the camera, z up.
@@ -61,6 +62,24 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
+    /// A face as a rectangle whose normal points outwards; `None` of one that is open.
+    pub fn face(&self, face: Face) -> Option<Rectangle> {
+        let part = face.number();
+        if self.open.contains(part) {
+            return None;
+        }
+        let (axis, is_upper) = ((part / 2) as usize, part % 2 == 1);
+        let mut corner = self.lower;
+        corner[axis] = if is_upper { self.upper[axis] } else { self.lower[axis] };
+        let edge = |k: usize| {
+            let mut edge = DVec3::ZERO;
+            edge[k] = self.upper[k] - self.lower[k];
+            edge
+        };
+        let (a, b) = (edge((axis + 1) % 3), edge((axis + 2) % 3));
+        Rectangle::new(corner, if is_upper { [a, b] } else { [b, a] })
+    }
+
     #[inline(always)]
     pub(super) fn nearest(&self, ray: &Ray, most: f64) -> Option<Near> {
         let inverse = ray.direction.recip();

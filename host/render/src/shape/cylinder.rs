@@ -35,7 +35,7 @@ impl Cylinder {
     }
 
     /// Where its axis begins, its unit direction.
-    pub(crate) fn axis(&self) -> (DVec3, DVec3) {
+    pub fn axis(&self) -> (DVec3, DVec3) {
         (self.from, self.axis)
     }
 

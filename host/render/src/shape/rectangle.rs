@@ -24,6 +24,11 @@ impl Rectangle {
         Some(Self { corner, edges, normal, duals })
     }
 
+    /// Its corner and the edges that begin there, m.
+    pub fn corner_and_edges(&self) -> (DVec3, [DVec3; 2]) {
+        (self.corner, self.edges)
+    }
+
     /// Area, m^2.
     pub fn area(&self) -> f64 {
         self.edges[0].cross(self.edges[1]).length()

@@ -25,6 +25,14 @@ impl Torus {
         (tube > 0.0 && tube < ring && ring.is_finite()).then_some(Self { centre, turn, ring, tube })
     }
 
+    /// The point at the angles around the axis and around the tube, rad, and its unit normal.
+    pub fn at(&self, [around, along]: [f64; 2]) -> (DVec3, DVec3) {
+        let ((s, c), (st, ct)) = (libm::sincos(around), libm::sincos(along));
+        let (radial, back) = (DVec3::new(c, s, 0.0), self.turn.transpose());
+        let normal = ct * radial + st * DVec3::Z;
+        (self.centre + back * (self.ring * radial + self.tube * normal), back * normal)
+    }
+
     /// Radii of ring and tube, m.
     pub fn radii(&self) -> [f64; 2] {
         [self.ring, self.tube]

@@ -2,9 +2,11 @@
 //!
 //! | module | concept |
 //! |---|---|
+//! | `booth` | the methods of a sample in the light booth |
 //! | `crew` | several fits at once, within a budget of memory |
 //! | `sample` | a sample: which methods can be tried, its fits and plots |
 
+mod booth;
 mod crew;
 mod sample;
 
@@ -39,6 +41,8 @@ pub(super) struct Work<'a> {
     pub(super) timing: bool,
     /// Whether the fits are ranked by what the data support.
     pub(super) rank: bool,
+    /// Whether the methods are rendered in the light booth.
+    pub(super) render: bool,
     /// Fits at once; as many as threads without it.
     pub(super) jobs: Option<usize>,
     /// The part of the fits that is made; all without it.
@@ -111,7 +115,20 @@ impl Work<'_> {
             sample.draw(&result.attempts, (folder, &mut failures));
         }
         let scans: Vec<_> = self.samples.iter().map(|sample| sample.task.measurement).collect();
-        let page = html.finish(report::page(&comparison, &scans, &self.origin()).as_bytes());
+        let mut origin = self.origin();
+        if self.render && !interrupt::asked() {
+            let of = self.samples.iter().zip(&comparison.samples);
+            origin.booths = of
+                .map(|(sample, result)| {
+                    let done = booth::render(&folder.join(&sample.name), &result.attempts);
+                    done.unwrap_or_else(|failure| {
+                        failures.push(failure);
+                        None
+                    })
+                })
+                .collect();
+        }
+        let page = html.finish(report::page(&comparison, &scans, &origin).as_bytes());
         failures.extend(page.err().map(Failure::from));
         all(failures.into_iter().map(Err).chain([verdict(&comparison)]))
     }
@@ -241,6 +258,7 @@ impl Work<'_> {
         Origin {
             command: self.timing.then(|| format!("asperity {}", command.join(" "))),
             date: self.timing.then(|| chrono::Utc::now().format("%Y-%m-%d").to_string()),
+            booths: Vec::new(),
         }
     }
 

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use super::light::LightFlags;
 use super::map::MapFlags;
 use super::scan::number;
-use crate::cli::error::Failure;
+use crate::cli::error::{Failure, without_effect};
 use crate::cli::say;
 use crate::kirchhoff::Speckle;
 use crate::method::Body;
@@ -22,14 +22,20 @@ enum EngineFlag {
     Wave,
     /// Both: long waves of the map traced, short ones diffracting; needs --wavelength-nm
     Hybrid,
+    /// Maxwell's equations, solved on one period of grooves: `check --profile`
+    Rigorous,
 }
 
-impl From<EngineFlag> for Engine {
-    fn from(flag: EngineFlag) -> Self {
-        match flag {
-            EngineFlag::Ray => Self::Ray,
-            EngineFlag::Wave => Self::Wave,
-            EngineFlag::Hybrid => Self::Hybrid,
+impl EngineFlag {
+    /// The engine on a map.
+    fn on_map(self) -> Result<Engine, Failure> {
+        match self {
+            Self::Ray => Ok(Engine::Ray),
+            Self::Wave => Ok(Engine::Wave),
+            Self::Hybrid => Ok(Engine::Hybrid),
+            Self::Rigorous => Err(Failure::bad(
+                "--engine rigorous solves grooves, not maps; use check --engine rigorous --profile FILE",
+            )),
         }
     }
 }
@@ -41,16 +47,16 @@ pub(in crate::cli) const HEADING: &str = "A height map in place of a model";
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct SubjectFlags {
     /// Model made by `asperity model` or `asperity fit`, or a table made by `asperity tabulate`
-    #[arg(required_unless_present = "map", conflicts_with = "map")]
+    #[arg(conflicts_with = "map")]
     model: Option<PathBuf>,
     /// A height map in place of a model
     #[arg(long, value_name = "FILE", requires = "ior", help_heading = HEADING)]
     map: Option<PathBuf>,
-    /// How light is sent on the map
-    #[arg(long, alias = "method", value_enum, requires = "map", default_value = "ray", help_heading = HEADING)]
-    engine: EngineFlag,
+    /// How light is sent on the map [default: ray]
+    #[arg(long, alias = "method", value_enum, help_heading = HEADING)]
+    engine: Option<EngineFlag>,
     /// Refractive index of the material under the map over that of air
-    #[arg(long, value_name = "N", requires = "map", allow_negative_numbers = true, help_heading = HEADING, value_parser = number)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = HEADING, value_parser = number)]
     ior: Option<f64>,
     #[command(flatten)]
     light: LightFlags,
@@ -59,11 +65,38 @@ pub(in crate::cli) struct SubjectFlags {
 }
 
 impl SubjectFlags {
+    /// Index and vacuum wavelength in um of a profile of grooves, which takes the place of model and map.
+    pub(in crate::cli) fn of_profile(&self) -> Result<(f64, f64), Failure> {
+        if self.model.is_some() || self.map.is_some() {
+            return Err(Failure::bad(
+                "--profile takes the place of a model and of --map; leave them out",
+            ));
+        }
+        if self.engine.is_some_and(|engine| engine != EngineFlag::Rigorous) {
+            return Err(Failure::bad(
+                "--profile is solved by --engine rigorous; give that, or --map",
+            ));
+        }
+        self.light.need_no_speckle()?;
+        self.map_flags.need_map(false)?;
+        let ior = self
+            .ior
+            .ok_or_else(|| Failure::bad("the index of the material is missing; give --ior N"))?;
+        let nm = self.light.single_nm().ok_or_else(|| {
+            Failure::bad(
+                "the wavelength is missing, or there are several; give one, --wavelength-nm NM",
+            )
+        })?;
+        Ok((ior, 1e-3 * nm))
+    }
+
     /// Reads the model, the table, or the map.
     ///
     /// `usual` is what becomes of the speckle of a map unless a flag says otherwise.
     pub(in crate::cli) fn read(&self, usual: &[Speckle]) -> Result<Subject, Failure> {
         if let Some(path) = &self.model {
+            let flags = [("--engine", self.engine.is_some()), ("--ior", self.ior.is_some())];
+            without_effect(&flags, "a model has its own index; they are of --map")?;
             let subject = Subject::read(path)?;
             if let Some(notice) = subject.notice {
                 say::note(format_args!("warning: {}: {notice}", path.display()));
@@ -77,7 +110,7 @@ impl SubjectFlags {
         };
         // said before the map is read, which may take long
         Body::Dielectric { ior }.eta().map_err(Failure::bad)?;
-        let engine = Engine::from(self.engine);
+        let engine = self.engine.unwrap_or(EngineFlag::Ray).on_map()?;
         self.light.need_waves(
             engine.is_wave(),
             "rays have none; waves are sent by --engine wave or hybrid",

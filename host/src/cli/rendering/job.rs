@@ -9,10 +9,10 @@ use crate::forward::Rays;
 use crate::input;
 use crate::law_file;
 use crate::provenance::Provenance;
-use crate::render::BoundaryLaw;
 use crate::render::tracer::law::Law;
 use crate::render::tracer::scene::{Material, Scene};
 use crate::render::tracer::scene_file::{BUILT_IN, Draft, Wanted};
+use crate::render::{BoundaryLaw, Foreign, Renderer, RoughGlass, foreign};
 
 /// A scene with the models that are rendered.
 pub(in crate::cli) struct Job {
@@ -20,7 +20,9 @@ pub(in crate::cli) struct Job {
     scene: Scene,
     /// Places of its materials that are the model.
     modelled: Vec<usize>,
-    models: Vec<(String, Arc<dyn Law>)>,
+    /// Places of those that are models of their own, and the glass they are.
+    fixed: Vec<(usize, Option<RoughGlass>)>,
+    models: Vec<(String, Arc<BoundaryLaw>)>,
     /// Hash of everything that the images depend on but pixels and effort: scene, models, version.
     hash: String,
 }
@@ -31,24 +33,41 @@ const MOST_BYTES: u64 = 1 << 30;
 impl Job {
     /// Reads scene and models; waves are tabulated with these rays.
     pub(in crate::cli) fn read(files: &[&Path], scene: &Path, rays: Rays) -> Result<Self, Failure> {
-        let mut hashed = Vec::new();
-        let mut note = |bytes: &[u8]| hashed.extend(input::sha256(bytes));
-        note(
-            serde_json::to_string(&Provenance::of_this_program(Some(rays.seed)))
-                .unwrap_or_default()
-                .as_bytes(),
-        );
-        note(&rays.count.to_le_bytes());
         let (draft, text) = draft(scene)?;
-        note(text.as_bytes());
-        let mut models: Vec<(String, Arc<dyn Law>)> = Vec::new();
+        let mut models: Vec<(String, Arc<BoundaryLaw>, Vec<u8>)> = Vec::new();
         for path in files {
             let (law, bytes) = law(path, rays)?;
-            note(&bytes);
             let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let twins = models.iter().filter(|(name, _)| *name == stem).count();
+            let twins = models.iter().filter(|(name, ..)| *name == stem).count();
             let name = if twins > 0 { format!("{stem}-{}", twins + 1) } else { stem };
-            models.push((name, law));
+            models.push((name, law, bytes));
+        }
+        Self::new(&draft, &text, models, rays)
+    }
+
+    /// The light booth with laws, under their names, each with the bytes of its model.
+    pub(in crate::cli) fn of_booth(
+        models: Vec<(String, Arc<BoundaryLaw>, Vec<u8>)>,
+        rays: Rays,
+    ) -> Result<Self, Failure> {
+        let (draft, text) = draft(Path::new("booth"))?;
+        Self::new(&draft, &text, models, rays)
+    }
+
+    fn new(
+        draft: &Draft,
+        text: &str,
+        models: Vec<(String, Arc<BoundaryLaw>, Vec<u8>)>,
+        rays: Rays,
+    ) -> Result<Self, Failure> {
+        let program = serde_json::to_string(&Provenance::of_this_program(Some(rays.seed)));
+        let mut hashed = Vec::new();
+        let mut note = |bytes: &[u8]| hashed.extend(input::sha256(bytes));
+        note(program.map_err(Failure::bad)?.as_bytes());
+        note(&rays.count.to_le_bytes());
+        note(text.as_bytes());
+        for (.., bytes) in &models {
+            note(bytes);
         }
         let mut others = Vec::new();
         for wanted in draft.wanted() {
@@ -61,22 +80,28 @@ impl Job {
         let first = Arc::clone(&models[0].1);
         let material = |wanted: &Wanted| {
             let other = others.iter().find(|(w, _)| w == wanted).map(|(_, law)| law);
-            Material::Rough(Arc::clone(other.unwrap_or(&first)))
+            Material::Rough(rough(other.unwrap_or(&first)))
         };
         let read = |path: &Path| {
             input::read_file(path, MOST_BYTES).map_err(|e| format!("{}: {e}", path.display()))
         };
         let scene = draft.scene(&material, &read).map_err(Failure::bad)?;
-        let is_model = |m: &Material| matches!(m, Material::Rough(law) if Arc::ptr_eq(law, &first));
-        let places = 0..scene.materials.len();
-        let modelled: Vec<usize> = places.filter(|k| is_model(&scene.materials[*k])).collect();
+        let mut modelled = Vec::new();
+        let mut fixed = Vec::new();
+        for (place, wanted) in draft.models() {
+            match others.iter().find(|(w, _)| *w == wanted) {
+                Some((_, law)) => fixed.push((place, law.glass())),
+                None => modelled.push(place),
+            }
+        }
         if modelled.is_empty() {
             say::note(format_args!(
                 "note: no material of the scene is `kind = \"model\"`: the models have no effect"
             ));
         }
         let hash = input::InputFile::of_bytes("", &hashed).sha256;
-        Ok(Self { scene, modelled, models, hash })
+        let models = models.into_iter().map(|(name, law, _)| (name, law)).collect();
+        Ok(Self { scene, modelled, fixed, models, hash })
     }
 
     pub(in crate::cli) fn pixels(&self) -> [u32; 2] {
@@ -92,6 +117,17 @@ impl Job {
         self.models.iter().map(|(name, _)| name.as_str()).collect()
     }
 
+    /// The scene with the first model, for another renderer.
+    pub(in crate::cli) fn foreign(&self, renderer: Renderer) -> Option<Foreign> {
+        let (_, scene) = self.scenes().next()?;
+        let of_model = self.models[0].1.glass();
+        let glass = |place: usize| {
+            let fixed = self.fixed.iter().find(|(p, _)| *p == place).map(|(_, glass)| *glass);
+            fixed.unwrap_or_else(|| of_model.filter(|_| self.modelled.contains(&place)))
+        };
+        Some(foreign(&scene, renderer, &glass))
+    }
+
     /// Hash of scene, models and version.
     pub(in crate::cli) fn hash(&self) -> &str {
         &self.hash
@@ -102,11 +138,17 @@ impl Job {
         self.models.iter().map(|(name, law)| {
             let mut scene = self.scene.clone();
             for place in &self.modelled {
-                scene.materials[*place] = Material::Rough(Arc::clone(law));
+                scene.materials[*place] = Material::Rough(rough(law));
             }
             (name.as_str(), scene)
         })
     }
+}
+
+/// A law as a material takes it.
+fn rough(law: &Arc<BoundaryLaw>) -> Arc<dyn Law> {
+    let law: Arc<dyn Law> = Arc::<BoundaryLaw>::clone(law);
+    law
 }
 
 fn draft(scene: &Path) -> Result<(Draft, String), Failure> {
@@ -123,7 +165,7 @@ fn draft(scene: &Path) -> Result<(Draft, String), Failure> {
     Ok((Draft::parse(&text, scene).map_err(Failure::bad)?, text))
 }
 
-fn law(path: &Path, rays: Rays) -> Result<(Arc<dyn Law>, Vec<u8>), Failure> {
+fn law(path: &Path, rays: Rays) -> Result<(Arc<BoundaryLaw>, Vec<u8>), Failure> {
     let (boundary, kind) = law_file::read(path)?;
     if let Some(notice) = kind.notice() {
         say::note(format_args!("warning: {}: {notice}", path.display()));

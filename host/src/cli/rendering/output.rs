@@ -70,6 +70,11 @@ impl Folder {
         self.0.join(format!("{name}.tiles"))
     }
 
+    /// Whether there is an index of images.
+    pub(in crate::cli) fn is_of_images(&self) -> bool {
+        self.0.join(Self::INDEX).is_file()
+    }
+
     /// What it holds; `None` of a folder without images.
     pub(in crate::cli) fn index(&self) -> Result<Option<RenderIndex>, Failure> {
         let path = self.0.join(Self::INDEX);

@@ -27,6 +27,8 @@ pub(in crate::cli) struct Pictures<'a> {
     pub(in crate::cli) reference: Option<&'a str>,
     /// Radiance shown as white.
     pub(in crate::cli) white: Option<f64>,
+    /// Whether images of other models in the folder are replaced; refused without it.
+    pub(in crate::cli) replaces: bool,
 }
 
 /// What came of it.
@@ -64,7 +66,9 @@ impl Pictures<'_> {
         let index = self.index(shard);
         let (_made, file) = match output {
             Output::Folder(folder) => {
-                folder.check(&index)?;
+                if !self.replaces {
+                    folder.check(&index)?;
+                }
                 (Some(ResultFolder::create(&folder.0)?), None)
             }
             Output::Png(path) | Output::Exr(path) => (None, Some(AtomicFile::create(path)?)),

@@ -15,6 +15,8 @@ const KNOWN: f64 = 1e-3;
 const MOST_OF_INDEX: f64 = 0.1;
 /// The share of n - 1 by which a material is hardly off what is stated of it.
 const FAR_INDEX: f64 = 0.2;
+/// Standard deviations of its prior by which a number of the instrument is hardly off.
+const MOST_WIDTHS: f64 = 6.0;
 
 /// Whether a parameter is of the instrument or the medium, not of the surface: the gain of an opaque body is its own.
 fn is_nuisance(name: &str, fit: &Fit) -> bool {
@@ -52,6 +54,25 @@ pub(super) fn index_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> O
              than noise: the index takes up what the law misses; state it (--ior without --fit-ior), or try another law"
         )
     })
+}
+
+/// Why a number of the instrument is not what it was known to be; none if all may be. Where a law misses the readings by
+/// more than noise, a number many standard deviations of its prior away takes up what the law misses.
+pub(super) fn instrument_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<String> {
+    if is_noise {
+        return None;
+    }
+    let all = fit.parameters.iter().filter_map(|p| {
+        let (nominal, width) = options.nuisance.prior(p.name)?;
+        Some((p, (p.value - nominal).abs() / width))
+    });
+    let (worst, widths) =
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, w)| *w > MOST_WIDTHS)?;
+    Some(format!(
+        "{} ended at {:.3}, {widths:.0} standard deviations from what is known of it, and the law still misses the readings by \
+         more than noise: it takes up what the law misses; leave it out, state how well it is known, or try another law",
+        worst.name, worst.value
+    ))
 }
 
 /// What a value says of itself.

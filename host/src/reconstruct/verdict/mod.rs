@@ -44,6 +44,7 @@ pub(super) fn judge(
     if task.diagnose {
         undetermined.extend(identity::undetermined(fit, method.is_free_form()));
         undetermined.extend(identity::index_astray(fit, &task.options, is_noise));
+        undetermined.extend(identity::instrument_astray(fit, &task.options, is_noise));
     }
     if !undetermined.is_empty() {
         grade = Grade::NotIdentifiable;

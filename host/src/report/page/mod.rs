@@ -42,6 +42,8 @@ pub struct Origin {
     pub command: Option<String>,
     /// The day, such as 2026-11-30.
     pub date: Option<String>,
+    /// The light booth with the methods of each sample side by side, as PNG files; empty without.
+    pub booths: Vec<Option<Vec<u8>>>,
 }
 
 /// The page. `scans` holds the measurement of each sample, in their order.
@@ -74,6 +76,7 @@ pub fn page(comparison: &Comparison, scans: &[&Measurement], origin: &Origin) ->
                 main {
                     @for (k, sample) in comparison.samples.iter().enumerate() {
                         (section(k, sample, scans.get(k).copied(), comparison.timing))
+                        @if let Some(Some(png)) = origin.booths.get(k) { (booth(&sample.title, png)) }
                     }
                     @if comparison.timing {
                         section id="pareto" {
@@ -165,6 +168,21 @@ fn section(k: usize, sample: &SampleResult, scan: Option<&Measurement>, timing: 
                     Bands: 95 %."))
                 (figure("flux", None, "Where the light goes: reflected, transmitted, lost. Bars: 95 %."))
             }
+        }
+    }
+}
+
+/// The light booth with the methods of a sample.
+fn booth(title: &str, png: &[u8]) -> Markup {
+    let address = format!("data:image/png;base64,{}", BASE64.encode(png));
+    let alt = format!(
+        "{title}: a light booth with a plate, a sphere and a torus, rendered with each method"
+    );
+    html! {
+        figure.booth {
+            img src=(address) alt=(alt) style="max-width:100%;height:auto";
+            figcaption { "The light booth: a plate, a sphere and a torus of this glass, rendered with each method, with the same white. \
+                A small error of a law shows at the limb of the curved bodies." }
         }
     }
 }

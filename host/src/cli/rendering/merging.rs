@@ -1,0 +1,108 @@
+//! Shares of the tiles of images, put together.
+
+use std::path::{Path, PathBuf};
+
+use super::output::{Folder, RenderIndex};
+use crate::cli::error::Failure;
+use crate::cli::merge::in_order;
+use crate::cli::print;
+use crate::output::{AtomicFile, ResultFolder, internal, write_text};
+use crate::reconstruct::Shard;
+use crate::render::tracer::image::{Effort, Image};
+
+/// A share that was read.
+struct Part {
+    folder: Folder,
+    index: RenderIndex,
+    shard: Shard,
+}
+
+/// Puts the tiles of all parts into one folder, as one machine would have rendered them.
+pub(in crate::cli) fn merge_images(parts: &[PathBuf], output: &Path) -> Result<(), Failure> {
+    let parts = parts.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
+    for part in &parts {
+        let two = format!("{} and {}", first.folder.0.display(), part.folder.0.display());
+        let (a, b) = (&first.index, &part.index);
+        let differ = if a.key != b.key || a.models != b.models {
+            "are of different images: another scene, other models, pixels or seed"
+        } else if a.paths != b.paths || a.until != b.until {
+            "are rendered with different --paths or --until"
+        } else if first.shard.of != part.shard.of {
+            "are parts of different numbers of parts"
+        } else {
+            continue;
+        };
+        return Err(Failure::bad(format!("{two} {differ}; give the parts of the same images")));
+    }
+    let shards: Vec<(&Path, Shard)> =
+        parts.iter().map(|part| (part.folder.0.as_path(), part.shard)).collect();
+    let order = in_order(&shards, first.shard.of)?;
+    let whole = RenderIndex { shard: None, ..first.index.clone() };
+    let into = Folder(output.to_owned());
+    into.check(&whole)?;
+    let mut images = Vec::new();
+    for name in &whole.models {
+        images.push((name, together(name, &whole, &order, &parts)?));
+    }
+    let _made = ResultFolder::create(output)?;
+    let text = serde_json::to_string_pretty(&whole).map_err(Failure::bad)?;
+    write_text(output.join(Folder::INDEX), &format!("{text}\n"))?;
+    for (name, image) in &images {
+        AtomicFile::create(into.tiles(name))?.finish(&image.to_bytes(&whole.key))?;
+    }
+    print(&format!(
+        "the tiles of {} images are in {}; `asperity render` as before, without --shard and with -o {}, writes the images\n",
+        images.len(),
+        output.display(),
+        output.display()
+    ))
+}
+
+fn read(folder: &Path) -> Result<Part, Failure> {
+    let folder = Folder(folder.to_owned());
+    let none = || {
+        Failure::bad(format!(
+            "{} is no part of images; give folders of `render --shard`",
+            folder.0.display()
+        ))
+    };
+    let index = folder.index()?.ok_or_else(none)?;
+    let shard = index.shard.filter(|s| (1..=s.of).contains(&s.part)).ok_or_else(none)?;
+    Ok(Part { folder, index, shard })
+}
+
+/// Every tile from the part that has it.
+fn together(
+    name: &str,
+    whole: &RenderIndex,
+    order: &[usize],
+    parts: &[Part],
+) -> Result<Image, Failure> {
+    let effort = Effort { paths: whole.paths, until: whole.until, seed: 0 };
+    let mut image: Option<Image> = None;
+    for (part, place) in order.iter().enumerate() {
+        let folder = &parts[*place].folder;
+        let path = folder.tiles(name);
+        let bad = |what: String| Failure::bad(format!("{}: {what}", path.display()));
+        let bytes = internal::read(&path).map_err(|_| {
+            bad("the tiles are missing; run `render --shard` of this part again".into())
+        })?;
+        let (mut share, key) = Image::of_bytes(&bytes).map_err(|e| bad(e.to_string()))?;
+        if key != whole.key {
+            return Err(bad(
+                "these are the tiles of another image; run `render --shard` again".into()
+            ));
+        }
+        let into = image.get_or_insert_with(|| Image::new(share.pixels));
+        for number in (part..into.tiles.len()).step_by(order.len()) {
+            if !share.tiles[number].is_done(effort) {
+                return Err(bad(
+                    "it is not finished; run `render --shard` of this part again".into()
+                ));
+            }
+            into.tiles[number] = std::mem::take(&mut share.tiles[number]);
+        }
+    }
+    image.ok_or_else(|| Failure::bad("give the parts"))
+}

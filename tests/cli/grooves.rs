@@ -1,0 +1,87 @@
+//! `check --engine rigorous`: Maxwell's equations on one period of grooves.
+
+use asperity_needs::data;
+
+use crate::program::Folder;
+
+/// Efficiencies of a table by side, m0, kind and m.
+fn efficiencies(text: &str) -> Vec<(String, [f64; 2])> {
+    let rows = text.lines().filter(|line| !line.starts_with('#')).skip(1);
+    let of = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let key = format!("{},{},{},{}", cells[0], cells[1], cells[3], cells[4]);
+        (key, [6, 7].map(|k| cells[k].parse::<f64>().unwrap()))
+    };
+    rows.map(of).collect()
+}
+
+#[test]
+fn orders_of_the_reference_profiles_are_written_as_they_are_there() {
+    let folder = Folder::new();
+    for name in ["A", "B", "C", "D"] {
+        let Some(profile) = data(&format!("reference/rigorous/give_{name}_profile.csv")) else { return };
+        let Some(orders) = data(&format!("reference/rigorous/give_{name}_orders.csv")) else { return };
+        let wanted = efficiencies(&std::fs::read_to_string(orders).unwrap());
+        let mut found = Vec::new();
+        for (side, word) in [("air", "air"), ("dielectric", "inside")] {
+            let mut m0: Vec<&str> = wanted
+                .iter()
+                .filter(|(key, _)| key.starts_with(word))
+                .map(|(key, _)| key.split(',').nth(1).unwrap())
+                .collect();
+            m0.dedup();
+            let line = format!(
+                "check --engine rigorous --profile {} --ior 1.49 --wavelength-nm 550 --side {side} --incidence-orders {} --orders -o o.csv",
+                profile.display(),
+                m0.join(",")
+            );
+            folder.run(&line).ok();
+            let text = folder.text("o.csv");
+            assert!(text.contains("side,m0,theta_i_deg,kind,m,theta_deg,eff_TE,eff_TM\n"));
+            found.extend(efficiencies(&text));
+        }
+        assert_eq!(found.len(), wanted.len(), "{name}");
+        for ((key, a), (other, b)) in found.iter().zip(&wanted) {
+            assert_eq!(key, other, "{name}");
+            assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-5), "{name} {key}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn flat_grooves_are_fresnel_s_and_faults_are_named() {
+    let folder = Folder::new();
+    let flat: String = (0..16).map(|k| format!("{},0\n", 0.25 * f64::from(k))).collect();
+    folder.write("flat.csv", format!("x_um,z_um\n{flat}"));
+    let line = "check --engine rigorous --profile flat.csv --ior 1.5 --wavelength-nm 555";
+    let json = folder.run(&format!("{line} --json")).json();
+    for incidence in json["incidences"].as_array().unwrap() {
+        let orders = incidence["orders"].as_array().unwrap();
+        let mirrored = orders.iter().find(|o| o["kind"] == "R" && o["m"] == 0).unwrap();
+        for polarisation in ["eff_TE", "eff_TM"] {
+            assert!((mirrored[polarisation].as_f64().unwrap() - 0.04).abs() < 1e-8);
+        }
+    }
+    let text = folder.run(line).ok().out;
+    assert!(text.contains("inside") && text.contains("balance of energy"), "{text}");
+    // a grazing order is refused with what can be used instead, an order that does not travel with the last that does
+    let grazing = folder.run(&line.replace("555", "500")).with_code(2);
+    assert!(grazing.err.contains("use a wavelength of"), "{}", grazing.err);
+    let far = folder.run(&format!("{line} --side air --incidence-orders=-9")).with_code(2);
+    assert!(far.err.contains("last order"), "{}", far.err);
+    folder.write("bad.csv", "x_um,z_um\n0,0\n0.25,a\n");
+    for (wrong, said) in [
+        ("check --profile bad.csv --ior 1.5 --wavelength-nm 555", "bad.csv:3"),
+        ("check --profile none.csv --ior 1.5 --wavelength-nm 555", "none.csv"),
+        ("check --profile flat.csv --wavelength-nm 555", "give --ior"),
+        ("check --profile flat.csv --ior 1.5", "--wavelength-nm"),
+        ("check --profile flat.csv --ior 1.5 --wavelength-nm 500,600", "--wavelength-nm"),
+        ("check --profile flat.csv --ior 1.5 --wavelength-nm 555 --engine ray", "--engine rigorous"),
+        ("check --profile flat.csv --ior 1.5 --wavelength-nm 555 --period-um 9", "not the period"),
+        ("check m.json --incidence-orders 1", "--profile"),
+        ("check m.json --orders", "--profile"),
+    ] {
+        let run = folder.run(wrong).with_code(2);
+        assert!(run.err.contains(said), "{wrong}: {}", run.err);
+    }
+}
