@@ -13,11 +13,13 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 10] = [
+const MAY_IMPORT: [(&str, &[&str]); 12] = [
     ("asperity-core", &[]),
     ("asperity-fourier", &[]),
     ("asperity-needs", &[]),
     ("asperity-surface", &["asperity-core", "asperity-fourier", "asperity-needs"]),
+    ("asperity-render", &["asperity-core", "asperity-needs"]),
+    ("asperity-rigorous", &["asperity-needs"]),
     ("asperity-exchange", &["asperity-core", "asperity-needs"]),
     (
         "asperity",
@@ -25,6 +27,8 @@ const MAY_IMPORT: [(&str, &[&str]); 10] = [
             "asperity-core",
             "asperity-exchange",
             "asperity-fourier",
+            "asperity-render",
+            "asperity-rigorous",
             "asperity-surface",
             "asperity-needs",
         ],

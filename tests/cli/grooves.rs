@@ -19,8 +19,12 @@ fn efficiencies(text: &str) -> Vec<(String, [f64; 2])> {
 fn orders_of_the_reference_profiles_are_written_as_they_are_there() {
     let folder = Folder::new();
     for name in ["A", "B", "C", "D"] {
-        let Some(profile) = data(&format!("reference/rigorous/give_{name}_profile.csv")) else { return };
-        let Some(orders) = data(&format!("reference/rigorous/give_{name}_orders.csv")) else { return };
+        let Some(profile) = data(&format!("reference/rigorous/give_{name}_profile.csv")) else {
+            return;
+        };
+        let Some(orders) = data(&format!("reference/rigorous/give_{name}_orders.csv")) else {
+            return;
+        };
         let wanted = efficiencies(&std::fs::read_to_string(orders).unwrap());
         let mut found = Vec::new();
         for (side, word) in [("air", "air"), ("dielectric", "inside")] {
@@ -76,7 +80,10 @@ fn flat_grooves_are_fresnel_s_and_faults_are_named() {
         ("check --profile flat.csv --wavelength-nm 555", "give --ior"),
         ("check --profile flat.csv --ior 1.5", "--wavelength-nm"),
         ("check --profile flat.csv --ior 1.5 --wavelength-nm 500,600", "--wavelength-nm"),
-        ("check --profile flat.csv --ior 1.5 --wavelength-nm 555 --engine ray", "--engine rigorous"),
+        (
+            "check --profile flat.csv --ior 1.5 --wavelength-nm 555 --engine ray",
+            "--engine rigorous",
+        ),
         ("check --profile flat.csv --ior 1.5 --wavelength-nm 555 --period-um 9", "not the period"),
         ("check m.json --incidence-orders 1", "--profile"),
         ("check m.json --orders", "--profile"),

@@ -160,7 +160,10 @@ fn the_scene_goes_to_other_renderers() {
     let folder = folder();
     folder.run("render one.json --export mitsuba -o mitsuba").ok();
     let xml = folder.text("mitsuba/scene.xml");
-    assert!(xml.contains("roughdielectric") && xml.contains("name=\"alpha\" value=\"0.2\""), "{xml}");
+    assert!(
+        xml.contains("roughdielectric") && xml.contains("name=\"alpha\" value=\"0.2\""),
+        "{xml}"
+    );
     assert!(folder.text("mitsuba/torus.ply").starts_with("ply\n"));
     folder.run("render one.json --export pbrt -o pbrt").ok();
     let pbrt = folder.text("pbrt/scene.pbrt");

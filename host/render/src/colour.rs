@@ -1,19 +1,22 @@
 //! Wavelengths as colours of a screen.
 
-/// Weights of bands of light for red, green and blue of linear sRGB: light that is the same in all bands is white, (1, 1, 1)
+use crate::law::Band;
+
+/// Weights of bands of light for red, green and blue of linear sRGB: light of the same radiance in all bands is white, (1, 1, 1)
 /// in the mean over the bands. One band, or none, is grey.
 ///
 /// The colour-matching functions of CIE 1931 by their closest sums of lobes \[Wyman 2013, eq. 4\], the primaries of IEC 61966-2-1.
 /// Bands that lie so close that one of the primaries gets nothing of them are grey, too.
-pub(crate) fn weights(wavelengths_nm: &[f64]) -> Vec<[f64; 3]> {
-    if wavelengths_nm.len() < 2 {
+pub(crate) fn weights(bands: &[Band]) -> Vec<[f64; 3]> {
+    if bands.len() < 2 {
         return vec![[1.0; 3]];
     }
-    let raw: Vec<[f64; 3]> = wavelengths_nm.iter().map(|nm| linear_srgb(matching(*nm))).collect();
-    let n = raw.len() as f64;
+    let n = bands.len() as f64;
+    let weighted = |band: &Band| linear_srgb(matching(band.nm)).map(|c| c * band.share * n);
+    let raw: Vec<[f64; 3]> = bands.iter().map(weighted).collect();
     let sums = [0, 1, 2].map(|c| raw.iter().map(|w| w[c]).sum::<f64>() / n);
     if sums.iter().any(|sum| *sum <= 1e-3) {
-        return vec![[1.0; 3]; wavelengths_nm.len()];
+        return bands.iter().map(|band| [band.share * n; 3]).collect();
     }
     raw.into_iter().map(|w| [w[0] / sums[0], w[1] / sums[1], w[2] / sums[2]]).collect()
 }
@@ -51,18 +54,22 @@ pub fn srgb_byte(linear: f64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::{matching, srgb_byte, weights};
+    use crate::law::Band;
 
     #[test]
     fn white_is_white_and_green_is_green() {
         // the peak of the luminous efficiency, 1 at 555 nm
         assert!((matching(555.0)[1] - 1.0).abs() < 0.02);
-        let list = weights(&[450.0, 550.0, 620.0]);
+        let bands = |list: &[f64]| -> Vec<Band> {
+            list.iter().map(|&nm| Band { nm, share: 1.0 / list.len() as f64 }).collect()
+        };
+        let list = weights(&bands(&[450.0, 550.0, 620.0]));
         for c in 0..3 {
             assert!((list.iter().map(|w| w[c]).sum::<f64>() / 3.0 - 1.0).abs() < 1e-12);
         }
         assert!(list[0][2] > list[0][0] && list[1][1] > list[1][2] && list[2][0] > list[2][1]);
-        assert_eq!(weights(&[550.0]), vec![[1.0; 3]]);
-        assert_eq!(weights(&[550.0, 551.0]), vec![[1.0; 3]; 2]);
+        assert_eq!(weights(&bands(&[550.0])), vec![[1.0; 3]]);
+        assert_eq!(weights(&bands(&[550.0, 551.0])), vec![[1.0; 3]; 2]);
     }
 
     #[test]

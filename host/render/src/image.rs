@@ -97,7 +97,7 @@ impl Image {
         share: Share,
         tell: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) {
-        let weights = colour::weights(tracer.scene().wavelengths_nm());
+        let weights = colour::weights(tracer.scene().bands());
         let mine = |tile: usize| tile % share.of == share.part;
         loop {
             let numbers = (0..self.tiles.len()).filter(|t| mine(*t));

@@ -22,9 +22,18 @@ pub struct Sent {
     pub pdf: Option<f64>,
 }
 
+/// A band of light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// Wavelength in vacuum, nm.
+    pub nm: f64,
+    /// Share of the light.
+    pub share: f64,
+}
+
 /// A scattering law of a boundary, seen from both sides, in the conventions of `asperity_core::bsdf`.
 ///
-/// A law may have bands: numbers 0 to [`Law::bands`] - 1, a wavelength each. One without is the same in all.
+/// A law may have bands: places in [`Law::bands`]. One without is the same in all.
 pub trait Law: Send + Sync {
     /// Sends a ray for light from `wi`; `None` if it is lost.
     fn sample(
@@ -37,8 +46,8 @@ pub trait Law: Send + Sync {
     /// Value and density; `None` of a law that can only be sampled.
     fn value(&self, band: usize, wi: Direction<f64>, wo: Direction<f64>) -> Option<Value>;
 
-    /// Its wavelengths in nm, if it has any.
-    fn wavelengths_nm(&self) -> &[f64] {
+    /// Its bands, if it has any: wavelengths in nm with the shares of the light that they are.
+    fn bands(&self) -> &[Band] {
         &[]
     }
 }

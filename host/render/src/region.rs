@@ -56,21 +56,21 @@ pub fn region_means(
     until: Until,
     tell: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Vec<Mean> {
-    let bands = tracer.scene().wavelengths_nm().len().max(1);
+    let shares: Vec<f64> = tracer.scene().bands().iter().map(|band| band.share).collect();
     let mut batches: Vec<Vec<f64>> = vec![Vec::new(); regions.len()];
     loop {
-        let shares: Vec<f64> = batches.iter().map(|b| done(b, until)).collect();
-        let least = shares.iter().copied().fold(1.0, f64::min);
+        let dones: Vec<f64> = batches.iter().map(|b| done(b, until)).collect();
+        let least = dones.iter().copied().fold(1.0, f64::min);
         if least >= 1.0 || tell(least).is_break() {
             break;
         }
-        let wanting: Vec<usize> = (0..regions.len()).filter(|k| shares[*k] < 1.0).collect();
+        let wanting: Vec<usize> = (0..regions.len()).filter(|k| dones[*k] < 1.0).collect();
         let work: Vec<(usize, usize)> = wanting
             .iter()
             .flat_map(|&k| (batches[k].len()..batches[k].len() + GROUP).map(move |b| (k, b)))
             .collect();
         let one = |&(region, number): &(usize, usize)| {
-            batch(tracer, &regions[region], (region, number), (until.seed, bands))
+            batch(tracer, &regions[region], (region, number), (until.seed, &shares))
         };
         let found: Vec<f64> = work.par_iter().map(one).collect();
         for ((region, _), mean) in work.into_iter().zip(found) {
@@ -85,7 +85,7 @@ fn batch(
     tracer: &Tracer<'_>,
     region: &Region,
     (place, number): (usize, usize),
-    (seed, bands): (u64, usize),
+    (seed, shares): (u64, &[f64]),
 ) -> f64 {
     let key = mix(mix(mix(0x4e61, seed), place as u64), number as u64);
     let points = EvenPoints::new(key);
@@ -95,7 +95,9 @@ fn batch(
         let u = points.at(k);
         let at = [0, 1].map(|a| region.from[a] + u[a] * (region.to[a] - region.from[a]));
         let mut numbers = stream(mix(key, k));
-        sum += tracer.follow(camera.ray(at), k as usize % bands, &mut numbers).radiance;
+        let band = k as usize % shares.len().max(1);
+        let weight = shares.get(band).map_or(1.0, |share| share * shares.len() as f64);
+        sum += weight * tracer.follow(camera.ray(at), band, &mut numbers).radiance;
     }
     sum / BATCH as f64
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::camera::Camera;
-use crate::law::Law;
+use crate::law::{Band, Law};
 use crate::ray::{Near, Ray, Surface};
 use crate::shape::Shape;
 
@@ -123,10 +123,11 @@ impl Scene {
         all.filter_map(|(number, body)| Some((number, radiance(body)?))).collect()
     }
 
-    /// Wavelengths of the laws in it, nm; empty if all are grey.
-    pub fn wavelengths_nm(&self) -> &[f64] {
+    /// Bands of the laws in it; empty if all are grey. Of several laws that have some, those of the one with the most: others
+    /// take a band by its place.
+    pub fn bands(&self) -> &[Band] {
         let lists = self.materials.iter().map(|material| match material {
-            Material::Rough(law) => law.wavelengths_nm(),
+            Material::Rough(law) => law.bands(),
             _ => &[],
         });
         lists.max_by_key(|list| list.len()).unwrap_or(&[])

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use asperity_core::bsdf::{Bsdf, Scatter, Scattered};
 use asperity_core::direction::Direction;
-use asperity_render::law::{Law, Sent, Value};
+use asperity_render::law::{Band, Law, Sent, Value};
 
 use crate::binned::{Asked, BinnedBsdf, BinningError};
 use crate::boundary::{Boundary, with_boundary};
@@ -21,12 +21,14 @@ use super::RoughGlass;
 pub struct BoundaryLaw {
     kind: Kind,
     glass: Option<RoughGlass>,
+    bands: Vec<Band>,
 }
 
 #[derive(Debug)]
 enum Kind {
     Boundary(Box<Boundary>),
-    Table(Box<BinnedBsdf>),
+    /// One for each band.
+    Tables(Vec<BinnedBsdf>),
 }
 
 /// Incidences of a table, as many a side as make it one at all incidences.
@@ -46,20 +48,27 @@ impl BoundaryLaw {
             Boundary::Ggx(ggx) => Some(RoughGlass { alpha: ggx.alpha.get(), ior: ggx.eta.get() }),
             _ => None,
         };
-        let exact = |boundary| Kind::Boundary(Box::new(boundary));
-        let kind = if matches!(boundary, Boundary::Wave(_)) {
-            let angle = |k: u32| PI * (f64::from(k) + 0.5) / f64::from(2 * ALL_INCIDENCES);
-            let all = 0..2 * ALL_INCIDENCES;
-            let wi: Vec<_> = all.map(|k| Direction::from_angles(angle(k), 0.0)).collect();
-            match Asked::of(&boundary, &wi, rays, watch)? {
-                Asked::AsItIs => exact(boundary),
-                Asked::Table(table) => Kind::Table(table),
-                Asked::Stopped => return Ok(None),
-            }
-        } else {
-            exact(boundary)
+        let Boundary::Wave(wave) = &boundary else {
+            return Ok(Some(Self {
+                kind: Kind::Boundary(Box::new(boundary)),
+                glass,
+                bands: Vec::new(),
+            }));
         };
-        Ok(Some(Self { kind, glass }))
+        let lines: Vec<(f64, f64)> = wave.wavelengths().iter().collect();
+        let all: f64 = lines.iter().map(|(_, weight)| weight).sum();
+        let mut tables = Vec::new();
+        let mut bands = Vec::new();
+        for (um, weight) in lines {
+            let nm = 1e3 * um;
+            bands.push(Band { nm, share: weight / all });
+            let one = wave.in_light_of(nm).unwrap_or_else(|_| (**wave).clone());
+            match Asked::of(&Boundary::Wave(Box::new(one)), &all_incidences(), rays, watch)? {
+                Asked::Table(table) => tables.push(*table),
+                Asked::AsItIs | Asked::Stopped => return Ok(None),
+            }
+        }
+        Ok(Some(Self { kind: Kind::Tables(tables), glass, bands }))
     }
 
     /// The glass that other renderers know, if it is that.
@@ -68,16 +77,27 @@ impl BoundaryLaw {
     }
 }
 
+/// Directions at so many incidences that a table is made at all of them.
+fn all_incidences() -> Vec<Direction<f64>> {
+    let angle = |k: u32| PI * (f64::from(k) + 0.5) / f64::from(2 * ALL_INCIDENCES);
+    (0..2 * ALL_INCIDENCES).map(|k| Direction::from_angles(angle(k), 0.0)).collect()
+}
+
 impl Law for BoundaryLaw {
+    fn bands(&self) -> &[Band] {
+        if self.bands.len() > 1 { &self.bands } else { &[] }
+    }
+
     fn sample(
         &self,
-        _band: usize,
+        band: usize,
         wi: Direction<f64>,
         uniform: &mut dyn FnMut() -> f64,
     ) -> Option<Sent> {
         let mut uniform = uniform;
         match &self.kind {
-            Kind::Table(table) => {
+            Kind::Tables(tables) => {
+                let table = tables.get(band % tables.len().max(1))?;
                 let ray = table.sample(wi, &mut uniform)?;
                 Some(Sent { ray, pdf: Some(table.pdf(wi, ray.wo)) })
             }
@@ -90,9 +110,12 @@ impl Law for BoundaryLaw {
         }
     }
 
-    fn value(&self, _band: usize, wi: Direction<f64>, wo: Direction<f64>) -> Option<Value> {
+    fn value(&self, band: usize, wi: Direction<f64>, wo: Direction<f64>) -> Option<Value> {
         match &self.kind {
-            Kind::Table(table) => Some(Value { ars: table.ars(wi, wo), pdf: table.pdf(wi, wo) }),
+            Kind::Tables(tables) => {
+                let table = tables.get(band % tables.len().max(1))?;
+                Some(Value { ars: table.ars(wi, wo), pdf: table.pdf(wi, wo) })
+            }
             Kind::Boundary(boundary) => with_boundary!(
                 &**boundary,
                 b => Some(Value { ars: b.ars(wi, wo), pdf: b.pdf(wi, wo) }),

@@ -85,6 +85,17 @@ impl WaveBoundary {
         }
     }
 
+    /// The same surface in light of one wavelength, nm.
+    ///
+    /// # Errors
+    /// [`WavelengthsError`] of what is no wavelength.
+    pub fn in_light_of(&self, nm: f64) -> Result<Self, crate::kirchhoff::WavelengthsError> {
+        let wavelengths = Wavelengths::single(nm)?;
+        let wave = std::f64::consts::TAU / wavelengths.mean_um() * self.scale.abs();
+        let density = self.spectra.density(LEAST * wave, 2.0 * self.eta.get().max(1.0) * wave);
+        Ok(Self { density, wavelengths, ..self.clone() })
+    }
+
     /// The scattering map, scaled and filtered.
     pub fn map(&self) -> &HeightMap {
         &self.map
