@@ -66,7 +66,7 @@ fn flat_grooves_are_fresnel_s_and_faults_are_named() {
             assert!((mirrored[polarisation].as_f64().unwrap() - 0.04).abs() < 1e-8);
         }
     }
-    let text = folder.run(line).ok().out;
+    let text = folder.run(line).ok();
     assert!(text.contains("inside") && text.contains("balance of energy"), "{text}");
     // a grazing order is refused with what can be used instead, an order that does not travel with the last that does
     let grazing = folder.run(&line.replace("555", "500")).with_code(2);

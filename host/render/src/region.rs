@@ -39,11 +39,14 @@ pub struct Until {
 }
 
 /// Batches from which the error is found at least.
-const LEAST_BATCHES: usize = 24;
+const LEAST_BATCHES: usize = 32;
 /// Batches added at once.
 const GROUP: usize = 8;
 /// Paths of a batch.
 const BATCH: u64 = 4096;
+/// How much more than needed by the error so far is made before it is looked at again. Bright paths are rare: whoever looks after
+/// each batch stops where few of them have come, and is too dark.
+const SPARE: f64 = 1.25;
 
 /// The mean of each region until all are as exact as wanted. Batches of evenly spread points, each shifted by chance, give
 /// the mean, and their scatter its error. `tell` hears the share that is done and says whether to go on; stopped, the
@@ -58,17 +61,21 @@ pub fn region_means(
 ) -> Vec<Mean> {
     let shares: Vec<f64> = tracer.scene().bands().iter().map(|band| band.share).collect();
     let mut batches: Vec<Vec<f64>> = vec![Vec::new(); regions.len()];
+    let mut wanted = vec![LEAST_BATCHES; regions.len()];
     loop {
-        let dones: Vec<f64> = batches.iter().map(|b| done(b, until)).collect();
-        let least = dones.iter().copied().fold(1.0, f64::min);
-        if least >= 1.0 || tell(least).is_break() {
+        for (wanted, batches) in wanted.iter_mut().zip(&batches) {
+            if batches.len() >= *wanted {
+                *wanted = needed(batches, until);
+            }
+        }
+        let (have, want) =
+            (batches.iter().map(Vec::len).sum::<usize>(), wanted.iter().sum::<usize>());
+        if have >= want || tell(have as f64 / want as f64).is_break() {
             break;
         }
-        let wanting: Vec<usize> = (0..regions.len()).filter(|k| dones[*k] < 1.0).collect();
-        let work: Vec<(usize, usize)> = wanting
-            .iter()
-            .flat_map(|&k| (batches[k].len()..batches[k].len() + GROUP).map(move |b| (k, b)))
-            .collect();
+        let missing = |k: usize| batches[k].len()..wanted[k].min(batches[k].len() + GROUP);
+        let work: Vec<(usize, usize)> =
+            (0..regions.len()).flat_map(|k| missing(k).map(move |b| (k, b))).collect();
         let one = |&(region, number): &(usize, usize)| {
             batch(tracer, &regions[region], (region, number), (until.seed, &shares))
         };
@@ -112,17 +119,15 @@ fn mean(batches: &[f64]) -> Mean {
     Mean { mean, std_error: (squares / (n * (n - 1.0))).sqrt() }
 }
 
-/// How far a region is, 0 to 1.
-fn done(batches: &[f64], until: Until) -> f64 {
-    if batches.len() < LEAST_BATCHES {
-        return 0.01 * batches.len() as f64 / LEAST_BATCHES as f64;
-    }
-    if batches.len() as u64 * BATCH >= until.most {
-        return 1.0;
-    }
+/// Batches that a region needs by the error it has: as many as it has if that is small enough.
+fn needed(batches: &[f64], until: Until) -> usize {
     let Mean { mean, std_error } = mean(batches);
-    if std_error <= until.relative * mean.abs() || (mean.abs() <= 0.0 && std_error <= 0.0) {
-        return 1.0;
+    let ratio = std_error / (until.relative * mean.abs());
+    // black regions are done
+    if ratio <= 1.0 || ratio.is_nan() {
+        return batches.len();
     }
-    (until.relative * mean / std_error).powi(2).clamp(0.01, 0.99)
+    let most = (until.most / BATCH) as usize;
+    let more = (SPARE * ratio * ratio * batches.len() as f64).ceil() as usize;
+    more.max(batches.len() + GROUP).min(most.max(batches.len()))
 }

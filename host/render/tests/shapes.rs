@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 #![allow(clippy::disallowed_methods, reason = "oracles use the platform's mathematics")]
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use asperity_core::math::Real;
@@ -146,12 +147,12 @@ fn meshes_of_files_are_met_as_their_shape() {
         faces.len()
     );
     for p in &points {
-        obj += &format!("v {} {} {}\n", p.x, p.y, p.z);
-        ply += &format!("{} {} {}\n", p.x, p.y, p.z);
+        writeln!(obj, "v {} {} {}", p.x, p.y, p.z).unwrap();
+        writeln!(ply, "{} {} {}", p.x, p.y, p.z).unwrap();
     }
     for f in &faces {
-        obj += &format!("f {} {} {} {}\n", f[0] + 1, f[1] + 1, f[2] + 1, f[3] + 1);
-        ply += &format!("4 {} {} {} {}\n", f[0], f[1], f[2], f[3]);
+        writeln!(obj, "f {} {} {} {}", f[0] + 1, f[1] + 1, f[2] + 1, f[3] + 1).unwrap();
+        writeln!(ply, "4 {} {} {} {}", f[0], f[1], f[2], f[3]).unwrap();
     }
     let of = |name: &str, text: &str| Mesh::of_bytes(Path::new(name), text.as_bytes()).unwrap();
     let (obj, ply) = (of("ball.obj", &obj), of("ball.ply", &ply));

@@ -5,10 +5,10 @@ use asperity_core::direction::Direction;
 use asperity_core::quantity::{Alpha, RelativeIor};
 use asperity_render::law::{Law, Sent, Value};
 
-pub struct Facets(pub Ggx<f64>);
+pub(crate) struct Facets(Ggx<f64>);
 
 impl Facets {
-    pub fn new(alpha: f64, ior: f64) -> Self {
+    pub(crate) fn new(alpha: f64, ior: f64) -> Self {
         Self(Ggx::new(Alpha::new(alpha).unwrap(), RelativeIor::new(ior).unwrap()))
     }
 }

@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use asperity_asperity_rigorous::{Incidence, Kind, Profile, Side};
+use asperity_rigorous::{Incidence, Kind, Profile, Side};
 
 /// A file of the reference data.
 pub fn data(name: &str) -> PathBuf {
