@@ -41,10 +41,9 @@ pub fn differences(
     scale: f64,
 ) -> Result<Rgb8, String> {
     let tiles = images.iter().map(|one| {
-        let title = format!("{} less {}", one.name, reference.name);
-        (title, difference(one.image, reference.image, full_percent, scale))
+        (one.name.to_owned(), difference(one.image, reference.image, full_percent, scale))
     });
-    arranged(&tiles.collect::<Vec<_>>(), Some(full_percent))
+    arranged(&tiles.collect::<Vec<_>>(), Some((full_percent, reference.name)))
 }
 
 /// The difference of two images, its colours full at a percentage of a scale.
@@ -61,12 +60,12 @@ pub fn difference(image: &Image, reference: &Image, full_percent: f64, scale: f6
     Rgb8 { pixels: image.pixels.map(|n| n as usize), bytes }
 }
 
-fn arranged(tiles: &[(String, Rgb8)], bar_percent: Option<f64>) -> Result<Rgb8, String> {
+fn arranged(tiles: &[(String, Rgb8)], bar: Option<(f64, &str)>) -> Result<Rgb8, String> {
     let [width, height] = tiles.first().map_or([1, 1], |(_, tile)| tile.pixels);
     let across = tiles.len().clamp(1, ACROSS);
     let down = tiles.len().div_ceil(across);
-    let bar = if bar_percent.is_some() { 2 * LINE } else { 0 };
-    let size = [across * (width + GAP) + GAP, down * (height + LINE + GAP) + GAP + bar];
+    let room = if bar.is_some() { 2 * LINE } else { 0 };
+    let size = [across * (width + GAP) + GAP, down * (height + LINE + GAP) + GAP + room];
     let mut sheet = Rgb8::white(size);
     for (k, (name, tile)) in tiles.iter().enumerate() {
         let [left, top] =
@@ -74,8 +73,8 @@ fn arranged(tiles: &[(String, Rgb8)], bar_percent: Option<f64>) -> Result<Rgb8, 
         sheet.put(&caption(name, width)?, [left, top]);
         sheet.put(tile, [left, top + LINE]);
     }
-    if let Some(percent) = bar_percent {
-        let top = size[1] - bar;
+    if let Some((percent, reference)) = bar {
+        let top = size[1] - room;
         let length = size[0] - 2 * GAP;
         let mut colours = Rgb8::white([length, LINE / 2]);
         for (k, pixel) in colours.bytes.chunks_exact_mut(3).enumerate() {
@@ -84,7 +83,7 @@ fn arranged(tiles: &[(String, Rgb8)], bar_percent: Option<f64>) -> Result<Rgb8, 
         }
         sheet.put(&colours, [GAP, top]);
         let text = format!(
-            "difference from -{percent} % (darker, blue) over 0 to +{percent} % (brighter, red) of the mean radiance of the reference"
+            "against {reference}: -{percent} % (blue) ... 0 ... +{percent} % (red) of its mean radiance"
         );
         sheet.put(&caption(&text, length)?, [GAP, top + LINE / 2]);
     }
