@@ -48,10 +48,15 @@ fn every_verb_explains_itself_and_names_its_flags() {
             "<FILE>... --output --view --incidence --side --linear --decades --title --rays --sigma-range --pixel-um",
             "asperity plot fit.json -o boundary",
         ),
+        (
+            "render",
+            "[MODEL]... --model --scene --scene-example --output --size --paths --until --quick --reference --white --regions --shard --export --json --rays --seed",
+            "asperity render fit.json -o fit.png",
+        ),
         ("eval", "<MODEL> --input --output --rays --seed --json", "wix,wiy,wiz,wox,woy,woz"),
         (
             "check",
-            "[MODEL] --map --engine --ior --incidence --side --rays --seed --json",
+            "[MODEL] --map --engine --ior --incidence --side --rays --seed --json --profile --period-um --incidence-orders --orders --output",
             "R + T > 1",
         ),
         (
