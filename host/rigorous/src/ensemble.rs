@@ -7,10 +7,11 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::accuracy::{Accuracy, Solution, solve};
+use crate::cells::Cells;
 use crate::problem::{Incidence, Problem, RigorousError};
 use crate::profile::Profile;
 use crate::stage::Stage;
-use crate::waves::{Kind, Order, Polarisation};
+use crate::waves::{Kind, Polarisation};
 
 /// Asked from any thread, with the share of the work that is done, whether it goes on.
 pub type EnsembleWatcher<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
@@ -189,7 +190,7 @@ impl Ensemble {
 }
 
 impl Mean {
-    fn of(values: &[f64]) -> Self {
+    pub(crate) fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
         let value = values.iter().sum::<f64>() / count;
         let square: f64 = values.iter().map(|x| (x - value).powi(2)).sum();
@@ -208,43 +209,4 @@ fn coherent_power(amplitudes: &[Complex64]) -> f64 {
     let mean = mean(amplitudes);
     let off: f64 = amplitudes.iter().map(|a| (a - mean).norm_sqr()).sum();
     mean.norm_sqr() - off / (count * (count - 1.0))
-}
-
-/// The directions of the orders of one kind, and the angles that each stands for.
-struct Cells {
-    /// Where these orders are in a response.
-    range: std::ops::Range<usize>,
-    /// Which of them is that of the mirror or of Snell's law.
-    specular: Option<usize>,
-    /// One more than there are orders, degrees.
-    edges_deg: Vec<f64>,
-}
-
-impl Cells {
-    fn new(orders: &[Order], kind: Kind, order: i32) -> Self {
-        let first = orders.iter().position(|order| order.kind == kind).unwrap_or(0);
-        let count = orders.iter().filter(|order| order.kind == kind).count();
-        let range = first..first + count;
-        let half = (count / 2) as i32; // orders are -half ..= half
-        let step =
-            if half > 0 { orders[range.end - 1].sine / f64::from(half) } else { f64::INFINITY };
-        let edge = |m: i32| match m {
-            _ if m == -half => -90.0,
-            _ if m == half + 1 => 90.0,
-            _ => ((f64::from(m) - 0.5) * step).asin().to_degrees(),
-        };
-        let edges_deg = (-half..=half + 1).map(edge).collect();
-        let specular = (order.abs() <= half).then(|| (order + half) as usize);
-        Self { range, specular, edges_deg }
-    }
-
-    /// Power per degree, mean over a window.
-    fn density(&self, powers: &[f64], angle_deg: f64, window_deg: f64) -> f64 {
-        let (low, high) = (angle_deg - 0.5 * window_deg, angle_deg + 0.5 * window_deg);
-        let inside = self.edges_deg.windows(2).zip(powers).map(|(cell, power)| {
-            let shared = (cell[1].min(high) - cell[0].max(low)).max(0.0);
-            power * shared / (cell[1] - cell[0])
-        });
-        inside.sum::<f64>() / window_deg
-    }
 }

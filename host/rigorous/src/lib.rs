@@ -6,6 +6,9 @@
 //! free to take any other unit for all of them. The tangential wavenumber of light and of orders is a
 //! multiple of `2 pi / period`: to choose an incidence freely, choose the period.
 //!
+//! [`measure`] says what Kirchhoff's integral, rays and single facets are off by on given profiles, lobe by lobe, and
+//! [`CutOptions`] makes periodic profiles of measured lines.
+//!
 //! The method is that of a boundary integral equation (`solver`): its kernels are integrated with a quadrature that converges
 //! exponentially (`quadrature`, `layers`), on nodes at equal distances along the arc (`nodes`).
 
@@ -22,12 +25,32 @@ mod layers;
 mod waves;
 mod solver;
 mod accuracy;
+mod cells;
 mod ensemble;
+mod fresnel;
+mod cuts;
+mod kirchhoff;
+mod angles;
+mod facets;
+mod rays;
+mod sums;
+mod question;
+mod portraits;
+mod verdicts;
 
 pub use accuracy::{Accuracy, Solution, solve};
+pub use angles::{Angles, Gathered};
+pub use cuts::{Cut, CutError, CutOptions, Shape};
 pub use ensemble::{Ensemble, EnsembleWatcher, Light, Lobe, Mean, go_on};
+pub use facets::facets;
+pub use kirchhoff::kirchhoff;
 pub use problem::{Incidence, Problem, RigorousError, Side};
 pub use profile::{Profile, ProfileError};
+pub use question::{Piece, Question};
+pub use rays::{RayOptions, Traced, trace};
 pub use solver::Solver;
 pub use stage::{Part, Stage, Watcher, nobody};
+pub use verdicts::{
+    Approximation, Comparison, Curves, Deviation, Figure, Verdict, Verdicts, measure,
+};
 pub use waves::{Kind, Order, Polarisation, Response};

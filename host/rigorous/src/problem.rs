@@ -110,7 +110,7 @@ pub enum RigorousError {
         first_um: f64,
     },
     /// An ensemble of less than two.
-    #[error("an ensemble needs at least two profiles")]
+    #[error("an ensemble needs at least two profiles that are solved, in two blocks")]
     NoEnsemble,
     /// The watcher ended the work.
     #[error("the solution was stopped before its end")]

@@ -50,6 +50,21 @@ impl Series {
         Self { wavenumber: TAU / period, harmonics }
     }
 
+    /// The series with each harmonic k times `gain(k)`.
+    pub(crate) fn scaled(mut self, gain: impl Fn(usize) -> f64) -> Self {
+        for (k, c) in self.harmonics.iter_mut().enumerate() {
+            *c *= gain(k);
+        }
+        self
+    }
+
+    /// The series without the last harmonics that are not above `least` in amplitude.
+    pub(crate) fn shortened(mut self, least: f64) -> Self {
+        let keep = self.harmonics.iter().rposition(|c| c.norm() > least).map_or(1, |at| at + 1);
+        self.harmonics.truncate(keep);
+        self
+    }
+
     /// The highest harmonic.
     pub(crate) fn highest(&self) -> usize {
         self.harmonics.len() - 1

@@ -16,6 +16,9 @@ use crate::energy::side_name;
 use crate::kirchhoff::Speckle;
 use crate::reconstruct::{Check, CheckRequest, NoBalance, Subject};
 use crate::report::power_text;
+use crate::rigorous::CutsRequest;
+use crate::rigorous::solver::Side as SolverSide;
+use crate::surface::Prepared;
 
 /// One side of the boundary, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -44,7 +47,8 @@ impl From<SideFlag> for Side {
 /// Of waves it prints where the approximation holds, too, as `stats` does; where R + T is above 1.01 no lobe passes.
 ///
 /// With --profile it solves Maxwell's equations on one period of grooves, both polarisations, and says where the light of the
-/// orders --incidence-orders goes; --orders writes every order.
+/// orders --incidence-orders goes; --orders writes every order. With --map and --engine rigorous it solves them on cuts of the
+/// map, and says what waves, rays and single facets are off by there.
 ///
 /// Exit 1 if the model gives more than it receives (R + T > 1.0001, of tables 1.0005, of waves 1.01) or a value that is not
 /// finite.
@@ -73,6 +77,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let (ior, wavelength_um) = args.subject.of_profile()?;
         let light = Light { ior, wavelength_um, side: args.side.map(Side::from) };
         return args.profile.solve(path, light, args.json);
+    }
+    if let Some((prepared, ior, wavelength_um)) = args.subject.of_cuts()? {
+        return args.cuts(&prepared, ior, wavelength_um);
     }
     args.profile.need_profile()?;
     let request = CheckRequest {
@@ -110,6 +117,31 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )))
     }
 }
+
+impl Args {
+    /// What waves, rays and single facets are off by on cuts of a map.
+    fn cuts(&self, prepared: &Prepared, ior: f64, wavelength_um: f64) -> Result<(), Failure> {
+        let sides = match self.side {
+            Some(SideFlag::Air) => vec![SolverSide::Air],
+            Some(SideFlag::Dielectric) => vec![SolverSide::Dielectric],
+            None => vec![SolverSide::Air, SolverSide::Dielectric],
+        };
+        let period_um = self.profile.period_of_cuts()?;
+        let request = CutsRequest {
+            ior,
+            wavelength_um,
+            incidences_deg: self.incidence.clone(),
+            sides,
+            solved: SOLVED_CUTS,
+            period_um,
+        };
+        let found = waves::solved_cuts(&request, &prepared.map)?;
+        if self.json { print(&format!("{:#}\n", found.json())) } else { print(&found.text()) }
+    }
+}
+
+/// Cuts of a map that are solved.
+const SOLVED_CUTS: usize = 12;
 
 /// Why there is no balance, with the flag that mends it.
 fn failed(args: &Args, path: &Path, e: NoBalance) -> Failure {

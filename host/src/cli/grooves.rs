@@ -24,7 +24,8 @@ pub(super) struct ProfileFlags {
     /// One period of grooves: a CSV file with the columns x_um,z_um at equal steps, air above; needs --ior and --wavelength-nm
     #[arg(long, value_name = "FILE")]
     pub(super) profile: Option<PathBuf>,
-    /// Its period in um [default: what the file says, or its points times their step]
+    /// Its period in um, or the length of cuts of a map [default: what the file says, or its points times their step; of cuts 60
+    /// wavelengths]
     #[arg(long, value_name = "UM", value_parser = number)]
     period_um: Option<f64>,
     /// Incidences as orders m0: the tangential wavenumber of the light is 2 pi m0 / period [default: 0]
@@ -61,6 +62,14 @@ impl ProfileFlags {
             ("--orders", self.orders),
         ];
         without_effect(&flags, "they are of grooves; give --profile FILE")
+    }
+
+    /// The length of cuts of a map, which takes the place of the profile.
+    pub(super) fn period_of_cuts(&self) -> Result<Option<f64>, Failure> {
+        let flags =
+            [("--incidence-orders", !self.incidence_orders.is_empty()), ("--orders", self.orders)];
+        without_effect(&flags, "they are of one period of grooves; give --profile FILE")?;
+        Ok(self.period_um)
     }
 
     /// Solves, and prints or writes what is asked for.

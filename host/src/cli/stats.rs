@@ -9,6 +9,7 @@ use super::{print, say};
 use crate::atlas;
 use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures, figure_text};
+use crate::rigorous::MapCuts;
 use crate::surface::sanity::Insane;
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
@@ -41,11 +42,13 @@ use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
 /// of its peak. It looks at the facets, at the pixel, and at R + T as `check --engine wave` finds
 /// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside. So is what waves,
 /// rays and single facets err by on grooves of this Rq and slope, of rigorous solutions: it does not
-/// enter the verdict.
+/// enter the verdict. --rigorous solves Maxwell's equations on cuts of this very map and prints what waves, rays
+/// and single facets are off by there, for every side, lobe and incidence.
 ///
 /// Examples:
 ///   asperity stats map.x3p
 ///   asperity stats map.x3p --ior 1.49 --wavelength-nm 550
+///   asperity stats map.x3p --ior 1.49 --wavelength-nm 550 --rigorous
 ///   asperity stats map.x3p --fill harmonic --crop 0:512,0:512 --plot surface
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
@@ -72,6 +75,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         )));
     }
     let question = args.kirchhoff.question()?;
+    let cuts = args.kirchhoff.cuts()?;
     let files = args.plot.as_deref().map(MapFigureFiles::create).transpose()?;
     let loaded = args.flags.load(&args.map, Purpose::Figures)?;
     let map = &loaded.map;
@@ -93,6 +97,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
     let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
+    let cuts = cuts.map(|request| waves::solved_cuts(&request, map)).transpose()?;
     let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
     if args.json {
@@ -123,6 +128,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
                 serde_json::json!({ "holds_for": atlas::CAVEAT, "lobes": atlas::of_validity(v) })
             });
             answer.insert("atlas".into(), atlas.into());
+            if let Some(cuts) = &cuts {
+                answer.insert("rigorous".into(), cuts.json());
+            }
             answer.insert("edges".into(), loaded.edges.name().into());
             let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
             answer.insert("input".into(), input);
@@ -130,7 +138,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&format!("{answer:#}\n"))?;
     } else {
         let waves = verdict.as_ref().map(waves::human).unwrap_or_default()
-            + &verdict.as_ref().map(waves::atlas).unwrap_or_default();
+            + &verdict.as_ref().map(waves::atlas).unwrap_or_default()
+            + &cuts.as_ref().map(MapCuts::text).unwrap_or_default();
         let iso = iso_25178(&loaded, &areal);
         print(&format!("{}{iso}{waves}", human(&loaded, &figures, anisotropy)))?;
     }

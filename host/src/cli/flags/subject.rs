@@ -12,6 +12,7 @@ use crate::cli::say;
 use crate::kirchhoff::Speckle;
 use crate::method::Body;
 use crate::reconstruct::{Engine, Lacking, NoSubject, Subject};
+use crate::surface::Prepared;
 
 /// How light is sent on a map, as a flag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -22,7 +23,7 @@ enum EngineFlag {
     Wave,
     /// Both: long waves of the map traced, short ones diffracting; needs --wavelength-nm
     Hybrid,
-    /// Maxwell's equations, solved on one period of grooves: `check --profile`
+    /// Maxwell's equations, solved on cuts of the map, or on one period of grooves: `check --profile`
     Rigorous,
 }
 
@@ -34,7 +35,7 @@ impl EngineFlag {
             Self::Wave => Ok(Engine::Wave),
             Self::Hybrid => Ok(Engine::Hybrid),
             Self::Rigorous => Err(Failure::bad(
-                "--engine rigorous solves grooves, not maps; use check --engine rigorous --profile FILE",
+                "--engine rigorous solves grooves; use check --engine rigorous with --profile FILE, or with --map FILE for cuts of it",
             )),
         }
     }
@@ -88,6 +89,23 @@ impl SubjectFlags {
             )
         })?;
         Ok((ior, 1e-3 * nm))
+    }
+
+    /// The map whose cuts are solved rigorously, with the index and the wavelength; `None` if another engine is asked for.
+    pub(in crate::cli) fn of_cuts(&self) -> Result<Option<(Prepared, f64, f64)>, Failure> {
+        let (Some(path), Some(EngineFlag::Rigorous)) = (&self.map, self.engine) else {
+            return Ok(None);
+        };
+        self.light.need_no_speckle()?;
+        let ior = self
+            .ior
+            .ok_or_else(|| Failure::bad("the index of the material is missing; give --ior N"))?;
+        let nm = self.light.single_nm().ok_or_else(|| {
+            Failure::bad(
+                "the wavelength is missing, or there are several; give one, --wavelength-nm NM",
+            )
+        })?;
+        Ok(Some((self.map_flags.load_for_light(path)?, ior, 1e-3 * nm)))
     }
 
     /// Reads the model, the table, or the map.

@@ -15,6 +15,8 @@ use crate::kirchhoff::validity::{COS_RQ_OVER_ACL, CURVATURE_WAVELENGTHS, LobeVal
 use crate::kirchhoff::{Speckle, Validity, WaveBoundary, Wavelengths};
 use crate::method::{Body, Waves};
 use crate::reconstruct::Light;
+use crate::rigorous::solver::{RigorousError, Side as SolverSide};
+use crate::rigorous::{CutsRequest, MapCuts, NoCuts};
 use crate::surface::{Edges, HeightMap};
 
 /// Heading of these flags.
@@ -39,6 +41,12 @@ pub(in crate::cli) struct KirchhoffFlags {
         allow_negative_numbers = true
     )]
     incidence: Vec<f64>,
+    /// Solve Maxwell's equations on N cuts of the map, and print what waves, rays and single facets are off by there
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "12", requires = "ior", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    rigorous: Option<u16>,
+    /// Length of these cuts in um [default: 60 wavelengths]
+    #[arg(long, value_name = "UM", requires = "rigorous", value_parser = number)]
+    period_um: Option<f64>,
 }
 
 /// What is asked about waves on a map.
@@ -69,6 +77,49 @@ impl KirchhoffFlags {
         };
         Ok(Some(Question { eta, wavelengths: wavelengths.clone(), incidences_deg }))
     }
+}
+
+impl KirchhoffFlags {
+    /// What is asked of cuts of the map; `None` without the flag.
+    ///
+    /// # Errors
+    /// Several wavelengths.
+    pub(in crate::cli) fn cuts(&self) -> Result<Option<CutsRequest>, Failure> {
+        let (Some(solved), Some(ior)) = (self.rigorous, self.ior) else { return Ok(None) };
+        let nm = self.wavelength_nm.as_ref().and_then(Wavelengths::only_nm);
+        let nm = nm.ok_or_else(|| {
+            Failure::bad("--rigorous solves for one wavelength; give one, --wavelength-nm NM")
+        })?;
+        let incidences_deg = match self.incidence.as_slice() {
+            [] => Validity::INCIDENCES_DEG.to_vec(),
+            given => given.to_vec(),
+        };
+        Ok(Some(CutsRequest {
+            ior,
+            wavelength_um: 1e-3 * nm,
+            incidences_deg,
+            sides: vec![SolverSide::Air, SolverSide::Dielectric],
+            solved: usize::from(solved),
+            period_um: self.period_um,
+        }))
+    }
+}
+
+/// Solves on cuts of a map, with its progress.
+pub(in crate::cli) fn solved_cuts(
+    request: &CutsRequest,
+    map: &HeightMap,
+) -> Result<MapCuts, Failure> {
+    let bar = progress::bar(1000, "solving Maxwell's equations on cuts");
+    bar.watch(|watch| request.run(map, watch)).map_err(|e| match e {
+        NoCuts::Unsolved(RigorousError::Stopped) => {
+            Failure::No("interrupted before the end of the solution".into())
+        }
+        NoCuts::Unsolved(
+            e @ (RigorousError::Unsettled { .. } | RigorousError::TooManyNodes { .. }),
+        ) => Failure::No(e.to_string()),
+        e => Failure::bad(e),
+    })
 }
 
 impl Question {
