@@ -92,3 +92,64 @@ fn flat_grooves_are_fresnel_s_and_faults_are_named() {
         assert!(run.err.contains(said), "{wrong}: {}", run.err);
     }
 }
+
+/// Gentle bumps, 160 x 160 points 0.1 um apart, Rq near 0.05 um.
+fn bumps() -> String {
+    let wave = |x: f64, length: f64, phase: f64| (std::f64::consts::TAU * x / length + phase).sin();
+    let height = |x: f64, y: f64| {
+        0.03 * (wave(x, 1.9, 0.3) * wave(y, 2.3, 1.0)
+            + wave(x + 0.7 * y, 3.1, 2.0)
+            + wave(x - 0.9 * y, 2.6, 0.7))
+    };
+    let row = |y: u32| {
+        let cells: Vec<String> = (0..160)
+            .map(|x| format!("{:.6}", height(0.1 * f64::from(x), 0.1 * f64::from(y))))
+            .collect();
+        cells.join(" ") + "\n"
+    };
+    let rows: String = (0..160).map(row).collect();
+    format!("# heights in um, pixel size 0.1 um\n{rows}")
+}
+
+#[test]
+fn waves_and_rays_are_measured_on_cuts_of_a_map() {
+    let folder = Folder::new();
+    folder.write("bumps.txt", bumps());
+    let light = "--ior 1.49 --wavelength-nm 550";
+    let line = format!("stats bumps.txt {light} --incidence 0,30 --rigorous=3");
+    let found = &folder.run(&format!("{line} --json")).json()["rigorous"];
+    assert!(found["energy_error"].as_f64().unwrap() < 1e-6);
+    let lobes = found["lobes"].as_array().unwrap();
+    // two sides, two incidences, two lobes, three lights
+    assert_eq!(lobes.len(), 24);
+    let through = |light: &str| {
+        let is_it = |l: &&serde_json::Value| {
+            l["side"] == "air"
+                && l["lobe"] == "transmission"
+                && l["light"] == light
+                && l["incidence_deg"].as_f64().unwrap().abs() < 1.0
+        };
+        lobes.iter().find(is_it).unwrap()
+    };
+    // gentle and shallow: waves hold, rays do not
+    let off =
+        |k: usize| through("unpolarised")["engines"][k]["reading"]["percent"].as_f64().unwrap();
+    assert!(off(0) < 0.5 && off(1) > 2.0, "{} {}", off(0), off(1));
+    let text = folder.run(&line).ok();
+    assert!(text.contains("solved by Maxwell's equations"), "{text}");
+    let check =
+        format!("check --engine rigorous --map bumps.txt {light} --incidence 0 --side air --json");
+    assert_eq!(folder.run(&check).json()["lobes"].as_array().unwrap().len(), 6);
+    for (wrong, said) in [
+        ("stats bumps.txt --rigorous".to_owned(), "--ior"),
+        (format!("stats bumps.txt {light} --rigorous --period-um 2"), "10 wavelengths"),
+        (
+            "stats bumps.txt --ior 1.49 --wavelength-nm 450,550 --rigorous".to_owned(),
+            "one wavelength",
+        ),
+        (format!("scan --map bumps.txt {light} --engine rigorous"), "check --engine rigorous"),
+    ] {
+        let run = folder.run(&wrong).with_code(2);
+        assert!(run.err.contains(said), "{wrong}: {}", run.err);
+    }
+}

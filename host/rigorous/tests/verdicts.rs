@@ -160,6 +160,11 @@ fn kind(verdict: &Verdict) -> &'static str {
     if verdict.kind == Kind::Reflected { "R" } else { "T" }
 }
 
+/// Whether the longer tests are asked for.
+fn is_extensive() -> bool {
+    std::env::var("ASPERITY_EXTENSIVE").is_ok_and(|v| v == "1")
+}
+
 #[test]
 fn rq_0_2_slope_0_2() {
     let incidences = &[
@@ -175,6 +180,9 @@ fn rq_0_2_slope_0_2() {
 
 #[test]
 fn rq_0_8_slope_0_3() {
+    if !is_extensive() {
+        return;
+    }
     let incidences = &[
         (Side::Air, 0.0),
         (Side::Air, 29.92),
@@ -187,6 +195,9 @@ fn rq_0_8_slope_0_3() {
 
 #[test]
 fn rq_0_05_slope_0_1() {
+    if !is_extensive() {
+        return;
+    }
     let incidences = &[
         (Side::Air, 0.0),
         (Side::Air, 29.89),
