@@ -219,8 +219,8 @@ impl MapCuts {
                 lobe_word(lobe.kind),
                 lobe.incidence_deg,
                 lobe.total.value,
-                lobe.coherent.value,
-                lobe.coherent_kirchhoff.value,
+                unsigned(lobe.coherent.value),
+                unsigned(lobe.coherent_kirchhoff.value),
             );
         }
         text + &self.polarised()
@@ -294,6 +294,11 @@ impl MapCuts {
             "lobes": self.verdicts.lobes.iter().map(lobe).collect::<Vec<_>>(),
         })
     }
+}
+
+/// A share that noise may have made negative, for print.
+fn unsigned(share: f64) -> f64 {
+    if share.abs() < 5e-5 { 0.0 } else { share }
 }
 
 fn deviation(d: Deviation) -> String {

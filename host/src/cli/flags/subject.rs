@@ -124,7 +124,9 @@ impl SubjectFlags {
             return Ok(subject);
         }
         let (Some(path), Some(ior)) = (&self.map, self.ior) else {
-            return Err(Failure::bad("give a model file, or --map FILE with --ior N"));
+            return Err(Failure::bad(
+                "<MODEL> is missing: give a model file, or --map FILE with --ior N",
+            ));
         };
         // said before the map is read, which may take long
         Body::Dielectric { ior }.eta().map_err(Failure::bad)?;
