@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::error::Failure;
+use super::parts::in_order;
 use super::print;
 use super::rendering::{Folder, merge_images};
 use crate::output::{ResultFolder, write_text};
@@ -31,30 +32,6 @@ pub(super) struct Args {
     /// Folder for all of them; made if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-}
-
-/// Places of the parts in their order, 1 to `of`.
-///
-/// # Errors
-/// A part that is there twice, or is missing.
-pub(super) fn in_order(parts: &[(&Path, Shard)], of: usize) -> Result<Vec<usize>, Failure> {
-    let mut owners: Vec<Option<usize>> = vec![None; of];
-    for (place, (folder, shard)) in parts.iter().enumerate() {
-        if let Some(other) = owners[shard.part - 1].replace(place) {
-            return Err(Failure::bad(format!(
-                "{} and {} are both part {shard}; give each part once",
-                parts[other].0.display(),
-                folder.display()
-            )));
-        }
-    }
-    let missing: Vec<String> =
-        (1..=of).filter(|k| owners[k - 1].is_none()).map(|k| format!("{k}/{of}")).collect();
-    if !missing.is_empty() {
-        let missing = missing.join(", ");
-        return Err(Failure::bad(format!("parts are missing: {missing}; give the folders of all")));
-    }
-    Ok(owners.into_iter().flatten().collect())
 }
 
 /// A part that was read.

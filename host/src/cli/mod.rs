@@ -42,6 +42,7 @@ mod samples;
 mod plot;
 mod merge;
 mod grooves;
+mod parts;
 mod render;
 mod rendering;
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output::{Folder, RenderIndex};
 use crate::cli::error::Failure;
-use crate::cli::merge::in_order;
+use crate::cli::parts::in_order;
 use crate::cli::print;
 use crate::output::{AtomicFile, ResultFolder, internal, write_text};
 use crate::reconstruct::Shard;
