@@ -152,10 +152,10 @@ fn scenes_with_faults_are_refused_with_their_line() {
         ("field_deg = 36", "field_deg = 200", "field_deg"),
         ("up = [0, 0, 1]", "up = [0, 0]", "array"),
         ("shape = \"torus\"", "shape = \"donut\"", "donut"),
-        ("closed = false", "closd = false", "closd"),
+        ("closed = false", "is_closed = false", "is_closed"),
         ("to = [-0.12, 0.285, 0.145]", "to = [-0.30, 0.285, 0.145]", "a box needs the corners"),
         ("pixels = [320, 240]", "pixels = [0, 240]", "pixels 1 to 16384"),
-        ("kind = \"model\"", "kind = \"modell\"", "modell"),
+        ("kind = \"model\"", "kind = \"paint\"", "paint"),
         ("radiance = 10", "radiance = -1", "radiance is a finite number"),
         ("open = [\"front\"]", "open = [\"nowhere\"]", "nowhere"),
     ] {

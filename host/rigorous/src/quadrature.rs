@@ -1,6 +1,6 @@
 //! Kress' quadrature of a periodic function with a logarithm.
 //!
-//! R. Kress, *Boundary integral equations in time-harmonic acoustic scattering*, Math. Comput. Modelling 15 (1991)
+//! R. Kress, *Boundary integral equations in time-harmonic acoustic scattering*, Mathematical and Computer Modelling 15 (1991)
 //! 229. A kernel `A ln(4 sin^2(t/2)) + B`, A and B smooth, is integrated exactly for trigonometric
 //! polynomials. Here A is multiplied by a window that is 1 at t = 0 with all its derivatives, to rounding, and 0
 //! where the nearest image of a point changes, at which A has a kink. What is left of the logarithm under the window is

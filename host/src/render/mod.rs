@@ -1,7 +1,7 @@
 //! Scenes rendered with any reconstructed boundary: a small error of a law shows on a curved body at grazing light.
 //!
 //! The tracer is [`asperity_render`]; here boundaries become its laws ([`BoundaryLaw`]), and images become files
-//! ([`Rgb8`], [`exr`]), sheets of several models ([`sheet()`]) and numbers ([`body_numbers`]).
+//! ([`Rgb8`], [`exr()`]), sheets of several models ([`sheet()`]) and numbers ([`body_numbers`]).
 
 mod foreign;
 mod law;

@@ -88,7 +88,7 @@ impl WaveBoundary {
     /// The same surface in light of one wavelength, nm.
     ///
     /// # Errors
-    /// [`WavelengthsError`] of what is no wavelength.
+    /// [`WavelengthsError`](crate::kirchhoff::WavelengthsError) of what is no wavelength.
     pub fn in_light_of(&self, nm: f64) -> Result<Self, crate::kirchhoff::WavelengthsError> {
         let wavelengths = Wavelengths::single(nm)?;
         let wave = std::f64::consts::TAU / wavelengths.mean_um() * self.scale.abs();
