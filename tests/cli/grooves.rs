@@ -55,8 +55,8 @@ fn orders_of_the_reference_profiles_are_written_as_they_are_there() {
 #[test]
 fn flat_grooves_are_fresnel_s_and_faults_are_named() {
     let folder = Folder::new();
-    let flat: String = (0..16).map(|k| format!("{},0\n", 0.25 * f64::from(k))).collect();
-    folder.write("flat.csv", format!("x_um,z_um\n{flat}"));
+    let flat: Vec<String> = (0..16).map(|k| format!("{},0", 0.25 * f64::from(k))).collect();
+    folder.write("flat.csv", format!("x_um,z_um\n{}\n", flat.join("\n")));
     let line = "check --engine rigorous --profile flat.csv --ior 1.5 --wavelength-nm 555";
     let json = folder.run(&format!("{line} --json")).json();
     for incidence in json["incidences"].as_array().unwrap() {

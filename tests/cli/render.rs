@@ -160,7 +160,7 @@ fn scenes_with_faults_are_refused_with_their_line() {
         ("open = [\"front\"]", "open = [\"nowhere\"]", "nowhere"),
     ] {
         assert!(booth.contains(from), "{from}");
-        folder.write("s.toml", &booth.replacen(from, to, 1));
+        folder.write("s.toml", booth.replacen(from, to, 1));
         let run = folder.run("render one.json --scene s.toml -o x.png").with_code(2);
         let line = run.err.split("s.toml:").nth(1).and_then(|rest| rest.split(':').next());
         let line = line.and_then(|line| line.parse::<usize>().ok());

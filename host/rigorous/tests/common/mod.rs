@@ -11,9 +11,14 @@ use std::path::PathBuf;
 
 use asperity_rigorous::{Incidence, Kind, Profile, Side};
 
+/// Whether the reference data are here; said where they are not.
+pub fn are_here() -> bool {
+    asperity_needs::data("reference/rigorous/README.md").is_some()
+}
+
 /// A file of the reference data.
 pub fn data(name: &str) -> PathBuf {
-    asperity_needs::data(&format!("reference/{name}")).expect("the reference data")
+    asperity_needs::data(&format!("reference/{name}")).unwrap()
 }
 
 /// The lines of a file that are neither comments nor its header, in cells.
