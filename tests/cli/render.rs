@@ -175,6 +175,21 @@ fn scenes_with_faults_are_refused_with_their_line() {
 }
 
 #[test]
+fn a_comparison_shows_its_methods_in_the_booth() {
+    let folder = folder();
+    folder.run("scan one.json --sigma 0,30 --step 4 --aperture 4 -o s.csv").ok();
+    let line = "compare s.csv --methods ggx,beckmann --render --no-timing -o c";
+    folder.run(line).with_code(0);
+    for name in ["ggx.png", "beckmann.exr", "sheet.png", "differences.png", "numbers.json"] {
+        assert!(!folder.bytes(&format!("c/s/booth/{name}")).is_empty());
+    }
+    assert!(folder.text("c/report.html").contains("rendered with each method"));
+    // with one method more the images are made anew
+    folder.run(&line.replace("beckmann", "beckmann,student")).with_code(0);
+    assert!(!folder.bytes("c/s/booth/student.png").is_empty());
+}
+
+#[test]
 fn the_scene_goes_to_other_renderers() {
     let folder = folder();
     folder.run("render one.json --export mitsuba -o mitsuba").ok();

@@ -33,7 +33,7 @@ impl Rgb8 {
         }
     }
 
-    /// A PNG file.
+    /// A PNG file; one channel where all pixels are grey.
     ///
     /// # Errors
     /// What the encoder says.
@@ -41,11 +41,15 @@ impl Rgb8 {
         let mut file = Vec::new();
         let mut encoder =
             png::Encoder::new(&mut file, self.pixels[0] as u32, self.pixels[1] as u32);
-        encoder.set_color(png::ColorType::Rgb);
+        let is_grey = self.bytes.chunks_exact(3).all(|p| p[0] == p[1] && p[1] == p[2]);
+        let grey: Vec<u8> = self.bytes.iter().step_by(3).copied().collect();
+        encoder.set_color(if is_grey { png::ColorType::Grayscale } else { png::ColorType::Rgb });
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
         let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
-        writer.write_image_data(&self.bytes).map_err(|e| e.to_string())?;
+        writer
+            .write_image_data(if is_grey { &grey } else { &self.bytes })
+            .map_err(|e| e.to_string())?;
         writer.finish().map_err(|e| e.to_string())?;
         Ok(file)
     }

@@ -13,7 +13,7 @@ use crate::render::BoundaryLaw;
 use crate::render::tracer::image::{Effort, Share};
 
 /// Pixels of a sheet's images, and paths of each.
-const PIXELS: [u32; 2] = [240, 180];
+const PIXELS: [u32; 2] = [160, 120];
 const PATHS: u32 = 64;
 /// Rays per incidence of the tables of waves.
 const RAYS: Rays = Rays { count: 200_000, seed: 1 };
@@ -21,7 +21,8 @@ const RAYS: Rays = Rays { count: 200_000, seed: 1 };
 /// Renders the fitted boundaries of a sample into its folder `booth`; the sheet with all of them, `None` of fewer than two.
 pub(super) fn render(folder: &Path, attempts: &[Attempt]) -> Result<Option<Vec<u8>>, Failure> {
     let mut models: Vec<(String, Arc<BoundaryLaw>, Vec<u8>)> = Vec::new();
-    for cell in attempts.iter().filter_map(Attempt::cell) {
+    for attempt in attempts {
+        let Some(cell) = attempt.cell() else { continue };
         let boundary = match cell.model.boundary(Some(folder)) {
             Ok(boundary) => boundary,
             Err((key, what)) => {
@@ -37,7 +38,7 @@ pub(super) fn render(folder: &Path, attempts: &[Attempt]) -> Result<Option<Vec<u
             .watch(|watch| BoundaryLaw::new(boundary, RAYS, watch))
             .map_err(Failure::bad)?;
         let Some(law) = law else { return Ok(None) };
-        models.push((cell.label.clone(), Arc::new(law), cell.model.to_json().into_bytes()));
+        models.push((attempt.method.clone(), Arc::new(law), cell.model.to_json().into_bytes()));
     }
     if models.len() < 2 {
         return Ok(None);
