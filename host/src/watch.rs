@@ -1,6 +1,7 @@
 //! How long work is watched: whether it has to end, and how far it is.
 
 use std::fmt;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What work tells whoever watches it.
@@ -86,6 +87,12 @@ impl<'a> Watch<'a> {
     /// Tells that `done` steps of `all` are done.
     pub fn done(self, done: usize, all: usize) {
         (self.progress)(Progress::Done { done, all });
+    }
+
+    /// Tells the share of the work that is done, 0 to 1, and says whether to go on.
+    pub fn share(self, done: f64) -> ControlFlow<()> {
+        self.done((1000.0 * done) as usize, 1000);
+        if self.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     /// Tells that `steps` more are done.

@@ -27,6 +27,8 @@ pub struct Camera {
     right: DVec3,
     up: DVec3,
     projection: Projection,
+    /// Half of the width: of the image at a distance of 1, or of the image itself, m.
+    half: f64,
     pixels: [u32; 2],
 }
 
@@ -41,7 +43,11 @@ impl Camera {
         let forward = (at - eye).try_normalize()?;
         let right = forward.cross(up).try_normalize()?;
         let up = right.cross(forward);
-        Some(Self { eye, forward, right, up, projection, pixels })
+        let half = match projection {
+            Projection::Pinhole { field } => libm::tan(0.5 * field),
+            Projection::Orthographic { width } => 0.5 * width,
+        };
+        Some(Self { eye, forward, right, up, projection, half, pixels })
     }
 
     /// Pixels across and down.
@@ -71,16 +77,14 @@ impl Camera {
         let [width, height] = self.pixels.map(f64::from);
         let across = 2.0 * x / width - 1.0;
         let down = (2.0 * y / height - 1.0) * height / width;
+        let [across, down] = [across * self.half * self.right, down * self.half * self.up];
         match self.projection {
-            Projection::Pinhole { field } => {
-                let half = libm::tan(0.5 * field);
-                let direction = self.forward + across * half * self.right - down * half * self.up;
+            Projection::Pinhole { .. } => {
+                let direction = self.forward + across - down;
                 Ray { origin: self.eye, direction: direction.normalize() }
             }
-            Projection::Orthographic { width } => {
-                let half = 0.5 * width;
-                let origin = self.eye + across * half * self.right - down * half * self.up;
-                Ray { origin, direction: self.forward }
+            Projection::Orthographic { .. } => {
+                Ray { origin: self.eye + across - down, direction: self.forward }
             }
         }
     }

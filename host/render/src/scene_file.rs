@@ -88,7 +88,7 @@ struct BodyToml {
     shape: ShapeName,
     material: Spanned<String>,
     #[serde(default)]
-    faces: BTreeMap<FaceName, Spanned<String>>,
+    faces: BTreeMap<Face, Spanned<String>>,
     #[serde(default)]
     open: Vec<Face>,
     from: Option<[f64; 3]>,
@@ -112,18 +112,6 @@ enum ShapeName {
     Cylinder,
     Torus,
     Mesh,
-}
-
-/// A face as the key of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum FaceName {
-    Left,
-    Right,
-    Front,
-    Back,
-    Bottom,
-    Top,
 }
 
 impl Draft {
@@ -198,7 +186,8 @@ impl Draft {
         for spanned in &self.file.bodies {
             let body = spanned.get_ref();
             let shape = self.shape(spanned, read)?;
-            let faces = body.faces.iter().map(|(face, name)| (*face as u32, place(name))).collect();
+            let faces =
+                body.faces.iter().map(|(face, name)| (face.number(), place(name))).collect();
             let name = body.name.clone();
             bodies.push(Body { name, shape, material: place(&body.material), faces });
         }

@@ -1,7 +1,5 @@
 //! `check --engine rigorous`: Maxwell's equations on one period of grooves.
 
-use std::cell::Cell;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use asperity_core::direction::Side;
@@ -132,14 +130,7 @@ fn solved(problem: &Problem, incidences: &[Incidence]) -> Result<Solution, Failu
     let accuracy = Accuracy { tolerance: TOLERANCE, rerun: true, ..Accuracy::default() };
     let bar = progress::bar(1000, "solving Maxwell's equations");
     let solution = bar.watch(|watch| {
-        let last = Cell::new((0, 0));
-        solve(problem, incidences, accuracy, &|stage: Stage| {
-            let now = (stage.run, (1000.0 * stage.done) as usize);
-            if now != last.replace(now) {
-                watch.done(now.1, 1000);
-            }
-            if watch.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })
+        solve(problem, incidences, accuracy, &|stage: Stage| watch.share(stage.done))
     });
     solution.map_err(|e| match e {
         RigorousError::Stopped => Failure::No("interrupted before the end of the solution".into()),

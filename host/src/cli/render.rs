@@ -194,14 +194,7 @@ fn regions(args: &Args, path: &Path, job: &Job) -> Result<(), Failure> {
         let tracer = Tracer::new(&scene);
         let bar = progress::bar(1000, name);
         let means = bar.watch(|watch| {
-            let means = region_means(&tracer, &regions, until, &mut |share| {
-                watch.done((1000.0 * share) as usize, 1000);
-                if watch.is_stopped() {
-                    std::ops::ControlFlow::Break(())
-                } else {
-                    std::ops::ControlFlow::Continue(())
-                }
-            });
+            let means = region_means(&tracer, &regions, until, &mut |done| watch.share(done));
             interrupted |= watch.is_stopped();
             means
         });

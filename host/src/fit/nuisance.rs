@@ -60,26 +60,15 @@ impl Nuisance {
     /// The parameters beside those of the law; `gain` is one of the fit's own.
     pub(super) fn parameters(&self, measurement: &Measurement) -> Vec<Known> {
         let stray = Parameter::new(STRAY, "", (-0.2, 0.2), Scale::Linear, &[0.0]);
-        let single = [
-            (self.theta_zero_deg, angle(THETA_ZERO), 0.0),
-            (self.sigma_zero_deg, angle(SIGMA_ZERO), 0.0),
-            (self.stray, stray, 0.0),
-            (self.aperture, factor(APERTURE), 1.0),
-        ];
-        let known = |(width, parameter, nominal): (Option<f64>, Parameter, f64)| {
-            width.map(|width| Known { parameter, prior: (nominal, width) })
+        let single = [angle(THETA_ZERO), angle(SIGMA_ZERO), stray, factor(APERTURE)];
+        let sigmas = if self.gains.is_some() { measurement.incidences() } else { Vec::new() };
+        let each = sigmas.into_iter().map(|sigma| factor(name_at(sigma)));
+        let known = |parameter: Parameter| {
+            self.prior(parameter.name).map(|prior| Known { parameter, prior })
         };
-        let each = self.gains.into_iter().flat_map(|width| {
-            let sigmas = measurement.incidences();
-            sigmas
-                .into_iter()
-                .map(move |sigma| Known { parameter: factor(name_at(sigma)), prior: (1.0, width) })
-        });
-        single.into_iter().filter_map(known).chain(each).collect()
+        single.into_iter().chain(each).filter_map(known).collect()
     }
-}
 
-impl Nuisance {
     /// Nominal value and standard deviation of what was known of a parameter beforehand, by its name; `None` where nothing was.
     pub fn prior(&self, name: &str) -> Option<(f64, f64)> {
         let (nominal, width) = match name {

@@ -1,7 +1,6 @@
 //! What waves, rays and single facets are off by on cuts of a height map.
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 
 use asperity_rigorous::{
     Accuracy, Approximation, Comparison, Cut, CutError, CutOptions, Deviation, Kind, Light, Piece,
@@ -141,10 +140,7 @@ impl CutsRequest {
             accuracy: Accuracy { tolerance: TOLERANCE, ..Accuracy::default() },
             rays: RayOptions { starts: RAYS, seed: 1 },
         };
-        let verdicts = measure(&pieces, &question, &|share| {
-            watch.done((1000.0 * share) as usize, 1000);
-            if watch.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
+        let verdicts = measure(&pieces, &question, &|share| watch.share(share))?;
         let rms = |of: &dyn Fn(&Cut) -> f64| {
             (cuts.iter().map(|cut| of(cut).powi(2)).sum::<f64>() / count as f64).sqrt()
         };

@@ -6,7 +6,7 @@ use super::Rectangle;
 use crate::ray::{Near, Ray, Surface};
 
 /// A face of a box; x goes to the right, y away from the camera, z up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Face {
     /// x least.

@@ -78,8 +78,14 @@ impl SubjectFlags {
                 "--profile is solved by --engine rigorous; give that, or --map",
             ));
         }
-        self.light.need_no_speckle()?;
+        let light = self.rigorous_light()?;
         self.map_flags.need_map(false)?;
+        Ok(light)
+    }
+
+    /// Index and vacuum wavelength in um of light that Maxwell's equations are solved for.
+    fn rigorous_light(&self) -> Result<(f64, f64), Failure> {
+        self.light.need_no_speckle()?;
         let ior = self
             .ior
             .ok_or_else(|| Failure::bad("the index of the material is missing; give --ior N"))?;
@@ -96,16 +102,8 @@ impl SubjectFlags {
         let (Some(path), Some(EngineFlag::Rigorous)) = (&self.map, self.engine) else {
             return Ok(None);
         };
-        self.light.need_no_speckle()?;
-        let ior = self
-            .ior
-            .ok_or_else(|| Failure::bad("the index of the material is missing; give --ior N"))?;
-        let nm = self.light.single_nm().ok_or_else(|| {
-            Failure::bad(
-                "the wavelength is missing, or there are several; give one, --wavelength-nm NM",
-            )
-        })?;
-        Ok(Some((self.map_flags.load_for_light(path)?, ior, 1e-3 * nm)))
+        let (ior, wavelength_um) = self.rigorous_light()?;
+        Ok(Some((self.map_flags.load_for_light(path)?, ior, wavelength_um)))
     }
 
     /// Reads the model, the table, or the map.

@@ -71,15 +71,18 @@ impl KirchhoffFlags {
                 "--incidence {bad} is not usable; give 0 to below 90 degrees"
             )));
         }
-        let incidences_deg = match self.incidence.as_slice() {
-            [] => Validity::INCIDENCES_DEG.to_vec(),
-            given => given.to_vec(),
-        };
+        let incidences_deg = self.incidences_deg();
         Ok(Some(Question { eta, wavelengths: wavelengths.clone(), incidences_deg }))
     }
-}
 
-impl KirchhoffFlags {
+    /// The incidences, the usual ones where none are given.
+    fn incidences_deg(&self) -> Vec<f64> {
+        match self.incidence.as_slice() {
+            [] => Validity::INCIDENCES_DEG.to_vec(),
+            given => given.to_vec(),
+        }
+    }
+
     /// What is asked of cuts of the map; `None` without the flag.
     ///
     /// # Errors
@@ -90,14 +93,10 @@ impl KirchhoffFlags {
         let nm = nm.ok_or_else(|| {
             Failure::bad("--rigorous solves for one wavelength; give one, --wavelength-nm NM")
         })?;
-        let incidences_deg = match self.incidence.as_slice() {
-            [] => Validity::INCIDENCES_DEG.to_vec(),
-            given => given.to_vec(),
-        };
         Ok(Some(CutsRequest {
             ior,
             wavelength_um: 1e-3 * nm,
-            incidences_deg,
+            incidences_deg: self.incidences_deg(),
             sides: vec![SolverSide::Air, SolverSide::Dielectric],
             solved: usize::from(solved),
             period_um: self.period_um,

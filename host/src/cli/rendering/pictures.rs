@@ -1,7 +1,6 @@
 //! Images rendered, written and put into numbers.
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use serde_json::json;
@@ -141,10 +140,7 @@ impl Pictures<'_> {
     fn fill(&self, image: &mut Image, name: &str, scene: &Scene, share: Share) -> bool {
         let tracer = Tracer::new(scene);
         progress::bar(1000, name).watch(|watch| {
-            image.render(&tracer, self.effort, share, &mut |done| {
-                watch.done((1000.0 * done) as usize, 1000);
-                if watch.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
+            image.render(&tracer, self.effort, share, &mut |done| watch.share(done));
             watch.is_stopped()
         })
     }
@@ -193,9 +189,8 @@ fn write_images(
     if rendered.len() < 2 {
         return Ok(());
     }
-    let named = |r: &'_ Rendered<'_>| -> (String, Image) { (r.name.to_owned(), r.image.clone()) };
-    let owned: Vec<(String, Image)> = rendered.iter().map(named).collect();
-    let all: Vec<Named<'_>> = owned.iter().map(|(name, image)| Named { name, image }).collect();
+    let all: Vec<Named<'_>> =
+        rendered.iter().map(|r| Named { name: r.name, image: &r.image }).collect();
     let side_by_side = sheet(&all, white).and_then(|s| s.png()).map_err(Failure::Trouble)?;
     write_bytes(&folder.join("sheet.png"), &side_by_side)?;
     let others: Vec<Named<'_>> =
