@@ -1,7 +1,7 @@
 //! The cost of a fit: residuals of the readings and of what is known beforehand.
 
 use super::problem::Problem;
-use crate::forward::{Effort, Rays};
+use crate::forward::{Effort, Readings};
 use crate::method::{BuildError, Parameter};
 
 impl Problem<'_> {
@@ -9,33 +9,57 @@ impl Problem<'_> {
     ///
     /// Traced readings have noise, which adds to the mean square of the residuals, and adds less where a
     /// surface is smoother: a fit would prefer that. The mean product of the residuals of two
-    /// independent simulations has no such part; it may be negative where the model is as good as the
+    /// independent halves of the rays has no such part; it may be negative where the model is as good as the
     /// noise allows to see. So the cost is the objective for quadrature, and this mean, times 10^4, for rays.
     pub(super) fn cost(&self, values: &[f64], effort: Effort) -> Result<Option<f64>, BuildError> {
+        let Some(readings) = self.simulate(values, effort)? else { return Ok(None) };
         if !self.is_traced() {
-            return Ok(self.simulate(values, effort)?.map(|r| self.cost_at(values, &r.values)));
+            return Ok(Some(self.cost_at(values, &readings.values)));
         }
-        let ready = self.ready(values)?;
-        let rays = self.rays(effort);
-        let half = |seed| {
-            let rays = Rays { count: rays.count.div_ceil(2), seed };
-            ready.readings(effort, rays, self.watch).map(|r| r.values)
-        };
-        let (Some(a), Some(b)) = (half(rays.seed), half(rays.seed ^ (1 << 63))) else {
-            return Ok(None);
-        };
-        let objective = self.objective();
-        let product: f64 = self
-            .measured
-            .iter()
-            .zip(a.iter().zip(&b))
-            .map(|(&m, (&a, &b))| {
-                objective.residual(m, a, self.largest) * objective.residual(m, b, self.largest)
-            })
-            .sum();
-        let prior: f64 = self.of_priors(values).map(|r| r * r).sum();
         // A root would make a cliff of the place where the mean is nothing.
-        Ok(Some(1e4 * (product + prior) / self.measured.len() as f64))
+        Ok(Some(1e4 * self.mean_product(&self.residual_halves(values, &readings))))
+    }
+
+    /// The residuals of either half of the rays.
+    pub(super) fn residual_halves(&self, values: &[f64], readings: &Readings) -> [Vec<f64>; 2] {
+        match &readings.halves {
+            Some([a, b]) => [self.residuals(values, a), self.residuals(values, b)],
+            None => [(); 2].map(|()| self.residuals(values, &readings.values)),
+        }
+    }
+
+    /// The mean of the products of the residuals of two halves.
+    pub(super) fn mean_product(&self, [a, b]: &[Vec<f64>; 2]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / self.measured.len() as f64
+    }
+
+    /// Variance of the sum of those products by the noise of the rays.
+    pub(super) fn product_variance(
+        &self,
+        values: &[f64],
+        [a, b]: &[Vec<f64>; 2],
+        readings: &Readings,
+    ) -> f64 {
+        let both = self.residuals(values, &readings.values);
+        let variances = self.ray_variances(&both, readings);
+        let (mut sum, mut from) = (0.0, 0);
+        for incidence in &self.angles().incidences {
+            let to = from + incidence.theta_deg.len();
+            // neighbours whose cones overlap count the same rays; half the rays have twice the variance
+            let alike = 2.0 * self.overlap(&incidence.theta_deg) as f64 + 1.0;
+            let of = |i: usize| 2.0 * variances[i] * (a[i] * a[i] + b[i] * b[i]);
+            sum += alike * (from..to.min(variances.len())).map(of).sum::<f64>();
+            from = to;
+        }
+        sum
+    }
+
+    /// Variances of the residuals of readings by the noise of their rays; empty if they have none.
+    pub(super) fn ray_variances(&self, residuals: &[f64], readings: &Readings) -> Vec<f64> {
+        let errors = readings.std_errors.iter().flatten();
+        let lifted = self.measured.iter().zip(readings.values.iter().zip(errors));
+        let moved = lifted.map(|(&m, (s, e))| self.objective().residual(m, s + e, self.largest));
+        moved.zip(residuals).map(|(moved, r)| (moved - r) * (moved - r)).collect()
     }
 
     /// The residuals whose mean square the fit minimises: those of the readings, then [`Self::prior_count`] of what is known

@@ -6,6 +6,7 @@ use super::budget::{Effect, contributions, moves};
 use super::explained::unexplained;
 use super::fitted::Fitted;
 use super::problem::Problem;
+use super::secant::Told;
 use super::uncertainty::{Curvature, curvature};
 use super::{later, profile};
 use crate::method::Parameter;
@@ -57,8 +58,8 @@ impl Errors {
 pub(super) fn found(
     problem: &Problem<'_>,
     all: &[Parameter],
-    values: &[f64],
-    simulated: &[f64],
+    (values, simulated): (&[f64], &[f64]),
+    told: Option<&Told>,
     options: &FitOptions,
 ) -> (Vec<Fitted>, Errors) {
     // the errors ask for small changes about the fitted values
@@ -66,14 +67,14 @@ pub(super) fn found(
     let near = later.map(|later| problem.with_later(later));
     let near = near.as_ref().unwrap_or(problem);
     let effects = options.doubts.effects(near, values, simulated);
-    let curvature = curvature(near, values, simulated).map(|found| {
+    let curvature = curvature(near, values, simulated, told).map(|found| {
         if effects.is_empty() {
             return found;
         }
         let left = unexplained(near, &found, simulated, &effects);
         found.with_noise(near, left)
     });
-    let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c));
+    let profiles = curvature.as_ref().map(|c| profile::profiles(near, values, c, told));
     let of_noise: Vec<Option<f64>> = (0..values.len())
         .map(|k| {
             let profile = profiles.as_ref().and_then(|p| p[k]);

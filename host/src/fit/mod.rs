@@ -45,6 +45,7 @@ mod cost;
 mod starts;
 mod search;
 mod descent;
+mod secant;
 mod simplex;
 mod uncertainty;
 mod profile;
@@ -152,18 +153,18 @@ impl FitRays {
     /// Target noise of a simulation in the fit, %: some of it cancels in the cost.
     pub const FIT_NOISE_PERCENT: f64 = 1.3;
     /// Rays per incidence that are spent on the aims, in the fit and for the final figures.
-    const IN_FIT: (f64, f64) = (2e5, 4e6);
+    const IN_FIT: (f64, f64) = (2e4, 4e6);
     const MOST: f64 = 1e8;
 
-    /// The number of rays that reduce a noise to a target. In strata it falls faster than with the root of the number.
+    /// The number of rays that reduce a noise to a target.
     fn for_noise(count: u64, percent: f64, aim_percent: f64) -> f64 {
-        count as f64 * (percent / aim_percent).powf(1.7)
+        count as f64 * (percent / aim_percent).powi(2)
     }
 }
 
 impl Default for FitRays {
     fn default() -> Self {
-        Self { draft: 100_000, fit: None, last: None, seed: 1 }
+        Self { draft: 8_000, fit: None, last: None, seed: 1 }
     }
 }
 
@@ -221,6 +222,8 @@ pub struct Fit {
     pub seconds: f64,
     /// Why it ended.
     pub termination: Termination,
+    /// The least cost of its draft, to compare laws of one kind by.
+    pub draft: f64,
 }
 
 /// Why there is no fit.
@@ -243,6 +246,11 @@ pub enum FitError {
              sample; check their unit and the column"
     )]
     NoStart,
+    /// Another law is so much better in the draft that this one was not fitted in full.
+    #[error(
+        "not fitted in full: in the draft its sum of squares is {0:.1} times that of the best law"
+    )]
+    Behind(f64),
     /// Stopped before the first result.
     #[error("interrupted before the first result")]
     Interrupted,
@@ -250,6 +258,9 @@ pub enum FitError {
 
 /// Starts of all that are searched from.
 const MOST_STARTS: usize = 2;
+
+/// The cost of a traced draft after which no other start is searched from: 1 % in terms of eq. (18).
+const NEAR_ENOUGH: f64 = 1.0;
 
 /// Fits `method` to a measurement.
 ///
@@ -262,6 +273,24 @@ pub fn fit(
     measurement: &Measurement,
     setup: &Setup,
     options: &FitOptions,
+    watch: Watch<'_>,
+) -> Result<Fit, FitError> {
+    fit_beside(method, measurement, setup, options, None, watch)
+}
+
+/// How much a traced law's draft may be worse than that of another before it is given up.
+const BEHIND: f64 = 1.2;
+
+/// The same beside another law's fit, whose draft is given: a law that traces rays and is far behind is not fitted in full.
+///
+/// # Errors
+/// As [`fit`]; [`FitError::Behind`].
+pub fn fit_beside(
+    method: &dyn Method,
+    measurement: &Measurement,
+    setup: &Setup,
+    options: &FitOptions,
+    other: Option<f64>,
     watch: Watch<'_>,
 ) -> Result<Fit, FitError> {
     let begun = Instant::now();
@@ -277,9 +306,9 @@ pub fn fit(
     let all = problem.parameters().to_vec();
     let mut search = Search::new(watch, options.max_evaluations);
 
-    // Noise makes a cost rough on the scale of its own changes: no simplex shrinks on it for ever.
+    // under noise the root of the mean square, else a share of the cost
     let (draft_tolerance, tolerance) = if problem.is_traced() {
-        (2e-2, 5e-3)
+        (1e-4, 1e-4)
     } else if method.wave().is_some() {
         // seconds an evaluation, and maps are not known better
         (2e-2, 1e-3)
@@ -289,21 +318,26 @@ pub fn fit(
     let draft = problem.thinned();
     let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
     for (cost, start) in search.best_starts(&draft, MOST_STARTS) {
-        match search.minimise(&draft, &start, Effort::Draft, draft_tolerance) {
-            Ok(end) if end.cost < cost => found.push((end.cost, end.values)),
-            Ok(_) => found.push((cost, start)),
+        let Ok(end) = search.minimise(&draft, &start, Effort::Draft, draft_tolerance) else {
             // the best of the first evaluations is a result too
-            Err(Stopped) => {
-                found.push(search.best_pair().unwrap_or((cost, start)));
-                break;
-            }
+            found.push(search.best_pair().unwrap_or((cost, start)));
+            break;
+        };
+        found.push(if end.cost < cost { (end.cost, end.values) } else { (cost, start) });
+        if problem.is_traced() && end.cost < NEAR_ENOUGH {
+            break;
         }
     }
     found.retain(|(cost, _)| *cost < search::IMPOSSIBLE);
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, mut start)) = found.into_iter().next() else {
+    let Some((drafted, mut start)) = found.into_iter().next() else {
         return Err(if search.interrupted() { FitError::Interrupted } else { FitError::NoStart });
     };
+    if let Some(other) = other.filter(|other| problem.is_traced() && *other > 0.0)
+        && drafted > BEHIND * other
+    {
+        return Err(FitError::Behind(drafted / other));
+    }
     // A floor lost in the draft lies far down a flat logarithm: its least-squares value is where to look.
     problem.solve_linear(&mut start);
     if problem.is_traced() {
@@ -326,7 +360,9 @@ pub fn fit(
     let at_fitted = if is_spread { problem.simulate(&values, Effort::Full)? } else { None };
     let at_fitted = at_fitted.as_ref().unwrap_or(&readings);
     let measured: Vec<f64> = measurement.readings().iter().map(|r| r.value).collect();
-    let (parameters, errors) = errors::found(&problem, &all, &values, &at_fitted.values, options);
+    let told = search.told(&problem, &problem.to_free(&values), 1e-9);
+    let here = (&values[..], &at_fitted.values[..]);
+    let (parameters, errors) = errors::found(&problem, &all, here, told.as_ref(), options);
     let (boundary, body) = problem.boundary(&values)?;
     let simulation_noise_percent = noise_percent(&readings, measurement);
     let of_rays = simulation_noise_percent.filter(|_| problem.is_traced());
@@ -348,6 +384,7 @@ pub fn fit(
         evaluations: search.evaluations(),
         seconds: begun.elapsed().as_secs_f64(),
         termination,
+        draft: drafted,
     })
 }
 
@@ -439,7 +476,11 @@ fn choose_rays(
 ) -> Result<(), BuildError> {
     let Some(given) = options.rays.fit else {
         let draft = options.rays.draft;
-        let Some(readings) = problem.simulate(start, Effort::Draft)? else { return Ok(()) };
+        let rays = Rays { count: draft, seed: options.rays.seed };
+        let ready = problem.ready(start, Effort::Part)?;
+        let Some(readings) = ready.readings(Effort::Part, rays, problem.watch()) else {
+            return Ok(());
+        };
         let noise = noise_percent(&readings, measurement).unwrap_or(0.0);
         let (least, most) = FitRays::IN_FIT;
         let count = FitRays::for_noise(draft, noise, FitRays::FIT_NOISE_PERCENT);

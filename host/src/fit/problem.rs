@@ -192,18 +192,22 @@ impl<'a> Problem<'a> {
 
     /// The boundary for values, and the body it bounds.
     pub(super) fn boundary(&self, values: &[f64]) -> Result<(Boundary, Body), BuildError> {
+        self.boundary_for(values, Effort::Full)
+    }
+
+    fn boundary_for(&self, values: &[f64], effort: Effort) -> Result<(Boundary, Body), BuildError> {
         let body = match self.named(values, "ior").or(self.ior) {
             Some(ior) => Body::Dielectric { ior },
             None => self.options.body,
         };
         let all = self.with_held(values);
         let own = &all[..self.method.parameters().len().min(all.len())];
-        Ok((self.method.boundary(own, body)?, body))
+        Ok((self.method.boundary_of(own, body, effort.cells())?, body))
     }
 
     /// The forward model for values, ready to be run.
-    pub(super) fn ready(&self, values: &[f64]) -> Result<Ready<'_>, BuildError> {
-        let (boundary, body) = self.boundary(values)?;
+    pub(super) fn ready(&self, values: &[f64], effort: Effort) -> Result<Ready<'_>, BuildError> {
+        let (boundary, body) = self.boundary_for(values, effort)?;
         let mut setup = self.setup;
         if let (Sample::Plate { eta, .. }, Body::Dielectric { .. }) = (&mut setup.sample, body) {
             *eta = body.eta()?;
@@ -237,7 +241,7 @@ impl<'a> Problem<'a> {
     pub(super) fn rays(&self, effort: Effort) -> Rays {
         let count = match effort {
             Effort::Draft => self.options.rays.draft,
-            Effort::First | Effort::Full | Effort::Fine | Effort::Passes => self.full_rays,
+            _ => self.full_rays,
         };
         Rays { count, seed: self.options.rays.seed }
     }
@@ -248,7 +252,8 @@ impl<'a> Problem<'a> {
         values: &[f64],
         effort: Effort,
     ) -> Result<Option<Readings>, BuildError> {
-        let ready = self.ready(values)?;
+        let effort = if self.is_traced() && effort == Effort::Full { Effort::Part } else { effort };
+        let ready = self.ready(values, effort)?;
         let Some(later) = self.later.as_ref().filter(|_| effort == Effort::Full) else {
             return Ok(ready.readings(effort, self.rays(effort), self.watch));
         };
@@ -273,7 +278,7 @@ impl<'a> Problem<'a> {
         rays: Rays,
         watch: Watch<'_>,
     ) -> Result<Option<Readings>, BuildError> {
-        Ok(self.ready(values)?.readings(Effort::Full, rays, watch))
+        Ok(self.ready(values, Effort::Full)?.readings(Effort::Full, rays, watch))
     }
 }
 
@@ -300,8 +305,12 @@ impl Ready<'_> {
             readings.values.iter_mut().for_each(|r| *r *= gain);
             readings.neglected.reading *= gain;
             readings.std_errors.iter_mut().flatten().for_each(|e| *e *= gain);
+            readings.halves.iter_mut().flatten().flatten().for_each(|r| *r *= gain);
         }
         self.instrument.show(&mut readings.values, &self.angles);
+        for half in readings.halves.iter_mut().flatten() {
+            self.instrument.show(half, &self.angles);
+        }
         Some(readings)
     }
 

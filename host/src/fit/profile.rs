@@ -6,6 +6,7 @@
 //! readings have no noise). Where the rise is less the error was too small: it is enlarged, on its side, until the rise is 4.
 
 use super::problem::Problem;
+use super::secant::Told;
 use super::uncertainty::Curvature;
 use crate::forward::Effort;
 use crate::linear::inverse;
@@ -40,6 +41,8 @@ const TOLERANCES: (f64, f64) = (1.2, 1.5);
 const FARTHEST: f64 = 8.0;
 /// Moves of a value on one side at most: without noise, and under that of rays.
 const MOVES: (u32, u32) = (5, 1);
+/// Standard errors of the rays that count as noise.
+const RAY_ERRORS: f64 = 3.0;
 /// Rise of chi squared at two standard errors.
 const RISE: f64 = 4.0;
 
@@ -91,10 +94,12 @@ pub(super) fn profiles(
     problem: &Problem<'_>,
     values: &[f64],
     curvature: &Curvature,
+    told: Option<&Told>,
 ) -> Vec<Option<Profile>> {
     let traced = problem.is_traced();
     let optimum = if traced {
-        sum_of(problem, values).map(|least| (values.to_vec(), least))
+        let known = told.map(|told| squares_of_halves(&told.halves));
+        known.or_else(|| sum_of(problem, values)).map(|least| (values.to_vec(), least))
     } else {
         bottom(problem, values, curvature)
     };
@@ -108,6 +113,11 @@ pub(super) fn profiles(
         }
         let own = curvature.inverse[k][k];
         let valley = Valley { problem, values, curvature, k, least, unit: std_error.powi(2) / own };
+        // a rise that the noise of rays hides says nothing
+        let noise = told.map_or(0.0, |told| (2.0 * told.variance).sqrt() / valley.unit);
+        if RAY_ERRORS * noise > RISE {
+            return None;
+        }
         let down = valley.side(-std_error)?;
         let up = valley.side(std_error)?;
         let tolerance = if traced { TOLERANCES.1 } else { TOLERANCES.0 };
@@ -227,6 +237,11 @@ fn bottom(problem: &Problem<'_>, values: &[f64], curvature: &Curvature) -> Optio
 
 fn squares(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum()
+}
+
+/// The same without what the noise of rays adds.
+fn squares_of_halves([a, b]: &[Vec<f64>; 2]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The sum of squares under the rays of the fit, without what their noise adds.

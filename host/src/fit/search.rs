@@ -3,6 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::problem::Problem;
+use super::secant::{Slopes, Told};
 use crate::watch::Watch;
 
 /// The cost of values that give no finite error; larger than any that do.
@@ -26,11 +28,22 @@ pub(super) struct Search<'a> {
     pub(super) budget: u64,
     evaluations: AtomicU64,
     pub(super) best: Mutex<Option<(f64, Vec<f64>)>>,
+    /// Where searches of readings with noise ended, and the names of their parameters.
+    told: Mutex<Vec<(Vec<&'static str>, Told)>>,
 }
+
+/// Distance within which derivatives hold, as a share of a parameter's step.
+const NEAR: f64 = 0.3;
 
 impl<'a> Search<'a> {
     pub(super) fn new(watch: Watch<'a>, budget: u64) -> Self {
-        Self { watch, budget, evaluations: AtomicU64::new(0), best: Mutex::new(None) }
+        Self {
+            watch,
+            budget,
+            evaluations: AtomicU64::new(0),
+            best: Mutex::new(None),
+            told: Mutex::default(),
+        }
     }
 
     pub(super) fn evaluations(&self) -> u64 {
@@ -42,6 +55,35 @@ impl<'a> Search<'a> {
         if let Ok(mut best) = self.best.lock() {
             *best = None;
         }
+    }
+
+    /// Keeps where a search ended for what comes next.
+    pub(super) fn tell(&self, problem: &Problem<'_>, place: Told) {
+        let names = problem.parameters().iter().map(|p| p.name).collect();
+        if let Ok(mut told) = self.told.lock() {
+            told.push((names, place));
+        }
+    }
+
+    /// Where the last of the searches that ended near this place, with the same parameters and readings, did so.
+    pub(super) fn told(&self, problem: &Problem<'_>, free: &[f64], near: f64) -> Option<Told> {
+        let count = problem.measured().len() + problem.prior_count();
+        let fits = |(names, place): &(Vec<&'static str>, Told)| {
+            let parameters = problem.parameters().iter();
+            let is_near =
+                parameters.clone().zip(free.iter().zip(&place.free)).all(|(p, (here, there))| {
+                    (here - there).abs() <= near * p.step(p.to_bounded(*here)).abs()
+                });
+            let is_same = parameters.map(|p| p.name).eq(names.iter().copied());
+            is_same && is_near && place.halves[0].len() == count
+        };
+        let told = self.told.lock().ok()?;
+        told.iter().rev().find(|one| fits(one)).map(|(_, place)| place.clone())
+    }
+
+    /// Derivatives at a place from a search before.
+    pub(super) fn slopes(&self, problem: &Problem<'_>, free: &[f64]) -> Option<Slopes> {
+        self.told(problem, free, NEAR).map(|told| told.slopes)
     }
 
     /// Counts an evaluation.

@@ -81,7 +81,10 @@ fn fitted(
     let mut others = values.to_vec();
     others.remove(k);
     let draft = held.thinned();
-    let starts = draft.starts().into_iter().chain([others]).collect();
+    // where rays are traced the value that a single other parameter had is start enough
+    let is_enough = draft.is_traced() && others.len() == 1;
+    let starts = if is_enough { Vec::new() } else { draft.starts() };
+    let starts = starts.into_iter().chain([others]).collect();
     let Some((_, start)) = search.best_of(&draft, starts, 1).into_iter().next() else {
         return if search.interrupted() { Err(Stopped) } else { Ok(None) };
     };
@@ -143,32 +146,12 @@ impl Sum {
             }));
         }
         // rays that the fit has not seen: it chose its values to suit the noise of its own
-        let half = |turned: u64| {
-            let seed = rays.seed ^ turned;
-            problem.simulate_last(values, Rays { seed, ..rays }, problem.watch())
+        let Some(readings) = problem.simulate_last(values, rays, problem.watch())? else {
+            return Ok(None);
         };
-        let (Some(one), Some(other)) = (half(0)?, half(1 << 63)?) else { return Ok(None) };
-        let (a, b) =
-            (problem.residuals(values, &one.values), problem.residuals(values, &other.values));
-        let lifted = |readings: &crate::forward::Readings| -> Vec<f64> {
-            let errors = readings.std_errors.iter().flatten();
-            readings.values.iter().zip(errors).map(|(value, error)| value + error).collect()
-        };
-        let variance = |readings: &crate::forward::Readings, residuals: &[f64]| -> Vec<f64> {
-            let moved = problem.residuals(values, &lifted(readings));
-            moved.iter().zip(residuals).map(|(m, r)| (m - r) * (m - r)).collect()
-        };
-        let (va, vb) = (variance(&one, &a), variance(&other, &b));
-        let mut ray_variance = 0.0;
-        let mut from = 0;
-        for incidence in &problem.angles().incidences {
-            let to = from + incidence.theta_deg.len();
-            // neighbours whose cones overlap count the same rays
-            let alike = 2.0 * problem.overlap(&incidence.theta_deg) as f64 + 1.0;
-            let of = |i: usize| a[i] * a[i] * vb[i] + b[i] * b[i] * va[i];
-            ray_variance += alike * (from..to.min(va.len())).map(of).sum::<f64>();
-            from = to;
-        }
+        let halves = problem.residual_halves(values, &readings);
+        let ray_variance = problem.product_variance(values, &halves, &readings);
+        let [a, b] = halves;
         let squares = a.iter().zip(&b).map(|(a, b)| a * b).sum();
         let mean: Vec<f64> = a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect();
         Ok(Some(Self { squares, unit: unit(&mean), ray_variance }))

@@ -6,6 +6,7 @@ use argmin::solver::neldermead::NelderMead;
 use super::descent;
 use super::problem::Problem;
 use super::search::{End, IMPOSSIBLE, Search, Stopped};
+use super::secant;
 use crate::forward::Effort;
 
 impl Search<'_> {
@@ -42,8 +43,11 @@ impl Search<'_> {
         effort: Effort,
         tolerance: f64,
     ) -> Result<End, Stopped> {
-        let is_many = problem.parameters().len() >= descent::MANY && !problem.is_traced();
-        if !is_many {
+        if problem.is_traced() {
+            self.begin();
+            return secant::minimise(self, problem, start, effort, tolerance);
+        }
+        if problem.parameters().len() < descent::MANY {
             return self.simplex(problem, start, effort, tolerance);
         }
         if !problem.is_limited() {
@@ -85,11 +89,9 @@ impl Search<'_> {
         let target = Target { search: self, problem, effort };
         let spent = || End { values: start.to_vec(), cost: IMPOSSIBLE, converged: false };
         let at_start = target.cost(&first).map_err(|_| Stopped)?;
-        // A cost that has its noise taken off may be nothing at all.
-        let least = if problem.is_traced() { 2.0 } else { 1e-6 };
         let iterations = self.budget.saturating_sub(self.evaluations());
         let Ok(solver) =
-            NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(least))
+            NelderMead::new(simplex).with_sd_tolerance(tolerance * at_start.max(LEAST))
         else {
             return Ok(End { values: start.to_vec(), cost: at_start, converged: false });
         };
@@ -122,6 +124,8 @@ impl Search<'_> {
     }
 }
 
+/// A cost that counts as more than nothing.
+const LEAST: f64 = 1e-6;
 /// Fresh simplices at most, and the share by which one must lessen the cost to be followed by another.
 const AGAIN: usize = 6;
 const FURTHER: f64 = 1e-3;

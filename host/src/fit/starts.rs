@@ -1,10 +1,10 @@
-//! Where a fit starts from: all combinations of the starts of the parameters, where those in which readings are linear (the
+//! Where a fit starts from: all combinations of the starts of the parameters, of laws that trace rays a few of them, where those in which readings are linear (the
 //! level of a law, its Lambert floor, what stays specular) are solved for as non-negative least squares.
 
 use super::problem::Problem;
 use crate::forward::Effort;
 use crate::linear::inverse;
-use crate::method::{Body, BuildError};
+use crate::method::{Body, BuildError, Parameter};
 
 /// Shares below which a solution stays inside the bounds of its parameter.
 const INSIDE: f64 = 1.01;
@@ -16,13 +16,17 @@ const HALF: f64 = 0.5;
 impl Problem<'_> {
     /// Points to start from: all combinations of the parameters' starts, the linear ones solved for.
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
+        let of = |p: &Parameter| match (p.name, self.options.body) {
+            ("ior", Body::Dielectric { ior }) => vec![ior.clamp(1.06, 3.9)],
+            _ if p.starts.is_empty() => vec![1.0],
+            _ => p.starts.to_vec(),
+        };
+        let of_each: Vec<Vec<f64>> = self.parameters.iter().map(of).collect();
+        if self.is_traced() {
+            return one_by_one(&of_each);
+        }
         let mut points = vec![Vec::new()];
-        for p in &self.parameters {
-            let starts: Vec<f64> = match (p.name, self.options.body) {
-                ("ior", Body::Dielectric { ior }) => vec![ior.clamp(1.06, 3.9)],
-                _ if p.starts.is_empty() => vec![1.0],
-                _ => p.starts.to_vec(),
-            };
+        for starts in of_each {
             points = points
                 .iter()
                 .flat_map(|point: &Vec<f64>| {
@@ -106,6 +110,20 @@ impl Problem<'_> {
         let rest = self.measured().iter().zip(&base).map(|(m, base)| m - base).collect();
         Some(Parts { columns, weights, rest })
     }
+}
+
+/// The middle starts of all parameters, and each other start of one of them: where a simulation takes long.
+fn one_by_one(of_each: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let middle: Vec<f64> = of_each.iter().map(|starts| starts[starts.len() / 2]).collect();
+    let mut points = vec![middle.clone()];
+    for (k, starts) in of_each.iter().enumerate() {
+        for (_, start) in starts.iter().enumerate().filter(|(at, _)| *at != starts.len() / 2) {
+            let mut point = middle.clone();
+            point[k] = *start;
+            points.push(point);
+        }
+    }
+    points
 }
 
 /// A linear problem.

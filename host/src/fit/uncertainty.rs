@@ -1,6 +1,7 @@
 //! Standard errors from the curvature at the optimum.
 
 use super::problem::Problem;
+use super::secant::Told;
 use crate::forward::Effort;
 use crate::linear::inverse;
 
@@ -25,11 +26,21 @@ pub(super) struct Curvature {
 /// `J_i r_i` over neighbouring readings of an incidence with falling weights \[Newey & West 1987\]. So
 /// readings need not be alike in noise, nor independent: neighbours share most of their aperture, and
 /// the misfit of a model has a shape.
+///
+/// A search under noise has `told` both already.
 pub(super) fn curvature(
     problem: &Problem<'_>,
     values: &[f64],
     simulated: &[f64],
+    told: Option<&Told>,
 ) -> Option<Curvature> {
+    let (n, p) = (problem.measured().len(), values.len());
+    if n + problem.prior_count() <= p {
+        return None;
+    }
+    if let Some(told) = told {
+        return of_columns(problem, told.residuals(), told.columns(problem));
+    }
     let residual = |values: &[f64], readings: &[f64]| problem.residuals(values, readings);
     // The fit chose its values under the noise of its own rays, which is part of their error.
     let fitted = problem.is_traced().then(|| problem.simulate(values, Effort::Full));
@@ -37,10 +48,6 @@ pub(super) fn curvature(
         Some(Ok(Some(readings))) => residual(values, &readings.values),
         _ => residual(values, simulated),
     };
-    let (n, p) = (problem.measured().len(), values.len());
-    if n + problem.prior_count() <= p {
-        return None;
-    }
     let mut columns = Vec::with_capacity(p);
     for (k, parameter) in problem.parameters().iter().enumerate() {
         // the noise of a traced derivative falls with the width of its step
@@ -64,6 +71,16 @@ pub(super) fn curvature(
         let width = high - low;
         columns.push(above.iter().zip(&below).map(|(a, b)| (a - b) / width).collect::<Vec<_>>());
     }
+    of_columns(problem, at_optimum, columns)
+}
+
+/// The curvature of residuals and their derivatives at the optimum.
+fn of_columns(
+    problem: &Problem<'_>,
+    at_optimum: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+) -> Option<Curvature> {
+    let p = columns.len();
     let product = |i: usize, j: usize| -> f64 {
         columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum()
     };

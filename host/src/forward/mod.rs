@@ -18,7 +18,9 @@ mod internal;
 mod quadrature;
 mod rays;
 mod heeding;
+mod tally;
 mod monte_carlo;
+mod facets;
 mod coherent;
 mod wave;
 mod simulate;
@@ -29,7 +31,7 @@ pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
 pub use rays::Rays;
 pub(crate) use rays::{Tiles, mix};
-pub use simulate::simulate;
+pub use simulate::{by_rays, simulate};
 pub use wave::wave;
 
 use asperity_core::bsdf::Lobe;

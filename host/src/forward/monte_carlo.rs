@@ -3,14 +3,14 @@
 
 use asperity_core::bsdf::Scatter;
 use asperity_core::direction::{Direction, Side};
-use asperity_core::gonio::{Goniophotometer, incidence};
+use asperity_core::gonio::incidence;
 use asperity_core::plate::{Outcome, Plate};
 use rayon::prelude::*;
 
 use super::heeding::Heeding;
 use super::rays::{Rays, Tiles};
-use super::{Incidence, Sample, Setup, solid_angle};
-use crate::measurement::Quantity;
+use super::tally::{Detectors, Sums, Tally};
+use super::{Incidence, Sample, Setup};
 use crate::watch::Watch;
 
 /// Readings of one incidence with their statistical error.
@@ -18,6 +18,8 @@ use crate::watch::Watch;
 pub struct MonteCarlo {
     /// One reading per angle of observation.
     pub values: Vec<f64>,
+    /// The same from either half of the rays by itself: independent, so that noise does not add to their products.
+    pub halves: [Vec<f64>; 2],
     /// Standard error of each.
     pub std_errors: Vec<f64>,
     /// Reflected, transmitted and lost flux.
@@ -27,7 +29,7 @@ pub struct MonteCarlo {
 }
 
 /// Tiles that are in memory at once.
-const GROUP: u64 = 64;
+pub(super) const GROUP: u64 = 64;
 
 /// Simulates one incidence of a scan.
 ///
@@ -46,19 +48,21 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
 ) -> Option<MonteCarlo> {
     let tiles = rays.tiles(angles.sigma_deg);
     let heeding = Heeding { boundary, watch };
+    let detectors = Detectors::of(setup, angles);
     let one = |number: u64| {
-        let done = Tile::trace(&heeding, setup, angles, tiles, number);
+        let done = trace_tile(&heeding, setup, &detectors, tiles, number);
         watch.more(u64::from(tiles.rays_each()));
         done
     };
-    let mut sum = Tile::new(angles.theta_deg.len());
+    let (mut sums, mut outcome) = (Sums::none(angles.theta_deg.len()), NOTHING);
     let mut from = 0;
     while from < tiles.count() {
         // A group at a time bounds the memory; the order of the sums does not depend on it.
         let to = (from + GROUP).min(tiles.count());
-        let group: Vec<_> = (from..to).into_par_iter().map(one).collect();
+        let group: Vec<Traced> = (from..to).into_par_iter().map(one).collect();
         for tile in group {
-            sum.add(&tile);
+            sums.add(&tile.sums);
+            outcome = sum_of(outcome, tile.outcome);
         }
         if watch.is_stopped() {
             return None;
@@ -67,15 +71,15 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
     }
     let traced = tiles.count() * u64::from(tiles.rays_each());
     let n = traced as f64;
-    let scaled = |(value, theta): (f64, &f64)| value * scale(setup, *theta);
-    let theta = &angles.theta_deg;
+    let read = sums.read((&detectors, setup), &vec![0.0; angles.theta_deg.len()], n);
     Some(MonteCarlo {
-        values: sum.flux.iter().map(|s| s / n).zip(theta).map(scaled).collect(),
-        std_errors: sum.variance.iter().map(|v| v.sqrt() / n).zip(theta).map(scaled).collect(),
+        values: read.values,
+        halves: read.halves,
+        std_errors: read.std_errors,
         outcome: Outcome {
-            reflected: sum.outcome.reflected / n,
-            transmitted: sum.outcome.transmitted / n,
-            lost: sum.outcome.lost / n,
+            reflected: outcome.reflected / n,
+            transmitted: outcome.transmitted / n,
+            lost: outcome.lost / n,
         },
         rays: traced,
     })
@@ -121,91 +125,46 @@ pub(crate) fn count_flux_until<S: Scatter<f64> + Sync>(
     Outcome { reflected, transmitted, lost: (n - total[0] - total[1]) / n }
 }
 
-/// From relative flux in the aperture to what the setup reads; 0 where the cosine vanishes.
-fn scale(setup: &Setup, theta_deg: f64) -> f64 {
-    match setup.quantity {
-        Quantity::Flux => 1.0,
-        Quantity::Bsdf => {
-            let cosine = theta_deg.to_radians().cos();
-            if cosine > 1e-9 { 1.0 / (solid_angle(setup.aperture_deg) * cosine) } else { 0.0 }
-        }
+/// The sums of a tile of rays of unit flux.
+fn trace_tile<S: Scatter<f64>>(
+    boundary: &S,
+    setup: &Setup,
+    detectors: &Detectors<'_>,
+    tiles: Tiles,
+    number: u64,
+) -> Traced {
+    let wi = incidence(detectors.angles.sigma_deg.to_radians());
+    let mut tally = Tally::new(detectors);
+    let mut outcome = NOTHING;
+    for k in 0..tiles.rays_each() {
+        let mut uniforms = tiles.ray(number, k);
+        let mut uniform = || uniforms.next();
+        let mut receive = |wo: Direction<f64>, flux: f64| tally.receive(wo, flux);
+        let one = match setup.sample {
+            Sample::Plate { eta, rough_side } => {
+                Plate::new(boundary, eta, rough_side).trace(wi, &mut uniform, &mut receive)
+            }
+            Sample::Opaque => opaque(boundary, wi, &mut uniform, &mut receive),
+        };
+        outcome = sum_of(outcome, one);
+        tally.end_ray();
     }
+    Traced { sums: tally.sums, outcome }
 }
 
-/// The sums of a tile of rays of unit flux.
-struct Tile {
-    /// Flux received at each angle.
-    flux: Vec<f64>,
-    /// Squares of the differences of neighbouring rays.
-    variance: Vec<f64>,
+/// What a tile gave.
+struct Traced {
+    sums: Sums,
     outcome: Outcome<f64>,
 }
 
-impl Tile {
-    fn new(count: usize) -> Self {
-        let outcome = Outcome { reflected: 0.0, transmitted: 0.0, lost: 0.0 };
-        Self { flux: vec![0.0; count], variance: vec![0.0; count], outcome }
-    }
+const NOTHING: Outcome<f64> = Outcome { reflected: 0.0, transmitted: 0.0, lost: 0.0 };
 
-    fn add(&mut self, other: &Self) {
-        let add = |to: &mut [f64], from: &[f64]| {
-            for (a, b) in to.iter_mut().zip(from) {
-                *a += b;
-            }
-        };
-        add(&mut self.flux, &other.flux);
-        add(&mut self.variance, &other.variance);
-        self.count(other.outcome);
-    }
-
-    fn count(&mut self, one: Outcome<f64>) {
-        self.outcome.reflected += one.reflected;
-        self.outcome.transmitted += one.transmitted;
-        self.outcome.lost += one.lost;
-    }
-
-    fn trace<S: Scatter<f64>>(
-        boundary: &S,
-        setup: &Setup,
-        angles: &Incidence,
-        tiles: Tiles,
-        number: u64,
-    ) -> Self {
-        let gonio = Goniophotometer { aperture_deg: setup.aperture_deg, geometry: setup.geometry };
-        let (cone, theta) = (gonio.cone(), &angles.theta_deg[..]);
-        let wi = incidence(angles.sigma_deg.to_radians());
-        let mut tile = Self::new(theta.len());
-        // what a pair of neighbours gave: the difference at every angle one of them reached
-        let mut pair: Vec<(usize, f64)> = Vec::new();
-        for k in 0..tiles.rays_each() {
-            let mut uniforms = tiles.ray(number, k);
-            let mut uniform = || uniforms.next();
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
-            let mut receive = |wo: Direction<f64>, flux: f64| {
-                let Some((from, to)) = cone.angles(angles.turned_back(wo)) else { return };
-                let first = theta.partition_point(|t| *t < from);
-                for (at, _) in theta.iter().enumerate().skip(first).take_while(|(_, t)| **t <= to) {
-                    tile.flux[at] += flux;
-                    match pair.iter_mut().find(|entry| entry.0 == at) {
-                        Some(entry) => entry.1 += sign * flux,
-                        None => pair.push((at, sign * flux)),
-                    }
-                }
-            };
-            let one = match setup.sample {
-                Sample::Plate { eta, rough_side } => {
-                    Plate::new(boundary, eta, rough_side).trace(wi, &mut uniform, &mut receive)
-                }
-                Sample::Opaque => opaque(boundary, wi, &mut uniform, &mut receive),
-            };
-            tile.count(one);
-            if k % 2 == 1 {
-                for (at, difference) in pair.drain(..) {
-                    tile.variance[at] += difference * difference;
-                }
-            }
-        }
-        tile
+fn sum_of(a: Outcome<f64>, b: Outcome<f64>) -> Outcome<f64> {
+    Outcome {
+        reflected: a.reflected + b.reflected,
+        transmitted: a.transmitted + b.transmitted,
+        lost: a.lost + b.lost,
     }
 }
 

@@ -31,9 +31,20 @@ pub enum Effort {
     Fine,
     /// Internal passes alone, where first hits are known otherwise.
     Passes,
+    /// As in full, but of large traced surfaces a part only, the same every time: for fits.
+    Part,
 }
 
 impl Effort {
+    /// Cells of a traced surface that are enough for it.
+    pub(crate) fn cells(self) -> usize {
+        match self {
+            Self::Draft => 1 << 18,
+            Self::Part => 1 << 20,
+            Self::First | Self::Full | Self::Fine | Self::Passes => usize::MAX,
+        }
+    }
+
     /// Whether light that meets the rough face again is meant too.
     pub(super) fn has_passes(self) -> bool {
         !matches!(self, Self::Draft | Self::First)
@@ -49,6 +60,8 @@ pub struct Readings {
     pub neglected: Neglected,
     /// Standard errors of the readings, if they are from Monte Carlo.
     pub std_errors: Option<Vec<f64>>,
+    /// Readings of either half of the rays, if they are from Monte Carlo.
+    pub halves: Option<[Vec<f64>; 2]>,
 }
 
 /// The light that the cut-off of the internal passes leaves out; the largest over the incidences.
@@ -90,6 +103,7 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
         neglected: all().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),
         values: all().flat_map(|p| p.0.iter().copied()).collect(),
         std_errors: None,
+        halves: None,
     }
 }
 

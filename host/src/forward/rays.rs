@@ -10,6 +10,8 @@
 use asperity_core::math::Real;
 use rand_pcg::Pcg64Mcg;
 
+use super::Effort;
+
 /// Number and seed of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rays {
@@ -22,7 +24,16 @@ pub struct Rays {
 /// Largest side of a tile, in rays; even, for the error is found from pairs.
 const MOST_SIDE: u32 = 128;
 
+/// Rays of a draft where all light is left to them.
+const DRAFT: u64 = 100_000;
+
 impl Rays {
+    /// As many, but in a draft enough to tell one law from another if all light is left to them.
+    pub(super) fn for_draft(self, effort: Effort) -> Self {
+        let least = if effort == Effort::Draft { DRAFT } else { 0 };
+        Self { count: self.count.max(least), ..self }
+    }
+
     /// The tiles of an incidence.
     pub(crate) fn tiles(self, sigma_deg: f64) -> Tiles {
         let side = (self.count.max(1) as f64).sqrt().ceil().min(f64::from(1 << 24)) as u32;

@@ -61,6 +61,7 @@ fn kept(
             values: vec![0.0; plan.len()],
             neglected: super::Neglected::default(),
             std_errors: None,
+            halves: None,
         }
     };
     let all: Vec<Beams<'_>> =

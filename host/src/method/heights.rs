@@ -103,9 +103,19 @@ impl Method for HeightsMethod {
     }
 
     fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError> {
+        self.boundary_of(values, body, SIDE * SIDE)
+    }
+
+    fn boundary_of(
+        &self,
+        values: &[f64],
+        body: Body,
+        cells: usize,
+    ) -> Result<Boundary, BuildError> {
         let law = self.height_law(values)?;
         let eta = body.eta()?;
-        let map = RandomHeights { side: SIDE, seed: self.seed }
+        let side = cells.isqrt().clamp(1, SIDE);
+        let map = RandomHeights { side, seed: self.seed }
             .map(&law)
             .ok_or_else(|| BuildError::Map("the law draws no heights from 0 to h_max".into()))?;
         let field =

@@ -159,6 +159,19 @@ pub trait Method: Send + Sync {
     /// # Errors
     /// [`BuildError`] names the value outside its domain.
     fn boundary(&self, values: &[f64], body: Body) -> Result<Boundary, BuildError>;
+    /// A boundary of a random surface of about so many cells, where less than all is enough; else all of it.
+    ///
+    /// # Errors
+    /// As [`Method::boundary`].
+    fn boundary_of(
+        &self,
+        values: &[f64],
+        body: Body,
+        cells: usize,
+    ) -> Result<Boundary, BuildError> {
+        let _ = cells;
+        self.boundary(values, body)
+    }
     /// The shape of the law, for methods that have one.
     fn profile(&self) -> Option<&'static str> {
         None

@@ -48,9 +48,30 @@ pub struct Turned {
 }
 
 /// Plane facets between two media.
-struct Smooth {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smooth {
     /// Index of the far medium over that of the near one, from below and from above.
     n: [f32; 2],
+}
+
+impl Smooth {
+    /// Facets of a dielectric of relative index `eta`.
+    pub(crate) fn new(eta: RelativeIor<f64>) -> Self {
+        let n = eta.get() as f32;
+        Self { n: [1.0 / n, n] }
+    }
+
+    /// Reflectance of a facet of unit normal `m` (upward) for light from `from`, and where the refracted light goes; none on
+    /// total reflection.
+    #[inline(always)]
+    pub(crate) fn split(
+        self,
+        from: Direction<f32>,
+        m: Direction<f32>,
+        above: bool,
+    ) -> (f32, Option<Direction<f32>>) {
+        fresnel::facet(from, m, self.n[usize::from(above)])
+    }
 }
 
 impl Facet for Smooth {
@@ -62,13 +83,24 @@ impl Facet for Smooth {
         above: bool,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Turned> {
-        let (reflected, through) = fresnel::facet(from, m, self.n[usize::from(above)]);
+        let (reflected, through) = self.split(from, m, above);
         let refracted = through.filter(|_| uniform() >= f64::from(reflected));
         Some(match refracted {
             Some(through) => Turned { to: through, above: !above, weight: 1.0 },
             None => Turned { to: from.reflect(m), above, weight: 1.0 },
         })
     }
+}
+
+/// Light that has left the surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Left {
+    /// Where it goes.
+    pub(crate) wo: Direction<f64>,
+    /// Flux for unit flux.
+    pub(crate) weight: f64,
+    /// Facets met on the way.
+    pub(crate) bounces: u32,
 }
 
 /// Bounces after which a ray is given up.
@@ -126,36 +158,47 @@ impl Field {
         facet: &impl Facet,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
-        let mut above = wi.side()? == Side::Air;
+        let above = wi.side()? == Side::Air;
         let [x, y, z] = wi.xyz().map(|c| -c as f32);
-        let mut travel = Direction::<f32>::from_unit(x, y, z);
+        let travel = Direction::<f32>::from_unit(x, y, z);
         travel.side()?;
         let u = [uniform(), uniform()];
-        let (mut ray, mut mirrored) = self.start(travel, above, u);
-        travel = mirror(travel, mirrored);
-        let mut weight = 1.0;
-        for _ in 0..MOST_BOUNCES {
+        let (ray, mirrored) = self.start(travel, above, u);
+        let left = self.go_on(ray, mirrored, facet, uniform)?;
+        Some(Scattered { wo: left.wo, weight: left.weight })
+    }
+
+    /// Follows light from a point of its way until it leaves; `mirrored` says in which image of the map the ray is.
+    #[inline(always)]
+    pub(crate) fn go_on(
+        &self,
+        ray: Ray,
+        mirrored: Mirrored,
+        facet: &impl Facet,
+        uniform: &mut impl FnMut() -> f64,
+    ) -> Option<Left> {
+        let (mut ray, mut mirrored, mut weight) = (ray, mirrored, 1.0);
+        let [x, y, z] = ray.direction;
+        let mut travel = Direction::from_unit(x, y, z);
+        for bounces in 0..MOST_BOUNCES {
             match self.follow(&ray) {
                 Fate::Escapes => {
-                    let [x, y, z] = mirror(travel, mirrored).xyz().map(f64::from);
-                    // of unit length to single precision: one step of Newton makes it so to double
-                    let scale = 1.5 - 0.5 * (x * x + y * y + z * z);
-                    let wo = Direction::from_unit(x * scale, y * scale, z * scale);
-                    return Some(Scattered { wo, weight });
+                    let wo = to_double(mirror(travel, mirrored));
+                    return Some(Left { wo, weight, bounces });
                 }
                 Fate::Lost => return None,
                 Fate::Hits(hit) => {
                     let [mx, my, mz] = hit.normal();
                     let m = Direction::from_unit(mx, my, mz);
-                    mirrored = [mirrored[0] ^ hit.mirrored[0], mirrored[1] ^ hit.mirrored[1]];
                     let from = mirror(travel, hit.mirrored).opposite();
-                    let turned = facet.turn(from, m, above, uniform)?;
-                    (travel, above) = (turned.to, turned.above);
+                    let turned = facet.turn(from, m, ray.above, uniform)?;
+                    mirrored = [mirrored[0] ^ hit.mirrored[0], mirrored[1] ^ hit.mirrored[1]];
+                    travel = turned.to;
                     weight *= turned.weight;
                     ray = Ray {
                         origin: hit.point,
                         direction: travel.xyz(),
-                        above,
+                        above: turned.above,
                         from: Some(hit.triangle),
                     };
                 }
@@ -163,6 +206,14 @@ impl Field {
         }
         None
     }
+}
+
+/// A direction of unit length to single precision: one step of Newton makes it so to double.
+#[inline(always)]
+pub(crate) fn to_double(d: Direction<f32>) -> Direction<f64> {
+    let [x, y, z] = d.xyz().map(f64::from);
+    let scale = 1.5 - 0.5 * (x * x + y * y + z * z);
+    Direction::from_unit(x * scale, y * scale, z * scale)
 }
 
 impl TracedBoundary {
@@ -184,7 +235,6 @@ impl Scatter<f64> for TracedBoundary {
         wi: Direction<f64>,
         uniform: &mut impl FnMut() -> f64,
     ) -> Option<Scattered<f64>> {
-        let n = self.eta.get() as f32;
-        self.field.scatter(wi, &Smooth { n: [1.0 / n, n] }, uniform)
+        self.field.scatter(wi, &Smooth::new(self.eta), uniform)
     }
 }

@@ -1,5 +1,7 @@
 //! The surface that rays meet: a triangulated grid with its pyramid of bounds.
 
+use rayon::prelude::*;
+
 use crate::surface::{Edges, HeightMap, HeightMapError};
 
 /// A height map prepared for rays: single precision, with bounds of blocks of increasing size.
@@ -85,27 +87,29 @@ impl Field {
         let Some(heights_um) = map.complete() else {
             return Err(FieldError::Missing(100.0 * map.missing_fraction()));
         };
-        let (low, high) = heights_um
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &h| (a.min(h), b.max(h)));
+        let (low, high) = bounds(heights_um, f64::INFINITY, f64::min, f64::max);
         let (middle, pitch_um) = (0.5 * low + 0.5 * high, map.dx_um());
         let range = (high - low) / pitch_um;
         if range.is_nan() || range > HIGHEST {
             return Err(FieldError::Steep(range));
         }
         let seam = usize::from(edges == Edges::Periodic);
-        let mut heights = Vec::with_capacity((nx + seam) * (ny + seam));
-        for y in 0..ny + seam {
+        let stride = nx + seam;
+        let mut heights = vec![0.0_f32; stride * (ny + seam)];
+        heights.par_chunks_mut(stride).enumerate().for_each(|(y, nodes)| {
             let row = &heights_um[(y % ny) * nx..(y % ny + 1) * nx];
             let again = &row[..seam];
-            heights.extend(row.iter().chain(again).map(|h| ((h - middle) / pitch_um) as f32));
-        }
+            for (node, h) in nodes.iter_mut().zip(row.iter().chain(again)) {
+                *node = ((h - middle) / pitch_um) as f32;
+            }
+        });
+        let (lowest, highest) = bounds(&heights, f32::INFINITY, f32::min, f32::max);
         let mut field = Self {
             cells: [nx + seam - 1, ny + seam - 1].map(|n| n as i32),
             edges,
             aspect: (map.dy_um() / pitch_um) as f32,
-            lowest: heights.iter().copied().fold(f32::INFINITY, f32::min),
-            highest: heights.iter().copied().fold(f32::NEG_INFINITY, f32::max),
+            lowest,
+            highest,
             heights,
             slabs: Vec::new(),
             levels: Vec::new(),
@@ -174,6 +178,12 @@ impl Field {
         [part[0], part[1], part[stride], part[stride + 1]]
     }
 
+    /// Heights of the nodes of a row.
+    pub(super) fn nodes(&self, y: usize) -> &[f32] {
+        let stride = self.cells[0] as usize + 1;
+        &self.heights[y * stride..(y + 1) * stride]
+    }
+
     fn build_levels(&mut self) {
         let [cx, cy] = self.cells.map(|c| c as usize);
         let mut side = 1_usize << SMALLEST;
@@ -182,29 +192,26 @@ impl Field {
             first: [x * side, y * side],
             last: [((x + 1) * side).min(cx), ((y + 1) * side).min(cy)],
         };
-        for y in 0..ny {
-            for x in 0..nx {
-                self.slabs.push(self.smallest_slab(block(x, y, side)));
-            }
-        }
+        self.slabs =
+            by_rows(ny, |y| (0..nx).map(|x| self.smallest_slab(block(x, y, side))).collect());
         self.levels.push([0, nx]);
         let mut from = 0;
         while nx > 1 || ny > 1 {
             let (fine_nx, fine_ny, half, start) = (nx, ny, side, self.slabs.len());
             (nx, ny, side) = (nx.div_ceil(2), ny.div_ceil(2), side * 2);
-            for y in 0..ny {
-                for x in 0..nx {
-                    let whole = block(x, y, side);
-                    let mut slab = self.plane(whole);
-                    for fy in 2 * y..(2 * y + 2).min(fine_ny) {
-                        for fx in 2 * x..(2 * x + 2).min(fine_nx) {
-                            let part = self.slabs[from + fy * fine_nx + fx];
-                            slab.include(part, whole, block(fx, fy, half));
-                        }
+            let joined = |x: usize, y: usize| {
+                let whole = block(x, y, side);
+                let mut slab = self.plane(whole);
+                for fy in 2 * y..(2 * y + 2).min(fine_ny) {
+                    for fx in 2 * x..(2 * x + 2).min(fine_nx) {
+                        let part = self.slabs[from + fy * fine_nx + fx];
+                        slab.include(part, whole, block(fx, fy, half));
                     }
-                    self.slabs.push(self.widened(slab, whole));
                 }
-            }
+                self.widened(slab, whole)
+            };
+            let level = by_rows(ny, |y| (0..nx).map(|x| joined(x, y)).collect());
+            self.slabs.extend(level);
             self.levels.push([start, nx]);
             from = start;
         }
@@ -252,20 +259,43 @@ impl Field {
         let [cx, cy] = self.cells.map(|c| c as usize);
         let stride = cx + 1;
         let aspect = self.aspect;
-        let mut most = 0.0_f32;
-        for y in 0..cy {
+        let along = |gx: f32, gy: f32| gx * gx + (gy / aspect) * (gy / aspect);
+        let steepest = |y: usize| {
             let rows = &self.heights[y * stride..(y + 2) * stride];
             let (low, high) = rows.split_at(stride);
-            for x in 0..cx {
+            (0..cx).fold(0.0_f32, |most, x| {
                 let [a, b, c, d] = [low[x], low[x + 1], high[x], high[x + 1]];
-                let along = |gx: f32, gy: f32| gx * gx + (gy / aspect) * (gy / aspect);
-                most = most.max(along(b - a, d - b)).max(along(d - c, c - a));
-            }
-        }
+                most.max(along(b - a, d - b)).max(along(d - c, c - a))
+            })
+        };
+        let most =
+            (0..cy).into_par_iter().with_min_len(ROWS).map(steepest).reduce(|| 0.0, f32::max);
         // a little more, for the rounding of heights
         self.steepest = most.sqrt() * 1.0001;
     }
 }
+/// Rows that one thread takes at a time.
+const ROWS: usize = 16;
+
+/// Slabs of all rows in their order.
+fn by_rows(count: usize, row: impl Fn(usize) -> Vec<Slab> + Sync + Send) -> Vec<Slab> {
+    let rows: Vec<Vec<Slab>> = (0..count).into_par_iter().with_min_len(ROWS / 8).map(row).collect();
+    rows.concat()
+}
+
+/// The least and the largest of some numbers.
+fn bounds<T: Copy + Send + Sync + std::ops::Neg<Output = T>>(
+    numbers: &[T],
+    infinity: T,
+    min: impl Fn(T, T) -> T + Sync + Send,
+    max: impl Fn(T, T) -> T + Sync + Send,
+) -> (T, T) {
+    let none = || (infinity, -infinity);
+    let of = |chunk: &[T]| chunk.iter().fold(none(), |(a, b), &h| (min(a, h), max(b, h)));
+    let both = |a: (T, T), b: (T, T)| (min(a.0, b.0), max(a.1, b.1));
+    numbers.par_chunks(1 << 16).map(of).reduce(none, both)
+}
+
 /// A block of cells by its first and its last node.
 #[derive(Clone, Copy)]
 struct Block {

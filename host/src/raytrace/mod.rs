@@ -7,7 +7,10 @@ mod ray;
 mod field;
 mod walk;
 mod boundary;
+mod spot;
 
 pub use boundary::{Facet, TracedBoundary, Turned};
+pub(crate) use boundary::{Left, Smooth, to_double};
 pub use field::{Field, FieldError};
 pub use ray::{Fate, Hit, Mirrored, Ray, Triangle};
+pub(crate) use spot::{Rows, Spot};

@@ -7,7 +7,7 @@ use asperity_core::plate::RoughSide;
 
 use crate::atlas::{Measured, Surface};
 use crate::boundary::Boundary;
-use crate::fit::{Fit, FitError, cost_at, fit};
+use crate::fit::{Fit, FitError, cost_at, fit_beside};
 use crate::forward::Sample;
 use crate::kirchhoff::warning_for_rays;
 use crate::measurement::exchanged::{self, Part};
@@ -53,7 +53,9 @@ impl Task<'_> {
                 continue;
             }
             watch.now(&format!("fitting {label}"));
-            let done = match fit(&**method, self.measurement, &self.setup, &self.options, watch) {
+            let best = found.as_ref().map(|(_, _, best, _)| best.draft);
+            let (scan, setup, options) = (self.measurement, &self.setup, &self.options);
+            let done = match fit_beside(&**method, scan, setup, options, best, watch) {
                 Ok(done) => done,
                 // An earlier law's result is not thrown away when a later one is interrupted.
                 Err(e) if found.is_some() => {

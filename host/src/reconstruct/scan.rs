@@ -7,7 +7,7 @@ use asperity_core::quantity::RelativeIor;
 
 use crate::boundary::Boundary;
 use crate::forward::{
-    Angles, Effort, Incidence, Rays, Readings, Sample, Setup, monte_carlo, simulate, wave,
+    Angles, Effort, Incidence, Rays, Readings, Sample, Setup, by_rays, simulate, wave,
 };
 use crate::measurement::meta::HeaderFault;
 use crate::measurement::{AngleRange, InvalidReading, Measurement, Metadata, Quantity, Reading};
@@ -341,7 +341,7 @@ impl ScanRequest {
         for (sigma_deg, rotation_deg) in beams {
             let incidence = Incidence::in_plane(sigma_deg, angles.to_vec());
             let there = boundary.turned(setup.turn_deg(rotation_deg));
-            let Some(done) = monte_carlo(&*there, setup, &incidence, rays, watch) else {
+            let Some(done) = by_rays(&there, setup, &incidence, rays, watch) else {
                 raw.interrupted = true;
                 break;
             };

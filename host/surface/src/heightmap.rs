@@ -58,13 +58,12 @@ impl HeightMap {
                 return Err(HeightMapError::Pitch(pitch));
             }
         }
-        let mut missing: Vec<bool> = heights_um.iter().map(|h| !h.is_finite()).collect();
-        let lost = missing.iter().filter(|m| **m).count();
-        if lost == heights_um.len() {
-            return Err(HeightMapError::Empty);
+        if heights_um.iter().all(|h| h.is_finite()) {
+            return Ok(Self { nx, ny, dx_um, dy_um, heights_um, missing: Vec::new() });
         }
-        if lost == 0 {
-            missing = Vec::new();
+        let missing: Vec<bool> = heights_um.iter().map(|h| !h.is_finite()).collect();
+        if missing.iter().all(|m| *m) {
+            return Err(HeightMapError::Empty);
         }
         for h in &mut heights_um {
             if !h.is_finite() {

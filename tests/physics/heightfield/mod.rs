@@ -8,4 +8,5 @@ mod smooth;
 mod facets;
 mod extremes;
 mod refusals;
+mod counted;
 mod repeats;
