@@ -135,8 +135,17 @@ fn waves_and_rays_are_measured_on_cuts_of_a_map() {
     let off =
         |k: usize| through("unpolarised")["engines"][k]["reading"]["percent"].as_f64().unwrap();
     assert!(off(0) < 0.5 && off(1) > 2.0, "{} {}", off(0), off(1));
-    let text = folder.run(&line).ok();
+    let text = folder.run(&format!("{line} --plot own")).ok();
     assert!(text.contains("solved by Maxwell's equations"), "{text}");
+    // the point of this map among the curves of the atlas, three engines in three lobes
+    let picture = folder.text("own-rigorous.svg");
+    let shape = found["filtered"]["rms_slope"].as_f64().unwrap();
+    assert!(picture.contains(&format!("this map, slope {shape:.2}")));
+    for engine in ["waves", "rays", "single facets"] {
+        let caption = format!("{engine}: from air, transmission, 30");
+        assert!(picture.contains(&caption), "{caption}");
+    }
+    assert!(picture.contains("rays: from inside, transmission, 30"));
     let check =
         format!("check --engine rigorous --map bumps.txt {light} --incidence 0 --side air --json");
     assert_eq!(folder.run(&check).json()["lobes"].as_array().unwrap().len(), 6);

@@ -7,9 +7,11 @@ use super::flags::map::MapFlags;
 use super::flags::waves::{self, KirchhoffFlags};
 use super::{print, say};
 use crate::atlas;
+use crate::output::AtomicFile;
+use crate::plot;
 use crate::reconstruct::validity_json;
 use crate::report::{MapFigureFiles, MapFigures, figure_text};
-use crate::rigorous::MapCuts;
+use crate::rigorous::{self, MapCuts};
 use crate::surface::sanity::Insane;
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
@@ -55,7 +57,8 @@ use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
 pub(super) struct Args {
     /// The height map
     map: PathBuf,
-    /// Write plots of heights, their histogram and spectrum: STEM-map, STEM-histogram, STEM-spectrum, each .svg and .png
+    /// Write plots of heights, their histogram and spectrum: STEM-map, STEM-histogram, STEM-spectrum, each .svg and .png;
+    /// with --rigorous also STEM-rigorous, the errors of this map among those of the atlas
     #[arg(long, value_name = "STEM")]
     plot: Option<PathBuf>,
     /// Print JSON
@@ -77,6 +80,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let question = args.kirchhoff.question()?;
     let cuts = args.kirchhoff.cuts()?;
     let files = args.plot.as_deref().map(MapFigureFiles::create).transpose()?;
+    let of_cuts = args.plot.as_deref().filter(|_| cuts.is_some());
+    let of_cuts = of_cuts.map(CutsFiles::create).transpose()?;
     let loaded = args.flags.load(&args.map, Purpose::Figures)?;
     let map = &loaded.map;
     if question.is_some() {
@@ -97,6 +102,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     // Only the mean can be taken from a periodic map without a step at its borders.
     let waves = if loaded.edges == Edges::Periodic { &loaded.with_form } else { map };
     let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
+    let wavelength_um = cuts.as_ref().map_or(f64::NAN, |request| request.wavelength_um);
     let cuts = cuts.map(|request| waves::solved_cuts(&request, map)).transpose()?;
     let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
@@ -143,7 +149,39 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let iso = iso_25178(&loaded, &areal);
         print(&format!("{}{iso}{waves}", human(&loaded, &figures, anisotropy)))?;
     }
-    files.map_or(Ok(()), |files| draw(files, &args.map, &loaded, spectrum.as_ref()))
+    files.map_or(Ok(()), |files| draw(files, &args.map, &loaded, spectrum.as_ref()))?;
+    if let (Some(files), Some(cuts)) = (of_cuts, &cuts) {
+        files.write(&args.map, cuts, wavelength_um)?;
+    }
+    Ok(())
+}
+
+/// The files `STEM-rigorous`, SVG and PNG, opened before the work.
+struct CutsFiles([AtomicFile; 2]);
+
+impl CutsFiles {
+    fn create(stem: &Path) -> Result<Self, Failure> {
+        let open = |extension: &str| {
+            let mut name = stem.file_name().unwrap_or_default().to_owned();
+            name.push(format!("-rigorous.{extension}"));
+            AtomicFile::create(stem.with_file_name(name))
+        };
+        Ok(Self([open("svg")?, open("png")?]))
+    }
+
+    fn write(self, map: &Path, cuts: &MapCuts, wavelength_um: f64) -> Result<(), Failure> {
+        let name = map.file_name().unwrap_or(map.as_os_str()).to_string_lossy();
+        let title = format!("{name}: errors beside Maxwell's equations on grooves");
+        let figure = rigorous::figure(&title, cuts, wavelength_um);
+        let svg = plot::svg(&figure).map_err(Failure::bad)?;
+        let png = plot::png(&figure).map_err(Failure::bad)?;
+        for (file, content) in self.0.into_iter().zip([svg.into_bytes(), png]) {
+            let path = file.path().to_owned();
+            file.finish(&content)?;
+            say::note(format_args!("wrote {}", path.display()));
+        }
+        Ok(())
+    }
 }
 
 fn draw(

@@ -1,0 +1,93 @@
+//! What waves, rays and single facets are off by over the height of a surface and its slope, and a map of one's own among them.
+
+use asperity_core::bsdf::Lobe;
+use asperity_core::direction;
+use asperity_rigorous::{Kind, Light, Side, Verdict};
+
+use super::MapCuts;
+use crate::atlas::{Engine, Measure, Solution, solutions};
+use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
+
+/// The lobes shown, from where and which.
+const LOBES: [(Side, Kind); 3] = [
+    (Side::Air, Kind::Transmitted),
+    (Side::Air, Kind::Reflected),
+    (Side::Dielectric, Kind::Transmitted),
+];
+/// The incidence shown if there is a choice, degrees.
+const INCIDENCE_DEG: f64 = 30.0;
+/// Incidences as near as this are one.
+const NEAR_DEG: f64 = 3.0;
+const ENGINES: [(Engine, &str); 3] =
+    [(Engine::Kirchhoff, "waves"), (Engine::Rays, "rays"), (Engine::Facet, "single facets")];
+/// The ends of Rq over the wavelength, and decades of errors.
+const RANGE: (f64, f64) = (0.015, 4.0);
+const DECADES: u8 = 5;
+
+/// Errors of three engines in up to three lobes: those of the atlas, a curve a slope, and those of the cuts of a map.
+pub fn figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
+    let lobes: Vec<&Verdict> = LOBES.iter().filter_map(|lobe| nearest(cuts, *lobe)).collect();
+    let shape = cuts.shapes[2];
+    let place = shape.rq_um / wavelength_um;
+    let panels = ENGINES.iter().enumerate().flat_map(|(k, (engine, name))| {
+        lobes.iter().map(move |lobe| {
+            let mut curves = of_slopes(lobe, *engine);
+            let found = &lobe.comparisons[k].reading;
+            let own = format!("this map, slope {:.2}", shape.rms_slope);
+            let interval = vec![(place, found.low_percent), (place, found.high_percent)];
+            curves.push(Curve { label: own.clone(), points: interval, style: CurveStyle::Fitted });
+            let points = vec![(place, found.percent)];
+            curves.push(Curve { label: own, points, style: CurveStyle::Points });
+            Panel { caption: caption(name, lobe), curves }
+        })
+    });
+    Figure {
+        title: title.to_owned(),
+        x_label: "Rq / wavelength".into(),
+        y_label: "error, % of the peak (eq. 18)".into(),
+        x_range: (RANGE.0.min(0.7 * place), RANGE.1.max(1.4 * place)),
+        across: Across::Log,
+        scale: Scale::Log { decades: DECADES },
+        shared_y: true,
+        panels: panels.collect(),
+    }
+}
+
+fn caption(engine: &str, lobe: &Verdict) -> String {
+    let side = if lobe.side == Side::Air { "air" } else { "inside" };
+    let kind = if lobe.kind == Kind::Reflected { "reflection" } else { "transmission" };
+    format!("{engine}: from {side}, {kind}, {:.0}°", lobe.incidence_deg)
+}
+
+/// The verdict on a lobe at the incidence nearest to the one shown.
+fn nearest(cuts: &MapCuts, (side, kind): (Side, Kind)) -> Option<&Verdict> {
+    let off = |v: &Verdict| (v.incidence_deg - INCIDENCE_DEG).abs();
+    let of_lobe = |v: &&Verdict| v.side == side && v.kind == kind && v.light == Light::Unpolarised;
+    cuts.verdicts.lobes.iter().filter(of_lobe).min_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Errors of an engine on the surfaces of the atlas, a curve for each slope, at the incidences nearest to that of the lobe.
+fn of_slopes(lobe: &Verdict, engine: Engine) -> Vec<Curve> {
+    let off = |s: &Solution| (s.incidence_deg - lobe.incidence_deg).abs();
+    let is_of_lobe = |s: &&Solution| {
+        (s.side == direction::Side::Air) == (lobe.side == Side::Air)
+            && (s.lobe == Lobe::Reflection) == (lobe.kind == Kind::Reflected)
+    };
+    let of_lobe: Vec<&Solution> = solutions().iter().filter(is_of_lobe).collect();
+    let least = of_lobe.iter().map(|s| off(s)).fold(f64::INFINITY, f64::min);
+    let near = of_lobe.into_iter().filter(|s| off(s) < least + NEAR_DEG);
+    let mut curves: Vec<(f64, Vec<(f64, f64)>)> = Vec::new();
+    for solution in near {
+        let point = (solution.rq_over_lambda, solution.error_percent(engine, Measure::Reading));
+        match curves.iter_mut().find(|(slope, _)| (slope - solution.rms_slope).abs() < 1e-9) {
+            Some((_, points)) => points.push(point),
+            None => curves.push((solution.rms_slope, vec![point])),
+        }
+    }
+    curves.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let drawn = |(slope, mut points): (f64, Vec<(f64, f64)>)| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Curve { label: format!("slope {slope}"), points, style: CurveStyle::Fitted }
+    };
+    curves.into_iter().map(drawn).collect()
+}
