@@ -10,8 +10,8 @@ use crate::atlas;
 use crate::output::AtomicFile;
 use crate::plot;
 use crate::reconstruct::validity_json;
-use crate::report::{MapFigureFiles, MapFigures, figure_text};
-use crate::rigorous::{self, MapCuts};
+use crate::report::{MapFigureFiles, MapFigures, cuts_figure, figure_text};
+use crate::rigorous::MapCuts;
 use crate::surface::sanity::Insane;
 use crate::surface::spectrum::Anisotropy;
 use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
@@ -172,7 +172,7 @@ impl CutsFiles {
     fn write(self, map: &Path, cuts: &MapCuts, wavelength_um: f64) -> Result<(), Failure> {
         let name = map.file_name().unwrap_or(map.as_os_str()).to_string_lossy();
         let title = format!("{name}: errors beside Maxwell's equations on grooves");
-        let figure = rigorous::figure(&title, cuts, wavelength_um);
+        let figure = cuts_figure(&title, cuts, wavelength_um);
         let svg = plot::svg(&figure).map_err(Failure::bad)?;
         let png = plot::png(&figure).map_err(Failure::bad)?;
         for (file, content) in self.0.into_iter().zip([svg.into_bytes(), png]) {

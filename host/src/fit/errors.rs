@@ -6,7 +6,7 @@ use super::budget::{Effect, contributions, moves};
 use super::explained::unexplained;
 use super::fitted::Fitted;
 use super::problem::Problem;
-use super::secant::Told;
+use super::told::Told;
 use super::uncertainty::{Curvature, curvature};
 use super::{later, profile};
 use crate::method::Parameter;

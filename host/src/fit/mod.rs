@@ -45,6 +45,7 @@ mod cost;
 mod starts;
 mod search;
 mod descent;
+mod told;
 mod secant;
 mod simplex;
 mod uncertainty;

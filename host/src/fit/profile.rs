@@ -6,7 +6,7 @@
 //! readings have no noise). Where the rise is less the error was too small: it is enlarged, on its side, until the rise is 4.
 
 use super::problem::Problem;
-use super::secant::Told;
+use super::told::Told;
 use super::uncertainty::Curvature;
 use crate::forward::Effort;
 use crate::linear::inverse;

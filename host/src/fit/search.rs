@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::problem::Problem;
-use super::secant::{Slopes, Told};
+use super::told::{Slopes, Told};
 use crate::watch::Watch;
 
 /// The cost of values that give no finite error; larger than any that do.

@@ -1,7 +1,7 @@
 //! Standard errors from the curvature at the optimum.
 
 use super::problem::Problem;
-use super::secant::Told;
+use super::told::Told;
 use crate::forward::Effort;
 use crate::linear::inverse;
 

@@ -9,10 +9,12 @@ mod boundary;
 mod laws;
 mod residuals;
 mod heights;
+mod cuts;
 mod page;
 mod trade;
 
 pub use boundary::{BoundaryFiles, boundary_csv, boundary_figure};
+pub use cuts::cuts_figure;
 pub use figures::{Drawn, FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
 pub use laws::{NamedFluxes, NamedValues, flux_figure, lobes_figure};

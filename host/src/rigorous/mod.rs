@@ -4,13 +4,11 @@
 //! The solver is [`asperity_rigorous`], with its own conventions, which are those of this program: heights upwards, air above, the
 //! dielectric below.
 
-mod figure;
 mod map_cuts;
 mod orders;
 mod profile_file;
 
 pub use asperity_rigorous as solver;
-pub use figure::figure;
 pub use map_cuts::{CutsRequest, MapCuts, NoCuts};
 pub use orders::{orders_csv, orders_json, summary};
 pub use profile_file::{ProfileFileError, read_profile};

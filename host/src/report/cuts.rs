@@ -4,9 +4,9 @@ use asperity_core::bsdf::Lobe;
 use asperity_core::direction;
 use asperity_rigorous::{Kind, Light, Side, Verdict};
 
-use super::MapCuts;
 use crate::atlas::{Engine, Measure, Solution, solutions};
 use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
+use crate::rigorous::MapCuts;
 
 /// The lobes shown, from where and which.
 const LOBES: [(Side, Kind); 3] = [
@@ -25,7 +25,7 @@ const RANGE: (f64, f64) = (0.015, 4.0);
 const DECADES: u8 = 5;
 
 /// Errors of three engines in up to three lobes: those of the atlas, a curve a slope, and those of the cuts of a map.
-pub fn figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
+pub fn cuts_figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
     let lobes: Vec<&Verdict> = LOBES.iter().filter_map(|lobe| nearest(cuts, *lobe)).collect();
     let shape = cuts.shapes[2];
     let place = shape.rq_um / wavelength_um;
