@@ -33,11 +33,12 @@ pub fn cuts_figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
         lobes.iter().map(move |lobe| {
             let mut curves = of_slopes(lobe, *engine);
             let found = &lobe.comparisons[k].reading;
-            let own = format!("this map, slope {:.2}", shape.rms_slope);
             let interval = vec![(place, found.low_percent), (place, found.high_percent)];
-            curves.push(Curve { label: own.clone(), points: interval, style: CurveStyle::Fitted });
+            let label = "its standard error".to_owned();
+            curves.push(Curve { label, points: interval, style: CurveStyle::Fitted });
+            let label = format!("this map, slope {:.2}", shape.rms_slope);
             let points = vec![(place, found.percent)];
-            curves.push(Curve { label: own, points, style: CurveStyle::Points });
+            curves.push(Curve { label, points, style: CurveStyle::Points });
             Panel { caption: caption(name, lobe), curves }
         })
     });
