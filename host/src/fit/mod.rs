@@ -61,17 +61,21 @@ mod bootstrap;
 mod errors;
 mod verdict;
 mod tail;
+mod rays;
+mod outcome;
 
 pub use budget::Doubts;
 pub use errors::Errors;
 pub use fitted::{Fitted, Shown};
 pub use nuisance::{MOST_GAINS, Nuisance, is_of_instrument};
 pub use objective::Objective;
+pub use outcome::{Fit, FitError, IncidenceError, Termination};
 pub use profile::{Profile, Side};
 pub use quick::{Quick, quick};
+pub use rays::FitRays;
 pub use signature::{NoSignature, Signature};
 pub use tail::tail_score;
-pub use verdict::{IncidenceError, MISFIT_PERCENT};
+pub use verdict::MISFIT_PERCENT;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -79,8 +83,7 @@ use std::time::Instant;
 
 use asperity_core::metric::rmsd_percent;
 
-use crate::boundary::Boundary;
-use crate::forward::{Angles, Effort, Neglected, Rays, Readings, Setup};
+use crate::forward::{Angles, Effort, Rays, Readings, Setup};
 use crate::measurement::{Measurement, noise};
 use crate::method::{Body, BuildError, Method};
 use crate::watch::Watch;
@@ -130,131 +133,6 @@ impl FitOptions {
             replicas: 0,
         }
     }
-}
-
-/// Rays per incidence in a fit that traces them.
-///
-/// All evaluations of a stage use the same seed, so that they differ only by the surface; the final figures use
-/// another seed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FitRays {
-    /// In the search for a start.
-    pub draft: u64,
-    /// In the fit; `None`: as many as bring their noise to [`FitRays::FIT_NOISE_PERCENT`].
-    pub fit: Option<u64>,
-    /// For the final figures; `None`: as many as bring their noise below [`FitRays::NOISE_PERCENT`].
-    pub last: Option<u64>,
-    /// The seed of the fit; the final figures use the next one.
-    pub seed: u64,
-}
-
-impl FitRays {
-    /// Target noise of the final figures in terms of eq. (18), %.
-    pub const NOISE_PERCENT: f64 = 0.2;
-    /// Target noise of a simulation in the fit, %: some of it cancels in the cost.
-    pub const FIT_NOISE_PERCENT: f64 = 1.3;
-    /// Rays per incidence that are spent on the aims, in the fit and for the final figures.
-    const IN_FIT: (f64, f64) = (2e4, 4e6);
-    const MOST: f64 = 1e8;
-
-    /// The number of rays that reduce a noise to a target.
-    fn for_noise(count: u64, percent: f64, aim_percent: f64) -> f64 {
-        count as f64 * (percent / aim_percent).powi(2)
-    }
-}
-
-impl Default for FitRays {
-    fn default() -> Self {
-        Self { draft: 8_000, fit: None, last: None, seed: 1 }
-    }
-}
-
-/// Why a fit ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Termination {
-    /// The simplex shrank to its tolerance.
-    Converged,
-    /// The evaluations ran out.
-    MaxEvaluations,
-    /// The user stopped it; the best values so far are kept.
-    Interrupted,
-}
-
-impl Termination {
-    /// The word in files.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::MaxEvaluations => "max_evaluations",
-            Self::Interrupted => "interrupted",
-        }
-    }
-}
-
-/// A fit.
-#[derive(Clone, Debug)]
-pub struct Fit {
-    /// The fitted parameters, in order.
-    pub parameters: Vec<Fitted>,
-    /// Their errors together.
-    pub errors: Errors,
-    /// The boundary they make.
-    pub boundary: Boundary,
-    /// Refractive index; `None` for an opaque body.
-    pub ior: Option<f64>,
-    /// Simulated readings, in the order of the measurement's.
-    pub readings: Vec<f64>,
-    /// Error of eq. (18), %.
-    pub rmsd_percent: f64,
-    /// The objective and its value.
-    pub objective: (Objective, f64),
-    /// Error of eq. (18) for each incidence alone.
-    pub incidences: Vec<IncidenceError>,
-    /// Light left out of the internal passes.
-    pub neglected: Neglected,
-    /// Noise of the simulated readings in terms of eq. (18), %; `None` if they have none.
-    pub simulation_noise_percent: Option<f64>,
-    /// Noise of the measurement in the same terms, %: from its header, else from its readings and the residuals of
-    /// this fit; never above `rmsd_percent`. `None` if it is not known.
-    pub noise_floor_percent: Option<f64>,
-    /// Evaluations of the forward model.
-    pub evaluations: u64,
-    /// Wall time.
-    pub seconds: f64,
-    /// Why it ended.
-    pub termination: Termination,
-    /// The least cost of its draft, to compare laws of one kind by.
-    pub draft: f64,
-}
-
-/// Why there is no fit.
-#[derive(Debug, thiserror::Error)]
-pub enum FitError {
-    /// The fixed values make no boundary.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// Fewer readings than parameters.
-    #[error("{readings} readings cannot determine {parameters} parameters; measure more angles")]
-    TooFewReadings {
-        /// Readings given.
-        readings: usize,
-        /// Parameters requested.
-        parameters: usize,
-    },
-    /// No start gave a finite error.
-    #[error(
-        "no start gave a finite error: the readings do not look like scatter of such a \
-             sample; check their unit and the column"
-    )]
-    NoStart,
-    /// Another law is so much better in the draft that this one was not fitted in full.
-    #[error(
-        "not fitted in full: in the draft its sum of squares is {0:.1} times that of the best law"
-    )]
-    Behind(f64),
-    /// Stopped before the first result.
-    #[error("interrupted before the first result")]
-    Interrupted,
 }
 
 /// Starts of all that are searched from.

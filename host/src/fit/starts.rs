@@ -1,5 +1,6 @@
-//! Where a fit starts from: all combinations of the starts of the parameters, of laws that trace rays a few of them, where those in which readings are linear (the
-//! level of a law, its Lambert floor, what stays specular) are solved for as non-negative least squares.
+//! Where a fit starts from: all combinations of the starts of the parameters, or a few of them for laws that trace rays. Parameters
+//! in which readings are linear (the level of a law, its Lambert floor, what stays specular) are solved for as non-negative least
+//! squares.
 
 use super::problem::Problem;
 use crate::forward::Effort;

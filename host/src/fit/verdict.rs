@@ -2,17 +2,8 @@
 
 use asperity_core::metric::rmsd_percent;
 
-use super::{Fit, Termination};
+use super::outcome::{Fit, IncidenceError, Termination};
 use crate::forward::{Angles, Incidence};
-
-/// Error of eq. (18) taken over one incidence alone, in %.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IncidenceError {
-    /// Angle of incidence, degrees.
-    pub sigma_deg: f64,
-    /// Rms deviation at this incidence over its own largest reading, %; `None` if that is zero.
-    pub rmsd_percent: Option<f64>,
-}
 
 /// Largest error of a single incidence that still counts as a description, %.
 ///

@@ -62,7 +62,7 @@ impl<'a> Detectors<'a> {
     }
 }
 
-/// Sums of the flux of rays, a number a detector.
+/// Sums of the flux of rays, one number per detector.
 #[derive(Clone, Debug)]
 pub(super) struct Sums {
     /// Of either half of the rays: every other pair of neighbours.

@@ -257,12 +257,10 @@ impl Field {
 
     fn find_steepest(&mut self) {
         let [cx, cy] = self.cells.map(|c| c as usize);
-        let stride = cx + 1;
         let aspect = self.aspect;
         let along = |gx: f32, gy: f32| gx * gx + (gy / aspect) * (gy / aspect);
         let steepest = |y: usize| {
-            let rows = &self.heights[y * stride..(y + 2) * stride];
-            let (low, high) = rows.split_at(stride);
+            let (low, high) = (self.nodes(y), self.nodes(y + 1));
             (0..cx).fold(0.0_f32, |most, x| {
                 let [a, b, c, d] = [low[x], low[x + 1], high[x], high[x + 1]];
                 most.max(along(b - a, d - b)).max(along(d - c, c - a))
@@ -274,6 +272,7 @@ impl Field {
         self.steepest = most.sqrt() * 1.0001;
     }
 }
+
 /// Rows that one thread takes at a time.
 const ROWS: usize = 16;
 

@@ -2,6 +2,7 @@
 
 use asperity_core::direction::Direction;
 
+use super::walk::gradient;
 use super::{Field, Triangle};
 
 /// A point of the surface.
@@ -58,8 +59,7 @@ impl Field {
     pub(crate) fn corner(&self, triangle: Triangle) -> Spot {
         let [x, y] = triangle.cell;
         let h = self.corners(x, y);
-        let (gx, gy) =
-            if triangle.upper { (h[3] - h[2], h[2] - h[0]) } else { (h[1] - h[0], h[3] - h[1]) };
+        let [gx, gy] = gradient(h, triangle.upper);
         Spot { triangle, point: [x as f32, y as f32, h[0]], slope: [gx, gy / self.aspect] }
     }
 

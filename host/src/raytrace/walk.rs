@@ -53,7 +53,7 @@ fn follow(field: &Field, ray: &Ray) -> Fate {
 
 /// Changes of the height over one cell, along x and y, in one of its triangles.
 #[inline(always)]
-fn gradient(h: [f32; 4], upper: bool) -> [f32; 2] {
+pub(super) fn gradient(h: [f32; 4], upper: bool) -> [f32; 2] {
     if upper { [h[3] - h[2], h[2] - h[0]] } else { [h[1] - h[0], h[3] - h[1]] }
 }
 

@@ -24,7 +24,7 @@ const ENGINES: [(Engine, &str); 3] =
 const RANGE: (f64, f64) = (0.015, 4.0);
 const DECADES: u8 = 5;
 
-/// Errors of three engines in up to three lobes: those of the atlas, a curve a slope, and those of the cuts of a map.
+/// Errors of three engines in up to three lobes: those of the atlas, one curve per slope, and those of the cuts of a map.
 pub fn cuts_figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
     let lobes: Vec<&Verdict> = LOBES.iter().filter_map(|lobe| nearest(cuts, *lobe)).collect();
     let shape = cuts.shapes[2];

@@ -19,7 +19,7 @@ use crate::watch::Watch;
 /// The sum of an incidence.
 #[derive(Clone, Debug)]
 pub(super) struct Sum {
-    /// Relative flux, a number a detector.
+    /// Relative flux, one number per detector.
     pub(super) flux: Vec<f64>,
     /// Area that the facets take up of the beam, over that of the beam: more than 1 is in the shadow.
     pub(super) taken_up: f64,

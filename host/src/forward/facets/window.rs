@@ -19,11 +19,12 @@ pub(super) struct Window {
     /// The area of the map over that of the rectangle.
     pub(super) scale: f64,
     /// One row of cells in so many is taken.
-    pub(super) stride: usize,
+    stride: usize,
 }
 
 /// The largest margin, as a share of the side of the map: a beam that needs more reaches over the edge.
 const MOST_MARGIN: f64 = 0.25;
+
 impl Window {
     /// `None` if heights reach over the edge of the map. A fit takes a part of the rows of a
     /// large map, a draft fewer.
@@ -31,11 +32,8 @@ impl Window {
         let [x, y, z] = beam.wi.xyz();
         let shift = [x / z, y / z / field.aspect()];
         let (nx, ny) = field.size();
-        let most = match effort {
-            Effort::Draft | Effort::Part => effort.cells() / nx,
-            Effort::First | Effort::Full | Effort::Fine | Effort::Passes => usize::MAX,
-        };
-        let stride = (ny / most.max(1)).max(1);
+        let most_rows = (effort.cells() / nx).max(1);
+        let stride = (ny / most_rows).max(1);
         if field.edges() == Edges::Periodic {
             return Some(Self { bounds: None, shift, scale: 1.0, stride });
         }
@@ -71,7 +69,7 @@ impl Window {
     }
 
     /// Whether it is all of the map.
-    pub(super) fn is_all(&self) -> bool {
+    fn is_all(&self) -> bool {
         self.bounds.is_none()
     }
 
