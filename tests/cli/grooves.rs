@@ -142,7 +142,7 @@ fn waves_and_rays_are_measured_on_cuts_of_a_map() {
     let shape = found["filtered"]["rms_slope"].as_f64().unwrap();
     assert!(picture.contains(&format!("this map, slope {shape:.2}")));
     for engine in ["waves", "rays", "single facets"] {
-        let caption = format!("{engine}: from air, transmission, 29");
+        let caption = format!("{engine}: from air, transmission, 30");
         assert!(picture.contains(&caption), "{caption}");
     }
     assert!(picture.contains("rays: from inside, transmission, 30"));
@@ -161,4 +161,75 @@ fn waves_and_rays_are_measured_on_cuts_of_a_map() {
         let run = folder.run(&wrong).with_code(2);
         assert!(run.err.contains(said), "{wrong}: {}", run.err);
     }
+}
+
+#[test]
+fn compare_sets_the_errors_on_the_map_beside_each_method() {
+    let folder = Folder::new();
+    folder.write("bumps.txt", bumps());
+    let light = "--wavelength-nm 550";
+    folder
+        .run(&format!(
+            "scan --map bumps.txt {light} --ior 1.49 --engine wave --sigma 0,30 --step 1 --aperture 4 -o scan.csv"
+        ))
+        .ok();
+    let compare = format!(
+        "compare scan.csv --map bumps.txt --methods ggx,measured-ray,measured-wave {light} --rough-side source --fit-rays 10000 \
+         --rays 20000 --max-misfit 90 --no-timing --rigorous=3 -o r"
+    );
+    folder.run(&compare);
+    let sample = folder.json("r/compare.json")["samples"][0].clone();
+    let lobes = sample["rigorous"]["lobes"].as_array().unwrap();
+    // 0 and 30 degrees from air and from inside, each with both lobes
+    assert_eq!(lobes.len(), 8, "{sample:#}");
+    let measured: Vec<_> = lobes.iter().filter(|l| l["measured"] == true).collect();
+    assert_eq!(measured.len(), 2);
+    assert!(measured.iter().all(|l| l["side"] == "air" && l["lobe"] == "transmission"));
+    // the figure of the engine stands beside each method, the largest of the measured angles
+    for (method, engine) in
+        [("ggx", "single facets"), ("measured-ray", "rays"), ("measured-wave", "waves")]
+    {
+        let results = sample["results"].as_array().unwrap();
+        let found = results.iter().find(|r| r["method"] == method).unwrap();
+        let of = |l: &&serde_json::Value| l[engine]["percent"].as_f64().unwrap();
+        let worst = measured.iter().map(of).fold(0.0, f64::max);
+        assert_eq!(found["engine_error"]["percent"].as_f64(), Some(worst), "{method}");
+    }
+    for file in ["r/compare.md", "r/report.html"] {
+        let text = folder.text(file);
+        assert_eq!(text.matches("Maxwell's equations on 3 of ").count(), 1, "{file}");
+        assert!(text.contains("engine off") && !text.contains("Atlas: "), "{file}");
+    }
+    assert!(folder.text("r/report.html").contains("this map, slope"));
+    // what was solved is kept, and the tables are the same
+    let before = ["r/compare.md", "r/scan/rigorous.json"].map(|file| folder.text(file));
+    let again = folder.run(&compare);
+    assert!(!again.err.contains("solving"), "{}", again.err);
+    assert_eq!(before, ["r/compare.md", "r/scan/rigorous.json"].map(|file| folder.text(file)));
+    // the header knows the wavelength
+    folder.write("dark.csv", folder.text("scan.csv").replace("# wavelength_nm: 550\n", ""));
+    for (wrong, said) in [
+        ("compare scan.csv --methods ggx --rigorous -o s", "give --map FILE"),
+        ("compare dark.csv --map bumps.txt --methods ggx --rigorous -o s", "--wavelength-nm"),
+    ] {
+        let run = folder.run(&format!("{wrong} --rough-side source")).with_code(2);
+        assert!(run.err.contains(said), "{wrong}: {}", run.err);
+    }
+}
+
+#[test]
+fn a_plan_quotes_the_errors_on_the_map_of_its_scene() {
+    let folder = Folder::new();
+    folder.write("bumps.txt", bumps());
+    let scene = "[body]\nkind = \"plate\"\nior = 1.49\nrough = \"source\"\n[surface]\nmap = \"bumps.txt\"\n[source]\n\
+                 kind = \"collimated\"\nincidence_deg = 20\nwavelength_nm = 550\n[wanted]\nquantity = \"haze\"\n\
+                 error_percent = 30\n[target]\nkind = \"host\"\n";
+    folder.write("scene.toml", scene);
+    let of_atlas = folder.run("plan scene.toml").out;
+    let solved = folder.run("plan scene.toml --rigorous=3").out;
+    assert!(solved.contains("Maxwell's equations on 3 of "), "{solved}");
+    assert!(of_atlas.contains("true error of rays") && !of_atlas.contains("Maxwell"), "{of_atlas}");
+    folder.write("none.toml", scene.replace("map = \"bumps.txt\"", "rms_slope = 0.1"));
+    let run = folder.run("plan none.toml --rigorous").with_code(2);
+    assert!(run.err.contains("give the surface as map"), "{}", run.err);
 }

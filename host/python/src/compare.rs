@@ -166,5 +166,6 @@ fn sample(
         surface: task.map.map(|map| SurfaceFigures::of(&map.map)),
         ranking: Vec::new(),
         grounds: Grounds::default(),
+        rigorous: None,
     })
 }

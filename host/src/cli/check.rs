@@ -122,16 +122,15 @@ impl Args {
     /// What waves, rays and single facets are off by on cuts of a map.
     fn cuts(&self, prepared: &Prepared, ior: f64, wavelength_um: f64) -> Result<(), Failure> {
         let sides = match self.side {
-            Some(SideFlag::Air) => vec![SolverSide::Air],
-            Some(SideFlag::Dielectric) => vec![SolverSide::Dielectric],
-            None => vec![SolverSide::Air, SolverSide::Dielectric],
+            Some(SideFlag::Air) => &[SolverSide::Air][..],
+            Some(SideFlag::Dielectric) => &[SolverSide::Dielectric],
+            None => &[SolverSide::Air, SolverSide::Dielectric],
         };
         let period_um = self.profile.period_of_cuts()?;
         let request = CutsRequest {
             ior,
             wavelength_um,
-            incidences_deg: self.incidence.clone(),
-            sides,
+            incidences: CutsRequest::each_side(sides, &self.incidence),
             solved: SOLVED_CUTS,
             period_um,
         };

@@ -38,7 +38,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "DIR", default_value = "asperity-demo")]
     output: PathBuf,
     /// Rays per incidence of the virtual scan; the fits take fewer in proportion. Fewer are faster and noisier
-    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "6e6")]
+    #[arg(long, value_name = "N", value_parser = parse_rays, default_value = "1e6")]
     rays: u64,
     /// Print the results as JSON
     #[arg(long)]
@@ -124,6 +124,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         timing: !args.no_timing,
         rank: false,
         render: false,
+        rigorous: None,
         jobs: None,
         shard: None,
         memory: None,

@@ -44,6 +44,10 @@ pub(super) struct Args {
     /// Costs of this machine, from `asperity trade --csv`; those shipped without it
     #[arg(long, value_name = "FILE")]
     trade: Option<PathBuf>,
+    /// Solve Maxwell's equations on N cuts of the map of the scene for the true errors of rays and waves there, in place of
+    /// what the atlas knows of surfaces like it (12 cuts without N)
+    #[arg(long, value_name = "N", num_args = 0..=1, require_equals = true, default_missing_value = "12", conflicts_with = "example", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    rigorous: Option<u16>,
     /// Carry out the plan and everything, and compare
     #[arg(long)]
     check: bool,
@@ -69,7 +73,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let Some(path) = &args.scene else {
         return Err(Failure::bad("no scene is given; `asperity plan --example plate` prints one"));
     };
-    let scene = Scene::read(path).map_err(Failure::bad)?;
+    let mut scene = Scene::read(path).map_err(Failure::bad)?;
+    scene.rigorous = args.rigorous.map(usize::from);
     let costs = match &args.trade {
         Some(path) => Costs::read(path).map_err(Failure::Bad)?,
         None => Costs::shipped(),

@@ -9,7 +9,7 @@ use super::{print, say};
 use crate::atlas;
 use crate::output::AtomicFile;
 use crate::plot;
-use crate::reconstruct::validity_json;
+use crate::reconstruct::{CutErrors, validity_json};
 use crate::report::{MapFigureFiles, MapFigures, cuts_figure, figure_text};
 use crate::rigorous::MapCuts;
 use crate::surface::sanity::Insane;
@@ -104,6 +104,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let verdict = question.map(|q| q.of(waves, loaded.edges)).transpose()?;
     let wavelength_um = cuts.as_ref().map_or(f64::NAN, |request| request.wavelength_um);
     let cuts = cuts.map(|request| waves::solved_cuts(&request, map)).transpose()?;
+    let against = cuts.as_ref().zip(verdict.as_ref()).map(|(cuts, rule)| cuts.against_rule(rule));
+    let against = against.unwrap_or_default();
     let spectrum = Spectrum::of(waves, loaded.edges).ok();
     let anisotropy = spectrum.as_ref().and_then(Spectrum::anisotropy);
     if args.json {
@@ -135,7 +137,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             });
             answer.insert("atlas".into(), atlas.into());
             if let Some(cuts) = &cuts {
-                answer.insert("rigorous".into(), cuts.json());
+                let mut found = cuts.json();
+                found["against_rule"] = against.clone().into();
+                answer.insert("rigorous".into(), found);
             }
             answer.insert("edges".into(), loaded.edges.name().into());
             let input = serde_json::to_value(&loaded.input).map_err(Failure::bad)?;
@@ -143,9 +147,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         print(&format!("{answer:#}\n"))?;
     } else {
+        let verdicts: Vec<String> = against.iter().map(|l| format!("verdict: {l}\n")).collect();
         let waves = verdict.as_ref().map(waves::human).unwrap_or_default()
             + &verdict.as_ref().map(waves::atlas).unwrap_or_default()
-            + &cuts.as_ref().map(MapCuts::text).unwrap_or_default();
+            + &cuts.as_ref().map(MapCuts::text).unwrap_or_default()
+            + &verdicts.concat();
         let iso = iso_25178(&loaded, &areal);
         print(&format!("{}{iso}{waves}", human(&loaded, &figures, anisotropy)))?;
     }
@@ -172,7 +178,7 @@ impl CutsFiles {
     fn write(self, map: &Path, cuts: &MapCuts, wavelength_um: f64) -> Result<(), Failure> {
         let name = map.file_name().unwrap_or(map.as_os_str()).to_string_lossy();
         let title = format!("{name}: errors beside Maxwell's equations on grooves");
-        let figure = cuts_figure(&title, cuts, wavelength_um);
+        let figure = cuts_figure(&title, &CutErrors::of(cuts, wavelength_um, None));
         let svg = plot::svg(&figure).map_err(Failure::bad)?;
         let png = plot::png(&figure).map_err(Failure::bad)?;
         for (file, content) in self.0.into_iter().zip([svg.into_bytes(), png]) {

@@ -9,9 +9,9 @@ use asperity_core::bsdf::LobeSet;
 use super::cost::{Costs, Way};
 use super::decide::{Blocked, Chosen, Search, USED};
 use super::everything::everything;
-use super::gates::Waves;
+use super::gates::{Failing, Waves};
 use super::measuring;
-use super::quoted::rigorous_error;
+use super::quoted::{of_lobe, rigorous_error, solve};
 use super::record::{CostRecord, FORMAT, Plan, Predicted, Reason, SceneRecord, words};
 use super::refusal::{Impossible, NoPlan};
 use super::rough::lobe_words;
@@ -19,6 +19,7 @@ use super::scene::{Quantity, Scene, Surface};
 use super::spectrum;
 use super::study::{BAND, Reduced, STEP, Study};
 use crate::method::Bounces;
+use crate::reconstruct::CutErrors;
 
 /// Paths of a plan.
 pub const PATHS: u64 = 8192;
@@ -50,6 +51,7 @@ pub fn plan(scene: &Scene, costs: &Costs, seed: u64) -> Result<Plan, NoPlan> {
         left: Vec::new(),
         warnings: Vec::new(),
         seed,
+        solved: solve(&study, scene)?,
     };
     draft.say_surface();
     draft.waves()?;
@@ -80,6 +82,8 @@ struct Composer<'a> {
     left: Vec<Reason>,
     warnings: Vec<String>,
     seed: u64,
+    /// The true errors on the map of the scene, if they were asked for.
+    solved: Option<CutErrors>,
 }
 
 fn percent(fraction: f64) -> String {
@@ -125,7 +129,7 @@ impl Composer<'_> {
                 "the map has a direction (strength {lay:.2}); the plan is for the mean over azimuths"
             ));
         }
-        if let Some(rigorous) = rigorous_error(study, self.scene.source.wavelength_nm[0]) {
+        if let Some(rigorous) = rigorous_error(study, self.scene, self.solved.as_ref()) {
             self.choose("true error of rays", rigorous);
         }
     }
@@ -179,8 +183,8 @@ impl Composer<'_> {
                 nm / 2000.0
             )),
         }
-        obstacles
-            .extend(failing.into_iter().map(|f| format!("Kirchhoff's approximation fails: {f}")));
+        let failing = failing.into_iter().filter_map(|f| self.failure(f));
+        obstacles.extend(failing.map(|why| format!("Kirchhoff's approximation fails: {why}")));
         if KIRCHHOFF_PERCENT > asked_percent {
             obstacles.push(format!(
                 "where Kirchhoff's approximation passes its rule it is known to {KIRCHHOFF_PERCENT} % of the peak, no better"
@@ -191,6 +195,20 @@ impl Composer<'_> {
         }
         let nearest = Some(self.nearest_by_rays(error));
         Err(NoPlan::Impossible(Box::new(Impossible { nearest, obstacles, asked_percent })))
+    }
+
+    /// Why waves fail in a lobe: by the rule, unless they were found to hold on cuts of the map.
+    fn failure(&self, by_rule: Failing) -> Option<String> {
+        let found = self.solved.as_ref().and_then(|errors| of_lobe(errors, by_rule.lobe));
+        let Some(found) = found else { return Some(by_rule.why) };
+        (found.waves.holds() != Some(true)).then(|| {
+            format!(
+                "{} at {:.0} deg: off by {} on cuts of the map",
+                lobe_words(by_rule.lobe),
+                found.incidence_deg,
+                found.waves.text()
+            )
+        })
     }
 
     /// The plan of rays that errs by what waves do.

@@ -5,7 +5,8 @@
 //! the noise of the paths. The light of a path is kept by the set of lobes it met, which tells the same of every choice of lobes.
 
 use asperity_core::bsdf::LobeSet;
-use rayon::prelude::*;
+
+use crate::parallel;
 
 use super::detect::{MOST_PARTS, Parts};
 use super::numbers::Numbers;
@@ -163,7 +164,8 @@ pub(super) fn estimate(
     (paths, seed): (u64, u64),
 ) -> Estimate {
     let batches = paths.div_ceil(BATCH).max(2);
-    let batch = |number: u64| {
+    let batch = |number: usize| {
+        let number = number as u64;
         let mut sums = Sums::empty(others.len());
         for path in number * BATCH..(number + 1) * BATCH {
             let ratios = vec![1.0; others.len()];
@@ -173,7 +175,7 @@ pub(super) fn estimate(
         }
         sums.closed(BATCH as f64)
     };
-    let all: Vec<Sums> = (0..batches).into_par_iter().map(batch).collect();
+    let all = parallel::map(batches as usize, &batch);
     let mut sums = Sums::empty(others.len());
     for one in &all {
         sums.add(one);

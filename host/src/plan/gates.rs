@@ -11,7 +11,7 @@ use super::rough::{Rough, lobe_words};
 use crate::kirchhoff::validity::GaussianLobe;
 
 /// Share of a quantity below which a lobe does not matter to the gates.
-const LEAST_WEIGHT: f64 = 0.01;
+pub(super) const LEAST_WEIGHT: f64 = 0.01;
 
 /// What the waves of light do on a surface of known height.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,16 @@ pub(super) struct Waves {
     /// 1/e correlation length in wavelengths, where it is known.
     pub(super) correlation: Option<f64>,
     /// Lobes where Kirchhoff's approximation fails its rule.
-    pub(super) failing: Vec<String>,
+    pub(super) failing: Vec<Failing>,
+}
+
+/// A lobe where Kirchhoff's approximation fails its rule.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Failing {
+    /// Which.
+    pub(super) lobe: (Side, Lobe),
+    /// In words.
+    pub(super) why: String,
 }
 
 /// Rms phase of a lobe at an incidence: `2 pi Rq |q_z| / k`. Beyond the critical angle transmitted light is taken as grazing.
@@ -75,12 +84,13 @@ impl Waves {
             if let Ok(verdict) = lobe.verdict()
                 && !verdict.passes
             {
-                failing.push(format!(
+                let why = format!(
                     "{} at {mean:.0} deg: {:.1} rms slopes from where it fails, {:.0} are needed",
                     lobe_words(which),
                     verdict.margins.least(),
                     crate::kirchhoff::validity::LEAST_MARGIN
-                ));
+                );
+                failing.push(Failing { lobe: which, why });
             }
         }
         let coherent = if light > 0.0 { coherent / light } else { 0.0 };

@@ -1,13 +1,14 @@
 //! The law of a scene's rough face at any index, with one bounce or all.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::scene::{Figures, Statistics, Surface};
 use crate::boundary::Boundary;
 use crate::law_file::{self, Kind as FileKind};
 use crate::method::{Body, Bounces, Choice, Kind};
 use crate::model::Model;
-use crate::surface::{Edges, Preparation, Purpose, Roughness};
+use crate::surface::{Edges, HeightMap, Preparation, Purpose, Roughness};
 
 /// What the law of a scene is made of.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub(super) struct SceneLaw {
     pub(super) figures: Option<Figures>,
     /// Pixel of its map, um.
     pub(super) pixel_um: Option<f64>,
+    /// The map itself.
+    pub(super) map: Option<Arc<HeightMap>>,
     /// Strength of the direction of its slopes, 0 to 1.
     pub(super) lay: Option<f64>,
 }
@@ -50,7 +53,7 @@ impl SceneLaw {
             Statistics::Ggx => "ggx",
         };
         let (method, figures) = (method.to_owned(), Some(figures));
-        Self { source: Source::Figures, method, figures, pixel_um: None, lay: None }
+        Self { source: Source::Figures, method, figures, pixel_um: None, map: None, lay: None }
     }
 
     fn of_map(file: &Path, pixel_um: Option<f64>) -> Result<Self, String> {
@@ -81,7 +84,9 @@ impl SceneLaw {
             .ok()
             .and_then(|s| s.anisotropy())
             .map(|a| a.strength);
-        Ok(Self { pixel_um: Some(map.dx_um()), lay, ..Self::of_figures(figures) })
+        let pixel_um = Some(map.dx_um());
+        let map = Some(Arc::new(prepared.map));
+        Ok(Self { pixel_um, map, lay, ..Self::of_figures(figures) })
     }
 
     fn of_model(path: &Path) -> Result<Self, String> {
@@ -109,7 +114,7 @@ impl SceneLaw {
         let method = model.method.clone();
         let source =
             Source::Model(model, path.parent().unwrap_or_else(|| Path::new("")).to_owned());
-        Ok(Self { source, method, figures, pixel_um: None, lay: None })
+        Ok(Self { source, method, figures, pixel_um: None, map: None, lay: None })
     }
 
     /// Whether its method has a choice of bounces.

@@ -1,11 +1,15 @@
 //! Several methods on several samples: the results, the best one, and the notes on the others.
 
+use std::fmt::Write as _;
+
 use serde_json::{Value, json};
 
 use crate::model::Rank;
+use crate::rigorous::OffBy;
 use crate::surface::{HeightMap, Roughness};
 
 use super::cell::Cell;
+use super::cut_errors::CutErrors;
 use super::grounds::Grounds;
 
 /// Every method on every sample.
@@ -40,6 +44,8 @@ pub struct SampleResult {
     pub ranking: Vec<Rank>,
     /// How that order came about.
     pub grounds: Grounds,
+    /// What the engines are off by on cuts of the map, if that was solved.
+    pub rigorous: Option<CutErrors>,
 }
 
 /// A map as a column of the paper's Table 1.
@@ -126,6 +132,10 @@ impl SampleResult {
             None => "the measurement's own noise is unknown".into(),
         };
         let mut text = format!("Best: {}, {:.3} %; {noise}.", best.label(), cell.rmsd_percent());
+        if let Some(error) = self.engine_error(best) {
+            // writing to a String cannot fail
+            let _ = write!(text, " Its physics is off by {} on this surface.", error.text());
+        }
         if self.attempts.iter().any(|a| !self.is_best(a) && !a.notes().is_empty()) {
             text += " What is known of why others are worse, or were not tried:";
         }
@@ -136,6 +146,22 @@ impl SampleResult {
     pub fn notes(&self) -> impl Iterator<Item = (usize, &str, &str)> {
         let all = self.attempts.iter().flat_map(|a| a.notes().iter().map(move |n| (a.label(), n)));
         all.enumerate().map(|(k, (label, note))| (k + 1, label, note.as_str()))
+    }
+
+    /// What is known of the accuracy of waves and rays on the measured map, each line with where it is from: rigorous solutions on cuts of
+    /// it where they were made, the atlas elsewhere; nothing without a map and a wavelength.
+    pub fn accuracy(&self) -> Vec<String> {
+        match &self.rigorous {
+            Some(found) => {
+                found.words().iter().map(|l| format!("Maxwell's equations {l}")).collect()
+            }
+            None => self.atlas().iter().map(|line| format!("Atlas: {line}")).collect(),
+        }
+    }
+
+    /// What the engine of a fit is off by in the measured lobe, where Maxwell's equations were solved.
+    pub fn engine_error(&self, attempt: &Attempt) -> Option<OffBy> {
+        self.rigorous.as_ref()?.of_method(&attempt.method, &attempt.cell()?.model)
     }
 
     /// What the atlas of rigorous solutions says of the measured map; nothing without a map and a wavelength.
@@ -162,6 +188,7 @@ impl Comparison {
                 "verdict": sample.verdict(),
                 "surface": sample.surface.as_ref().map(surface),
                 "atlas": sample.atlas(),
+                "rigorous": sample.rigorous.as_ref().map(CutErrors::json),
                 "ranking": (!sample.ranking.is_empty()).then_some(&sample.ranking),
                 "results": sample.attempts.iter().map(|a| result(sample, a, self.timing)).collect::<Vec<_>>(),
             })
@@ -213,6 +240,9 @@ fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
         "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),
         "notes": attempt.notes(),
     });
+    if let Some(error) = sample.engine_error(attempt) {
+        result["engine_error"] = error.json();
+    }
     if let Some(seconds) = attempt.cell().and_then(Cell::seconds).filter(|_| timing) {
         result["timing"] = json!({ "seconds": seconds });
     }

@@ -163,7 +163,7 @@ impl Task<'_> {
     }
 
     /// The side from which light meets the rough face first, and its angles of incidence there, degrees.
-    fn at_the_rough_face(&self, angles_deg: &[f64]) -> (Side, Vec<f64>) {
+    pub(super) fn at_the_rough_face(&self, angles_deg: &[f64]) -> (Side, Vec<f64>) {
         let (side, inside) = match self.setup.sample {
             Sample::Plate { eta, rough_side: RoughSide::Detector } => {
                 (Side::Dielectric, eta.inverse())

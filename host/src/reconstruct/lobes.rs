@@ -74,9 +74,7 @@ fn places(
     boundary: &Boundary,
     incidences_deg: &[f64],
 ) -> Vec<(BoundaryValue, Direction<f64>, Direction<f64>)> {
-    let has_inside = boundary.eta().is_some() && !boundary.is_sheet();
-    let sides: &[Side] = if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
-    let lobes: &[bool] = if boundary.eta().is_some() { &[false, true] } else { &[false] };
+    let (sides, lobes) = sides_and_lobes(boundary);
     let mut places = Vec::new();
     for &side in sides {
         for &incidence_deg in incidences_deg {
@@ -101,7 +99,14 @@ fn places(
     places
 }
 
-fn in_plane(theta_deg: f64, up: f64) -> Direction<f64> {
+/// The sides that light comes from, and whether it stays or goes through.
+pub(super) fn sides_and_lobes(boundary: &Boundary) -> (&'static [Side], &'static [bool]) {
+    let has_inside = boundary.eta().is_some() && !boundary.is_sheet();
+    let sides: &[Side] = if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
+    (sides, if boundary.eta().is_some() { &[false, true] } else { &[false] })
+}
+
+pub(super) fn in_plane(theta_deg: f64, up: f64) -> Direction<f64> {
     let (s, c) = theta_deg.to_radians().sin_cos();
     Direction::from_unit(s, 0.0, up * c)
 }

@@ -4,13 +4,15 @@ use super::grid::{Field, Grid};
 use super::parameters_text;
 use crate::model::Grade;
 use crate::reconstruct::{Attempt, Cell, Comparison, SampleResult};
+use crate::rigorous::OffBy;
 
 impl SampleResult {
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
-        let head =
-            ["method", "error %", "noise floor %", "own noise %", "tails", "lost %", "parameters"];
-        let head = head.into_iter().chain(["verdict", "notes"]).map(String::from).collect();
+        let is_solved = self.rigorous.is_some();
+        let head = ["method", "error %", "noise floor %", "own noise %", "tails", "lost %"];
+        let head = head.into_iter().chain(is_solved.then_some("engine off"));
+        let head = head.chain(["parameters", "verdict", "notes"]).map(String::from).collect();
         let percent = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |v| format!("{v:.3}"))
         };
@@ -29,17 +31,22 @@ impl SampleResult {
             let cell = attempt.cell();
             let verdict = cell.map_or("none".into(), |cell| worth(cell, best));
             let tails = cell.and_then(|c| c.verdict()?.tail_score);
-            rows.push(vec![
+            let mut row: Vec<Field> = vec![
                 attempt.label().to_owned().into(),
                 Field { text: percent(cell.map(Cell::rmsd_percent), "-"), strong: best },
                 percent(self.noise_floor_percent, "unknown").into(),
                 percent(cell.and_then(|c| c.model.simulation_noise_percent), "-").into(),
                 tails.map_or_else(|| "-".to_owned(), |t| format!("{t:.2}")).into(),
                 cell.map_or_else(|| "-".to_owned(), lost).into(),
-                cell.map_or_else(|| "-".to_owned(), |c| parameters_text(&c.parameters)).into(),
-                verdict.into(),
-                notes.join(", ").into(),
-            ]);
+            ];
+            if is_solved {
+                let off = self.engine_error(attempt);
+                row.push(off.map_or_else(|| "-".to_owned(), OffBy::text).into());
+            }
+            let parameters = cell.map(|c| parameters_text(&c.parameters));
+            row.push(parameters.unwrap_or_else(|| "-".to_owned()).into());
+            row.extend([verdict, notes.join(", ")].map(Field::from));
+            rows.push(row);
         }
         Grid { head, rows }
     }
@@ -68,10 +75,18 @@ fn lost(cell: &Cell) -> String {
 
 impl Comparison {
     /// The content of the tables.
-    pub(super) const LEGEND: &'static str = "Error of eq. (18): rms deviation over all angles, in % of the \
+    const LEGEND: &'static str = "Error of eq. (18): rms deviation over all angles, in % of the \
          largest reading. The lowest one of those that describe the sample is marked; (no): refused; -: no fit. \
          Tails: rms of log10 of fitted over measured readings. Lost: light along the normal that goes nowhere, from air / from \
          inside.";
+
+    /// What the tables show.
+    pub(super) fn legend(&self) -> String {
+        let is_solved = self.samples.iter().any(|s| s.rigorous.is_some());
+        let engines = " Engine off: what waves, rays or single facets, whichever the method is computed with, are off by from \
+             Maxwell's equations on cuts of the map, in the measured lobe.";
+        format!("{}{}", Self::LEGEND, if is_solved { engines } else { "" })
+    }
 
     /// Samples down, methods across, the lowest error of each sample marked: the form of the paper's Table 2.
     pub(super) fn errors(&self) -> Grid {

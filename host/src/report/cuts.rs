@@ -1,19 +1,14 @@
 //! What waves, rays and single facets are off by over the height of a surface and its slope, and a map of one's own among them.
 
 use asperity_core::bsdf::Lobe;
-use asperity_core::direction;
-use asperity_rigorous::{Kind, Light, Side, Verdict};
+use asperity_core::direction::Side;
 
 use crate::atlas::{Engine, Measure, Solution, solutions};
 use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
-use crate::rigorous::MapCuts;
+use crate::reconstruct::{CutErrors, LobeErrors};
 
-/// The lobes shown, from where and which.
-const LOBES: [(Side, Kind); 3] = [
-    (Side::Air, Kind::Transmitted),
-    (Side::Air, Kind::Reflected),
-    (Side::Dielectric, Kind::Transmitted),
-];
+/// The lobes shown: whether from inside, and whether through.
+const LOBES: [(bool, bool); 3] = [(false, true), (false, false), (true, true)];
 /// The incidence shown if there is a choice, degrees.
 const INCIDENCE_DEG: f64 = 30.0;
 /// Incidences as near as this are one.
@@ -25,18 +20,17 @@ const RANGE: (f64, f64) = (0.015, 4.0);
 const DECADES: u8 = 5;
 
 /// Errors of three engines in up to three lobes: those of the atlas, one curve per slope, and those of the cuts of a map.
-pub fn cuts_figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
-    let lobes: Vec<&Verdict> = LOBES.iter().filter_map(|lobe| nearest(cuts, *lobe)).collect();
-    let shape = cuts.shapes[2];
-    let place = shape.rq_um / wavelength_um;
-    let panels = ENGINES.iter().enumerate().flat_map(|(k, (engine, name))| {
+pub fn cuts_figure(title: &str, cuts: &CutErrors) -> Figure {
+    let lobes: Vec<&LobeErrors> = LOBES.iter().filter_map(|lobe| nearest(cuts, *lobe)).collect();
+    let place = cuts.rq_um / cuts.wavelength_um;
+    let panels = ENGINES.iter().flat_map(|(engine, name)| {
         lobes.iter().map(move |lobe| {
             let mut curves = of_slopes(lobe, *engine);
-            let found = &lobe.comparisons[k].reading;
+            let found = lobe.of(*engine);
             let interval = vec![(place, found.low_percent), (place, found.high_percent)];
             let label = "its standard error".to_owned();
             curves.push(Curve { label, points: interval, style: CurveStyle::Fitted });
-            let label = format!("this map, slope {:.2}", shape.rms_slope);
+            let label = format!("this map, slope {:.2}", cuts.rms_slope);
             let points = vec![(place, found.percent)];
             curves.push(Curve { label, points, style: CurveStyle::Points });
             Panel { caption: caption(name, lobe), curves }
@@ -54,25 +48,25 @@ pub fn cuts_figure(title: &str, cuts: &MapCuts, wavelength_um: f64) -> Figure {
     }
 }
 
-fn caption(engine: &str, lobe: &Verdict) -> String {
-    let side = if lobe.side == Side::Air { "air" } else { "inside" };
-    let kind = if lobe.kind == Kind::Reflected { "reflection" } else { "transmission" };
+fn caption(engine: &str, lobe: &LobeErrors) -> String {
+    let side = if lobe.from_inside { "inside" } else { "air" };
+    let kind = if lobe.is_transmitted { "transmission" } else { "reflection" };
     format!("{engine}: from {side}, {kind}, {:.0}°", lobe.incidence_deg)
 }
 
-/// The verdict on a lobe at the incidence nearest to the one shown.
-fn nearest(cuts: &MapCuts, (side, kind): (Side, Kind)) -> Option<&Verdict> {
-    let off = |v: &Verdict| (v.incidence_deg - INCIDENCE_DEG).abs();
-    let of_lobe = |v: &&Verdict| v.side == side && v.kind == kind && v.light == Light::Unpolarised;
-    cuts.verdicts.lobes.iter().filter(of_lobe).min_by(|a, b| off(a).total_cmp(&off(b)))
+/// A lobe at the incidence nearest to the one shown.
+fn nearest(cuts: &CutErrors, name: (bool, bool)) -> Option<&LobeErrors> {
+    let off = |l: &LobeErrors| (l.incidence_deg - INCIDENCE_DEG).abs();
+    let of_lobe = cuts.lobes.iter().filter(|l| (l.from_inside, l.is_transmitted) == name);
+    of_lobe.min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// Errors of an engine on the surfaces of the atlas, a curve for each slope, at the incidences nearest to that of the lobe.
-fn of_slopes(lobe: &Verdict, engine: Engine) -> Vec<Curve> {
+fn of_slopes(lobe: &LobeErrors, engine: Engine) -> Vec<Curve> {
     let off = |s: &Solution| (s.incidence_deg - lobe.incidence_deg).abs();
     let is_of_lobe = |s: &&Solution| {
-        (s.side == direction::Side::Air) == (lobe.side == Side::Air)
-            && (s.lobe == Lobe::Reflection) == (lobe.kind == Kind::Reflected)
+        (s.side == Side::Dielectric) == lobe.from_inside
+            && (s.lobe == Lobe::Transmission) == lobe.is_transmitted
     };
     let of_lobe: Vec<&Solution> = solutions().iter().filter(is_of_lobe).collect();
     let least = of_lobe.iter().map(|s| off(s)).fold(f64::INFINITY, f64::min);

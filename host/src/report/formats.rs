@@ -11,7 +11,7 @@ impl Comparison {
         };
         let samples: String = self.samples.iter().map(of_sample).collect();
         let times = self.times().map(|t| format!("\n{}", t.text())).unwrap_or_default();
-        format!("{}\n{}{samples}{times}", Self::LEGEND, self.errors().text())
+        format!("{}\n{}{samples}{times}", self.legend(), self.errors().text())
     }
 
     /// As Markdown.
@@ -21,7 +21,8 @@ impl Comparison {
             format!("\n## {}\n\n{table}\n{verdict}\n\n{}", s.title, numbered(s))
         };
         let samples: String = self.samples.iter().map(of_sample).collect();
-        let parts = [&self.what, Self::LEGEND, &self.errors().markdown()];
+        let legend = self.legend();
+        let parts = [&self.what, legend.as_str(), &self.errors().markdown()];
         let parts: Vec<&str> = parts.into_iter().filter(|p| !p.is_empty()).collect();
         let times = self.times().map(|t| format!("\n## Timing\n\n{}", t.markdown()));
         let times = times.unwrap_or_default();
@@ -44,12 +45,12 @@ impl Comparison {
     }
 }
 
-/// The notes of a sample, a line each, and what the atlas says.
+/// The notes of a sample, a line each, and what is known of the accuracy of waves and rays.
 fn numbered(sample: &SampleResult) -> String {
     let line = |(number, method, note)| format!("{number}. {method}: {note}\n");
     let notes: String = sample.notes().map(line).collect();
-    let atlas = sample.atlas().iter().map(|line| format!("\nAtlas: {line}\n"));
-    notes + &atlas.collect::<String>()
+    let accuracy = sample.accuracy().into_iter().map(|line| format!("\n{line}\n"));
+    notes + &accuracy.collect::<String>()
 }
 
 const HEAD: [&str; 11] = [
@@ -127,6 +128,7 @@ mod tests {
     fn comparison() -> Comparison {
         let none = Attempt { method: "map".into(), result: Err("needs a map".into()) };
         let sample = |name: &str, attempts| SampleResult {
+            rigorous: None,
             name: name.into(),
             title: format!("{name} (Rq = 1.47 um)"),
             noise_floor_percent: Some(0.125),

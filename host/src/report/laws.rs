@@ -4,8 +4,11 @@ use asperity_core::direction::Side;
 
 use super::boundary::{BAND, curve_and_band, lobe_name};
 use crate::model::Flux;
-use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
-use crate::reconstruct::BoundaryValue;
+use crate::plot::{
+    Across, Curve, CurveStyle, Diagram, DiagramLobe, DiagramPicture, Figure, HemisphereDisc,
+    HemispherePicture, Panel, Scale,
+};
+use crate::reconstruct::{BoundaryValue, HemisphereValues};
 
 /// A law by its name, with its values in the plane of incidence.
 pub type NamedValues = (String, Vec<BoundaryValue>);
@@ -30,8 +33,7 @@ pub fn lobes_figure(title: &str, laws: &[NamedValues], scale: Scale) -> Figure {
                 values.iter().filter(|v| is_at(v, place)).copied().collect();
             curve_and_band(label, &here)
         };
-        let from = if place.0 == Side::Air { "from the air" } else { "from inside" };
-        let caption = format!("{from}, {}°, {}", place.1, lobe_name(place.2));
+        let caption = format!("{}, {}°, {}", from(place.0), place.1, lobe_name(place.2));
         Panel { caption, curves: laws.iter().flat_map(of).collect() }
     };
     let panels: Vec<Panel> = places.into_iter().map(panel).collect();
@@ -44,6 +46,79 @@ pub fn lobes_figure(title: &str, laws: &[NamedValues], scale: Scale) -> Figure {
         scale,
         shared_y: scale != Scale::Linear,
         panels: panels.into_iter().filter(|p| !p.curves.is_empty()).collect(),
+    }
+}
+
+/// The same as polar diagrams, one for each side and incidence.
+pub fn lobe_diagrams(title: &str, laws: &[NamedValues], scale: Scale) -> DiagramPicture {
+    let mut places: Vec<(Side, f64)> = Vec::new();
+    for value in laws.iter().flat_map(|(_, values)| values) {
+        if !places.contains(&(value.side, value.incidence_deg)) {
+            places.push((value.side, value.incidence_deg));
+        }
+    }
+    let diagram = |(side, incidence_deg): (Side, f64)| {
+        let of = |(label, values): &NamedValues| {
+            [false, true].map(|is_transmitted| {
+                let here = values.iter().filter(|v| {
+                    v.side == side
+                        && v.incidence_deg.total_cmp(&incidence_deg).is_eq()
+                        && v.is_transmitted == is_transmitted
+                });
+                let points = here.map(|v| (v.theta_deg, v.f)).collect();
+                DiagramLobe { label: label.clone(), is_transmitted, points }
+            })
+        };
+        let lobes = laws.iter().flat_map(of).filter(|lobe| !lobe.points.is_empty());
+        Diagram {
+            caption: format!("{}, {incidence_deg}°", from(side)),
+            from_inside: side == Side::Dielectric,
+            incidence_deg,
+            lobes: lobes.collect(),
+        }
+    };
+    DiagramPicture {
+        title: title.to_owned(),
+        label: "BSDF (1/sr)".into(),
+        decades: decades(scale),
+        diagrams: places.into_iter().map(diagram).collect(),
+    }
+}
+
+/// Lobes over the hemisphere, a disc for each law, side, incidence and lobe that has light.
+pub fn hemisphere_picture(
+    title: &str,
+    laws: &[(String, Vec<HemisphereValues>)],
+    scale: Scale,
+) -> HemispherePicture {
+    let disc = |(label, values): (&String, &HemisphereValues)| {
+        let caption = format!(
+            "{}, {}°, {}",
+            from(values.side),
+            values.incidence_deg,
+            lobe_name(values.is_transmitted)
+        );
+        let caption = if laws.len() > 1 { format!("{label}: {caption}") } else { caption };
+        HemisphereDisc { caption, values: values.values.clone() }
+    };
+    let all = laws.iter().flat_map(|(label, values)| values.iter().map(move |v| (label, v)));
+    let lit = all.filter(|(_, v)| v.values.iter().any(|f| *f > 0.0));
+    HemispherePicture {
+        title: title.to_owned(),
+        label: "BSDF (1/sr)".into(),
+        decades: decades(scale),
+        discs: lit.map(disc).collect(),
+    }
+}
+
+fn from(side: Side) -> &'static str {
+    if side == Side::Air { "from the air" } else { "from inside" }
+}
+
+fn decades(scale: Scale) -> Option<u8> {
+    match scale {
+        Scale::Linear => None,
+        Scale::Log { decades } => Some(decades),
     }
 }
 

@@ -17,7 +17,9 @@ pub use boundary::{BoundaryFiles, boundary_csv, boundary_figure};
 pub use cuts::cuts_figure;
 pub use figures::{Drawn, FigureError, FigureFiles, PolarFiles, figure, figure_at, hemispheres};
 pub use heights::{MapFigureFiles, MapFigures};
-pub use laws::{NamedFluxes, NamedValues, flux_figure, lobes_figure};
+pub use laws::{
+    NamedFluxes, NamedValues, flux_figure, hemisphere_picture, lobe_diagrams, lobes_figure,
+};
 pub use number::{figure_text, power_text, significant, with_error};
 pub use page::{Origin, page, plan_page};
 pub use residuals::{quantile_figure, residual_figure};

@@ -8,6 +8,7 @@ use asperity_rigorous::{
 };
 use serde_json::{Value, json};
 
+use super::off_by::OffBy;
 use crate::surface::{HeightMap, Incomplete};
 use crate::watch::Watch;
 
@@ -18,10 +19,8 @@ pub struct CutsRequest {
     pub ior: f64,
     /// Wavelength in vacuum, um.
     pub wavelength_um: f64,
-    /// Angles of incidence in the medium the light comes from, degrees.
-    pub incidences_deg: Vec<f64>,
-    /// Sides the light comes from.
-    pub sides: Vec<Side>,
+    /// Sides the light comes from, each with an angle of incidence in that medium, degrees.
+    pub incidences: Vec<(Side, f64)>,
     /// Cuts that are solved rigorously.
     pub solved: usize,
     /// Length of a cut, um; `None`: 60 wavelengths, or as much as the map has room for.
@@ -86,6 +85,15 @@ const RAYS: usize = 2000;
 const TOLERANCE: f64 = 1e-6;
 
 impl CutsRequest {
+    /// The same angles from each of some sides.
+    pub fn each_side(sides: &[Side], incidences_deg: &[f64]) -> Vec<(Side, f64)> {
+        let of = |side: &Side| {
+            let side = *side;
+            incidences_deg.iter().map(move |deg| (side, *deg))
+        };
+        sides.iter().flat_map(of).collect()
+    }
+
     /// Cuts rows and columns, solves some, and compares. `watch` is told the share that is done.
     ///
     /// # Errors
@@ -129,14 +137,10 @@ impl CutsRequest {
             .collect::<Result<Vec<Cut>, CutError>>()?;
         let profiles: Vec<Profile> = cuts.iter().map(|cut| cut.profile.clone()).collect();
         let pieces = Piece::spread(profiles, self.solved.max(2));
-        let angles = |side: &Side| {
-            let side = *side;
-            self.incidences_deg.iter().map(move |deg| (side, *deg))
-        };
         let question = Question {
             index: self.ior,
             wavelength_um: self.wavelength_um,
-            incidences: self.sides.iter().flat_map(angles).collect(),
+            incidences: self.incidences.clone(),
             accuracy: Accuracy { tolerance: TOLERANCE, ..Accuracy::default() },
             rays: RayOptions { starts: RAYS, seed: 1 },
         };
@@ -160,11 +164,11 @@ impl CutsRequest {
     }
 }
 
-fn side_word(side: Side) -> &'static str {
+pub(super) fn side_word(side: Side) -> &'static str {
     if side == Side::Air { "air" } else { "inside" }
 }
 
-fn lobe_word(kind: Kind) -> &'static str {
+pub(super) fn lobe_word(kind: Kind) -> &'static str {
     if kind == Kind::Reflected { "reflection" } else { "transmission" }
 }
 
@@ -193,7 +197,7 @@ impl MapCuts {
             "rigorous on cuts of this map, taken as grooves: {} {}, period {:.2} um, levelled ({}), ends faded into each other over \
              {:.2} um ({}), low-pass at {:.3} um ({})\n\
              {} of them solved by Maxwell's equations (energy to {:.0e}); off by, % of the peak of the lobe (eq. 18; one standard error), unpolarised\n\
-             from    lobe          deg    waves                      rays                       single facets              flux: rigorous, waves, rays\n",
+             from    lobe          deg    waves                      to 1 %  rays                       single facets              flux: rigorous, waves, rays\n",
             self.cuts,
             if self.has_columns { "rows and columns" } else { "rows" },
             self.period_um,
@@ -207,10 +211,11 @@ impl MapCuts {
         );
         for lobe in v.lobes.iter().filter(|lobe| lobe.light == Light::Unpolarised) {
             let [waves, rays, facets] = lobe.comparisons.map(|c| deviation(c.reading));
+            let holds = OffBy::from(lobe.comparisons[0].reading).holds_word();
             let [w, r, _] = lobe.comparisons.map(|c| c.total.value);
             let _ = writeln!(
                 text,
-                "{:<7} {:<13} {:<6.1} {waves:<26} {rays:<26} {facets:<26} {:.4}, {w:.4}, {r:.4}; coherent {:.4}, {:.4}",
+                "{:<7} {:<13} {:<6.1} {waves:<26} {holds:<7} {rays:<26} {facets:<26} {:.4}, {w:.4}, {r:.4}; coherent {:.4}, {:.4}",
                 side_word(lobe.side),
                 lobe_word(lobe.kind),
                 lobe.incidence_deg,
@@ -272,6 +277,7 @@ impl MapCuts {
                 "coherent": v.coherent.value,
                 "coherent_waves": v.coherent_kirchhoff.value,
                 "single_orders_percent": v.single_orders_percent.value,
+                "waves_hold": OffBy::from(v.comparisons[0].reading).holds(),
                 "engines": v.comparisons.iter().map(compared).collect::<Vec<_>>(),
             })
         };

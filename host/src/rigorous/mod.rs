@@ -5,10 +5,19 @@
 //! dielectric below.
 
 mod map_cuts;
+mod off_by;
 mod orders;
 mod profile_file;
+mod ruled;
 
+use asperity_core::direction::Side;
 pub use asperity_rigorous as solver;
 pub use map_cuts::{CutsRequest, MapCuts, NoCuts};
+pub use off_by::OffBy;
 pub use orders::{orders_csv, orders_json, summary};
 pub use profile_file::{ProfileFileError, read_profile};
+
+/// A side as the solver names it.
+pub(crate) fn solver_side(side: Side) -> solver::Side {
+    if side == Side::Air { solver::Side::Air } else { solver::Side::Dielectric }
+}

@@ -3,11 +3,13 @@
 //! | module | concept |
 //! |---|---|
 //! | `booth` | the methods of a sample in the light booth |
+//! | `cuts` | Maxwell's equations on cuts of the map of a sample |
 //! | `crew` | several fits at once, within a budget of memory |
 //! | `sample` | a sample: which methods can be tried, its fits and plots |
 
 mod booth;
 mod crew;
+mod cuts;
 mod sample;
 
 use std::path::{Path, PathBuf};
@@ -43,6 +45,8 @@ pub(super) struct Work<'a> {
     pub(super) rank: bool,
     /// Whether the methods are rendered in the light booth.
     pub(super) render: bool,
+    /// Cuts of each map on which Maxwell's equations are solved.
+    pub(super) rigorous: Option<usize>,
     /// Fits at once; as many as threads without it.
     pub(super) jobs: Option<usize>,
     /// The part of the fits that is made; all without it.
@@ -89,11 +93,21 @@ impl Work<'_> {
             return end_part(shard, failures);
         }
         let results = self.samples.iter().zip(attempts);
+        let result = |(sample, attempts): (&Sample<'_>, Vec<Attempt>)| {
+            let rigorous = self.rigorous.and_then(|solved| {
+                let done = cuts::solve(&folder.join(&sample.name), sample, solved);
+                done.unwrap_or_else(|failure| {
+                    failures.push(failure);
+                    None
+                })
+            });
+            SampleResult { rigorous, ..sample.result(attempts, self.rank) }
+        };
         let comparison = Comparison {
             title: self.title.clone(),
             what: self.what.clone(),
             methods: self.methods.clone(),
-            samples: results.map(|(s, attempts)| s.result(attempts, self.rank)).collect(),
+            samples: results.map(result).collect(),
             timing: self.timing,
         };
         let is_done = |name: &str, method: &str| {
@@ -275,6 +289,7 @@ impl Work<'_> {
             names.extend(models.map(|name| folder.join(name)));
             let cells = self.methods.iter().map(|m| Store::new(folder).path(&sample.name, m));
             names.extend(cells);
+            names.extend(self.rigorous.map(|_| folder.join(&sample.name).join(cuts::NAME)));
         }
         names.extend(self.pictures(folder));
         names

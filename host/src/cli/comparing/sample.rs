@@ -106,6 +106,7 @@ impl<'a> Sample<'a> {
                 .or_else(|| noise::before_fit(self.task.measurement)),
             surface: self.task.map.map(|map| SurfaceFigures::of(&map.map)),
             attempts,
+            rigorous: None,
         }
     }
 

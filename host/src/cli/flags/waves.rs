@@ -96,8 +96,10 @@ impl KirchhoffFlags {
         Ok(Some(CutsRequest {
             ior,
             wavelength_um: 1e-3 * nm,
-            incidences_deg: self.incidences_deg(),
-            sides: vec![SolverSide::Air, SolverSide::Dielectric],
+            incidences: CutsRequest::each_side(
+                &[SolverSide::Air, SolverSide::Dielectric],
+                &self.incidences_deg(),
+            ),
             solved: usize::from(solved),
             period_um: self.period_um,
         }))

@@ -55,7 +55,7 @@ pub(super) fn checked(
     let source = source(place, place.table("source", draft.source)?, (&body, &folder))?;
     let wanted = wanted(place, place.table("wanted", draft.wanted)?, &body)?;
     let target = target(place, place.table("target", draft.target)?)?;
-    Ok(Scene { name, sha256, body, surface, source, wanted, target })
+    Ok(Scene { name, sha256, body, surface, source, wanted, target, rigorous: None })
 }
 
 type Table<T> = (Range<usize>, T);

@@ -19,6 +19,8 @@ pub struct Scene {
     pub wanted: Wanted,
     /// What evaluates it.
     pub target: Target,
+    /// Cuts of the map on which Maxwell's equations are solved for the true errors of rays and waves; the atlas is asked without it.
+    pub rigorous: Option<usize>,
 }
 
 /// Kinds of bodies.

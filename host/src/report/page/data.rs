@@ -8,8 +8,8 @@ use crate::model::Flux;
 use crate::reconstruct::{Attempt, BoundaryValue, Cell, Comparison, SampleResult};
 
 /// Numbers of readings and of the boundary in a page: with more curves each has fewer points.
-const READINGS: usize = 24_000;
-const BOUNDARY: usize = 24_000;
+const READINGS: usize = 20_000;
+const BOUNDARY: usize = 20_000;
 /// Points of a curve at least and at most.
 const POINTS: (usize, usize) = (40, 240);
 /// Decades below the largest value that count.
@@ -152,11 +152,11 @@ fn incidences(
         .scan
         .by_incidence()
         .map(|i| {
-            let of = |values: &[f64]| values[i.range.clone()].iter().map(|v| few(*v, 5)).collect();
+            let of = |values: &[f64]| values[i.range.clone()].iter().map(|v| few(*v, 4)).collect();
             json!({
                 "sigma_deg": i.sigma_deg,
                 "theta_deg": i.readings.iter().map(|r| few(r.theta_deg, 5)).collect::<Vec<_>>(),
-                "measured": i.readings.iter().map(|r| few(r.value, 5)).collect::<Vec<_>>(),
+                "measured": i.readings.iter().map(|r| few(r.value, 4)).collect::<Vec<_>>(),
                 "noise": noise.map(|n| few(n, 4)),
                 "fits": fits.iter().map(|fit| of(fit)).collect::<Vec<Value>>(),
             })

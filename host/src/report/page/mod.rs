@@ -25,9 +25,10 @@ use crate::input::sha256;
 use crate::measurement::Measurement;
 use crate::plot::{self, Scale};
 use crate::provenance::InputFile;
-use crate::reconstruct::{Attempt, Comparison, SampleResult};
+use crate::reconstruct::{Attempt, Comparison, CutErrors, SampleResult};
 
 use super::boundary::boundary_figure;
+use super::cuts_figure;
 use super::figures::{Drawn, figure_at};
 
 const UPLOT: &str = include_str!("assets/uplot/uPlot.iife.min.js");
@@ -159,7 +160,8 @@ fn section(k: usize, sample: &SampleResult, scan: Option<&Measurement>, timing: 
                     @for (_, method, note) in &notes { li { (method) ": " (note) } }
                 } }
             }
-            @for line in sample.atlas() { p { "Atlas: " (line) } }
+            @for line in sample.accuracy() { p { (line) } }
+            @if let Some(errors) = &sample.rigorous { (accuracy(sample, errors)) }
             div.figures {
                 (figure("readings", scan.and_then(|scan| readings(sample, scan)), "Readings (grey) and fits."))
                 (figure("residuals", None, "Fitted less measured, in units of the noise of a reading, of the largest reading \
@@ -167,6 +169,24 @@ fn section(k: usize, sample: &SampleResult, scan: Option<&Measurement>, timing: 
                 (figure("boundary", inside_picture(sample), "The BSDF of the rough boundary alone, from the air and from inside. \
                     Bands: 95 %."))
                 (figure("flux", None, "Where the light goes: reflected, transmitted, lost. Bars: 95 %."))
+            }
+        }
+    }
+}
+
+/// What Maxwell's equations on cuts of the map say of each engine: a table, and this map among the surfaces of the atlas.
+fn accuracy(sample: &SampleResult, errors: &CutErrors) -> Markup {
+    let title = format!("{}: errors beside Maxwell's equations on grooves", sample.title);
+    let drawing = plot::svg(&cuts_figure(&title, errors)).ok();
+    html! {
+        details {
+            summary { "Errors of waves, rays and single facets on this surface" }
+            (tables::accuracy(&sample.title, errors))
+            @if let Some(svg) = drawing {
+                figure {
+                    (PreEscaped(labelled(&svg, &title)))
+                    figcaption { "Lines: grooved Gaussian surfaces of the atlas, one line a slope. Point: cuts of this map." }
+                }
             }
         }
     }

@@ -4,7 +4,7 @@ use asperity_core::direction::Side;
 use maud::Markup;
 
 use crate::energy::side_name;
-use crate::reconstruct::{Attempt, Cell, Comparison, SampleResult};
+use crate::reconstruct::{Attempt, Cell, Comparison, CutErrors, LobeErrors, SampleResult};
 
 use super::super::grid::{Field, Grid};
 use super::super::number::{significant, with_error};
@@ -44,6 +44,24 @@ pub(super) fn inside(sample: &SampleResult) -> Option<Markup> {
     let head = ["incidence", "reflected", "transmitted", "lost"].map(String::from).to_vec();
     let title = format!("From inside, {}, {}", sample.title, cell.label);
     (!rows.is_empty()).then(|| Grid { head, rows }.html(&title))
+}
+
+/// What each engine is off by, lobe by lobe.
+pub(super) fn accuracy(title: &str, errors: &CutErrors) -> Markup {
+    let row = |lobe: &LobeErrors| {
+        let measured = if lobe.is_measured { " (measured)" } else { "" };
+        let cells = [
+            format!("{}{measured}", lobe.name()),
+            format!("{}°", lobe.incidence_deg),
+            lobe.waves.text(),
+            lobe.rays.text(),
+            lobe.facets.text(),
+        ];
+        cells.map(Field::from).to_vec()
+    };
+    let head = ["lobe", "incidence", "waves", "rays", "single facets"].map(String::from).to_vec();
+    let rows = errors.lobes.iter().map(row).collect();
+    Grid { head, rows }.html(&format!("Off from Maxwell's equations, % of the peak, {title}"))
 }
 
 /// The figures of the maps, as in the paper's Table 1: a column a sample. `None` without maps.
