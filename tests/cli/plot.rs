@@ -45,6 +45,44 @@ fn laws_are_drawn_from_both_sides_over_each_other() {
 }
 
 #[test]
+fn laws_are_drawn_as_polar_diagrams_and_over_the_hemisphere() {
+    let folder = folder();
+    folder.run("plot ggx.json normals.json --view polar --incidence 30 -o polar").ok();
+    is_plot(&folder, "polar.svg");
+    let svg = folder.text("polar.svg");
+    is_balanced("polar.svg", &svg);
+    for word in ["from the air, 30°", "from inside, 30°", ">ggx<", ">normals<", ">air<"] {
+        assert!(svg.contains(word), "{word} is not in the picture");
+    }
+    let line = "plot ggx.json --view hemisphere --incidence 30 --decades 3 -o h";
+    folder.run(line).ok();
+    let svg = folder.text("h.svg");
+    is_balanced("h.svg", &svg);
+    // two sides with two lobes each, in two rows with a bar of colours each
+    assert_eq!(svg.matches("<image").count(), 4 + 2);
+    for word in ["from the air, 30°, reflection", "from inside, 30°, transmission", "BSDF (1/sr)"]
+    {
+        assert!(svg.contains(word), "{word} is not in the picture");
+    }
+    assert!(folder.text("h.svg").len() < 500_000 && folder.path("h.png").exists());
+    // beyond the critical angle nothing is transmitted by a flat face, of a rough one some is
+    folder.run("plot ggx.json --view hemisphere --incidence 60 --side inside --linear -o i").ok();
+    assert_eq!(folder.text("i.svg").matches("from inside, 60°").count(), 2);
+}
+
+#[test]
+fn the_folder_of_a_sample_stands_for_its_models() {
+    let folder = folder();
+    folder.run("compare scan.csv --ior 1.49 --rough-side source --methods ggx,beckmann -o r");
+    folder.run("plot r/scan --incidence 30 -o both").ok();
+    let svg = folder.text("both.svg");
+    assert!(svg.contains(">ggx<") && svg.contains(">beckmann<"), "{svg}");
+    folder.run("plot scan.csv r/scan --view residuals -o residuals").ok();
+    let run = folder.run("plot r -o none").with_code(2);
+    assert!(run.err.contains("r/SAMPLE"), "{}", run.err);
+}
+
+#[test]
 fn readings_are_drawn_with_what_models_give_in_their_place() {
     let folder = folder();
     folder.run("plot scan.csv ggx.json normals.json --title plate-7 -o r").ok();

@@ -26,10 +26,16 @@ mod render;
 mod sigma;
 mod map;
 mod polar;
+mod hemisphere;
+mod diagram;
 mod caption;
 
 pub(crate) use caption::{caption, difference_colour};
+pub use diagram::{Diagram, DiagramLobe, DiagramPicture, diagram_png, diagram_svg};
 pub use figure::{Across, Curve, CurveStyle, Figure, MAX_PANELS, Panel, PlotError, Scale};
+pub use hemisphere::{
+    HEMISPHERE_PIXELS, HemisphereDisc, HemispherePicture, cosine_at, hemisphere_png, hemisphere_svg,
+};
 pub use map::{MapPicture, map_png, map_svg};
 pub use polar::{PolarPicture, PolarPoint, PolarRow, polar_png, polar_svg};
 pub use render::{png, svg};

@@ -75,24 +75,24 @@ const PIXELS: usize = 380;
 /// How far a reading reaches into a gap, pixels: 5 degrees.
 const REACH: u16 = 11;
 /// Colours of values; one more is for gaps, and one for what is outside a disc.
-const COLORS: u8 = 253;
-const GAP: u8 = COLORS + 1;
-const OUTSIDE: u8 = COLORS + 2;
+pub(super) const COLORS: u8 = 253;
+pub(super) const GAP: u8 = COLORS + 1;
+pub(super) const OUTSIDE: u8 = COLORS + 2;
 
 /// A scale of colours.
-struct Colors<'a> {
+pub(super) struct Colors<'a> {
     axis: Axis,
-    palette: Vec<Rgb>,
+    pub(super) palette: Vec<Rgb>,
     label: &'a str,
 }
 
 impl Colors<'_> {
-    fn of(axis: Axis, color: impl Fn(f64) -> Rgb, label: &str) -> Colors<'_> {
+    pub(super) fn of(axis: Axis, color: impl Fn(f64) -> Rgb, label: &str) -> Colors<'_> {
         let steps = (0..=COLORS).map(|k| color(f64::from(k) / f64::from(COLORS)));
         Colors { axis, palette: steps.chain([MISSING, PAPER]).collect(), label }
     }
 
-    fn number(&self, value: f64) -> u8 {
+    pub(super) fn number(&self, value: f64) -> u8 {
         // below the least of a logarithm is the darkest
         let place = self.axis.at(value).unwrap_or(0.0).clamp(0.0, 1.0);
         (place * f64::from(COLORS)).round() as u8
@@ -128,7 +128,7 @@ fn draw(picture: &PolarPicture, medium: Medium) -> Result<Canvas, PlotError> {
             let palette = colors[k].palette.clone();
             let raster = Raster { nx: PIXELS, ny: PIXELS, pixels, palette };
             canvas.raster(frame, &raster).map_err(PlotError::Raster)?;
-            rings(&mut canvas, frame);
+            rings(&mut canvas, frame, |polar_deg| polar_deg / 90.0);
             let place = (frame.left + 0.5 * DISC, frame.top - 14.0);
             canvas.text(place, name, size::LABEL, Anchor::Middle);
         }
@@ -175,11 +175,12 @@ fn pixels<'a>(points: impl Iterator<Item = (&'a PolarPoint, u8)>) -> Vec<u8> {
     pixels
 }
 
-/// Circles at 30, 60 and 90 degrees from the normal.
-fn rings(canvas: &mut Canvas, frame: Frame) {
-    let centre = (frame.left + 0.5 * DISC, frame.top + 0.5 * DISC);
+/// Circles at 30, 60 and 90 degrees from the normal; `radius` of an angle, as a share of that of the disc.
+pub(super) fn rings(canvas: &mut Canvas, frame: Frame, radius: impl Fn(f64) -> f64) {
+    let centre = (frame.left + 0.5 * frame.width, frame.top + 0.5 * frame.height);
+    let half = 0.5 * frame.width;
     for (polar, color) in [(30.0, GRID), (60.0, GRID), (90.0, INK)] {
-        let radius = polar / 90.0 * 0.5 * DISC;
+        let radius = radius(polar) * half;
         let point = |k: u32| {
             let (sin, cos) = (f64::from(k) / 120.0 * TAU).sin_cos();
             (centre.0 + radius * cos, centre.1 + radius * sin)
@@ -190,7 +191,7 @@ fn rings(canvas: &mut Canvas, frame: Frame) {
 }
 
 /// The colour bar at the right of a disc.
-fn bar(canvas: &mut Canvas, disc: Frame, colors: &Colors<'_>) -> Result<(), PlotError> {
+pub(super) fn bar(canvas: &mut Canvas, disc: Frame, colors: &Colors<'_>) -> Result<(), PlotError> {
     let frame = Frame { left: disc.right() + 24.0, width: 24.0, ..disc };
     let pixels = (0..=COLORS).rev().collect();
     let raster =

@@ -1,33 +1,27 @@
 //! `plot`: what a file holds, as a picture.
 
-use std::path::{Path, PathBuf};
+mod laws;
 
-use asperity_core::direction::Side;
+use std::path::{Path, PathBuf};
 
 use super::error::{Failure, without_effect};
 use super::flags::map::MapFlags;
 use super::flags::scan::{ReadFlags, SetupFlags, number, parse_rays};
 use super::{progress, say};
-use crate::boundary::Boundary;
-use crate::energy::balances;
 use crate::forward::{Angles, Effort, Rays, Setup, simulate};
-use crate::law_file::{self, Kind};
+use crate::law_file;
 use crate::measurement::{Measurement, csv, noise};
-use crate::model::{Flux, Spread};
 use crate::output::{AtomicFile, finish_all};
-use crate::plot::{self, Figure, Scale};
-use crate::reconstruct::{NoSubject, boundary_values_at};
-use crate::report::{
-    self, Drawn, MapFigureFiles, MapFigures, flux_figure, lobes_figure, quantile_figure,
-    residual_figure,
-};
+use crate::plot::{self, Figure, PlotError, Scale};
+use crate::report::{self, Drawn, MapFigureFiles, MapFigures, quantile_figure, residual_figure};
 use crate::surface::{Purpose, Spectrum};
 
 /// Draw what files hold: models, tables, a scan, a scan with models, a height map
 ///
 /// Of models and tables the BSDF itself is drawn, the law of the rough boundary: reflection and transmission, from the air and
-/// from inside, one over the other, with 95 % bands where a fit knows its errors; with --view flux the shares of light that
-/// are reflected, transmitted and lost, over the incidence. Of a scan its readings are drawn; with models after it what these
+/// from inside, one over the other, with 95 % bands where a fit knows its errors; with --view polar as polar diagrams, with
+/// --view hemisphere over all directions; with --view flux the shares of light that are reflected, transmitted and lost, over
+/// the incidence. The folder of a sample in a comparison stands for its models. Of a scan its readings are drawn; with models after it what these
 /// give in its place, with --view residuals the differences in units of the noise, with --view quantiles their
 /// distribution. Of a height map STEM-map, STEM-histogram and STEM-spectrum are drawn.
 ///
@@ -37,12 +31,14 @@ use crate::surface::{Purpose, Spectrum};
 ///   asperity plot fit.json -o boundary
 ///   asperity plot ggx.json normals.json --incidence 0,60 --side inside -o laws
 ///   asperity plot ggx.json normals.json --view flux -o flux
+///   asperity plot ggx.json --view hemisphere --incidence 30 --side inside -o ggx
 ///   asperity plot scan.csv ggx.json normals.json --view residuals -o residuals
+///   asperity plot results/scan --view polar -o methods
 ///   asperity plot map.x3p -o surface
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Models and tables; or a scan and models; or a height map
+    /// Models and tables, or the folder of a sample in a comparison; or a scan and these; or a height map
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Stem of the pictures
@@ -81,6 +77,10 @@ pub(super) struct Args {
 enum ViewFlag {
     /// The BSDF of models and tables over the angle
     Lobes,
+    /// The same as polar diagrams
+    Polar,
+    /// The same over the hemisphere, in direction cosines
+    Hemisphere,
     /// Where their light goes, over the incidence
     Flux,
     /// The readings of a scan, and what models give in their place
@@ -99,30 +99,19 @@ enum PlotSide {
     Inside,
 }
 
-/// Incidences of the lobes where none are given, degrees; with one lobe less, two of them.
-const INCIDENCES: [f64; 2] = [0.0, 45.0];
-/// Incidences of the balances, degrees.
-const BALANCES: u32 = 18;
-const STEP_DEG: f64 = 5.0;
 /// Rays per incidence, of what is traced.
 const RAYS: u64 = 1_000_000;
 
-/// A law in a file.
-struct Law {
-    name: String,
-    boundary: Boundary,
-    spread: Option<Spread>,
-}
-
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
-    let is_law = args.files.iter().map(|path| is_law(path)).collect::<Result<Vec<_>, _>>()?;
+    let job = Job { args, files: opened(&args.files)? };
+    let is_law = job.files.iter().map(|path| is_law(path)).collect::<Result<Vec<_>, _>>()?;
     match is_law.iter().position(|law| !law) {
-        None => args.laws(),
-        Some(0) if is_law[1..].iter().all(|law| *law) => match args.scan() {
-            Ok(scan) => args.readings(&scan),
+        None => job.laws(),
+        Some(0) if is_law[1..].iter().all(|law| *law) => match job.scan() {
+            Ok(scan) => job.readings(&scan),
             // no scan: a map, unless models are to be drawn over it
-            Err(why) if args.files.len() > 1 => Err(why),
-            Err(Failure::Bad(no_scan)) => args.surface().map_err(|e| match e {
+            Err(why) if job.files.len() > 1 => Err(why),
+            Err(Failure::Bad(no_scan)) => job.surface().map_err(|e| match e {
                 Failure::Bad(no_map) => {
                     Failure::bad(format!("as a scan: {no_scan}; as a height map: {no_map}"))
                 }
@@ -132,12 +121,26 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         },
         Some(at) => Err(Failure::bad(format!(
             "{}: give models and tables, or one scan and models after it, or one height map",
-            args.files[at].display()
+            job.files[at].display()
         ))),
     }
 }
 
-impl Args {
+/// What is to be drawn: the flags, with the models of a comparison in place of its folder.
+struct Job<'a> {
+    args: &'a Args,
+    files: Vec<PathBuf>,
+}
+
+impl std::ops::Deref for Job<'_> {
+    type Target = Args;
+
+    fn deref(&self) -> &Args {
+        self.args
+    }
+}
+
+impl Job<'_> {
     fn scale(&self) -> Scale {
         if self.linear { Scale::Linear } else { Scale::Log { decades: self.decades } }
     }
@@ -152,84 +155,6 @@ impl Args {
         self.title.clone().unwrap_or_else(|| format!("{what}: {}", names.join(", ")))
     }
 
-    /// Models and tables.
-    fn laws(&self) -> Result<(), Failure> {
-        let why = "models are drawn as they are";
-        without_effect(&self.read.given(), why)?;
-        without_effect(&self.setup.given(), why)?;
-        self.map.need_map(false)?;
-        let laws = self.files.iter().map(|path| law(path)).collect::<Result<Vec<_>, _>>()?;
-        let figure = match self.view {
-            None | Some(ViewFlag::Lobes) => self.lobes(&laws)?,
-            Some(ViewFlag::Flux) => {
-                without_effect(
-                    &[("--incidence", !self.incidence.is_empty()), ("--linear", self.linear)],
-                    "shares are drawn over all incidences, on a linear scale",
-                )?;
-                self.fluxes(&laws)?
-            }
-            Some(_) => {
-                return Err(Failure::bad("--view: that needs a scan; give it before the models"));
-            }
-        };
-        self.write(&figure)
-    }
-
-    fn lobes(&self, laws: &[Law]) -> Result<Figure, Failure> {
-        let asked = if self.incidence.is_empty() { &INCIDENCES[..] } else { &self.incidence };
-        if let Some(bad) = asked.iter().find(|deg| !(0.0..90.0).contains(*deg)) {
-            return Err(Failure::bad(format!("--incidence {bad}: give 0 to below 90 degrees")));
-        }
-        let mut all = Vec::new();
-        for law in laws {
-            let bar = progress::bar(0, "tracing the boundary");
-            let (boundary, spread) = (&law.boundary, law.spread.as_ref());
-            let values =
-                bar.watch(|watch| boundary_values_at(boundary, spread, asked, self.rays(), watch));
-            let wanted = values.into_iter().filter(|v| self.is_wanted(v.side));
-            all.push((law.name.clone(), wanted.collect::<Vec<_>>()));
-        }
-        if super::interrupt::asked() {
-            return Err(Failure::No("interrupted; nothing is drawn".into()));
-        }
-        let figure = lobes_figure(&self.title("BSDF"), &all, self.scale());
-        if figure.panels.len() > plot::MAX_PANELS {
-            return Err(Failure::bad(format!(
-                "{} panels do not fit into a picture: give fewer angles with --incidence, or one --side",
-                figure.panels.len()
-            )));
-        }
-        Ok(figure)
-    }
-
-    fn is_wanted(&self, side: Side) -> bool {
-        match self.side {
-            None => true,
-            Some(PlotSide::Air) => side == Side::Air,
-            Some(PlotSide::Inside) => side == Side::Dielectric,
-        }
-    }
-
-    fn fluxes(&self, laws: &[Law]) -> Result<Figure, Failure> {
-        let mut all = Vec::new();
-        for law in laws {
-            let has_inside = law.boundary.eta().is_some() && !law.boundary.is_sheet();
-            let sides: &[Side] =
-                if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
-            let angles = (0..BALANCES).map(|k| STEP_DEG * f64::from(k));
-            let beams: Vec<(Side, f64)> = angles
-                .flat_map(|deg| sides.iter().map(move |side| (*side, deg)))
-                .filter(|(side, _)| self.is_wanted(*side))
-                .collect();
-            let bar = progress::bar(0, "balancing");
-            let found = bar.watch(|watch| balances(&law.boundary, &beams, self.rays(), watch));
-            let found = found.ok_or_else(|| Failure::No("interrupted; nothing is drawn".into()))?;
-            let fluxes: Vec<Flux> = found.into_iter().map(Flux::from).collect();
-            all.push((law.name.clone(), fluxes));
-        }
-        Ok(flux_figure(&self.title("Where the light goes"), &all))
-    }
-
     fn scan(&self) -> Result<Measurement, Failure> {
         Ok(self.read.read(&self.files[0], &self.setup)?.0)
     }
@@ -241,7 +166,8 @@ impl Args {
             "a scan has its own incidences; --sigma-range chooses among them",
         )?;
         self.map.need_map(false)?;
-        let laws = self.files[1..].iter().map(|path| law(path)).collect::<Result<Vec<_>, _>>()?;
+        let laws =
+            self.files[1..].iter().map(|path| laws::law(path)).collect::<Result<Vec<_>, _>>()?;
         let mut simulated = Vec::new();
         if !laws.is_empty() {
             let (_, setup) = self.setup.resolve(scan, &self.files[0], false)?;
@@ -273,14 +199,19 @@ impl Args {
             Some(ViewFlag::Quantiles) => {
                 quantile_figure(&self.title("Residuals"), scan, &fits, noise)
             }
-            Some(ViewFlag::Lobes | ViewFlag::Flux) => {
+            Some(ViewFlag::Lobes | ViewFlag::Polar | ViewFlag::Hemisphere | ViewFlag::Flux) => {
                 return Err(Failure::bad("--view: that is of models alone; leave the scan out"));
             }
         };
         self.write(&figure)
     }
 
-    fn simulated(&self, law: &Law, scan: &Measurement, setup: &Setup) -> Result<Vec<f64>, Failure> {
+    fn simulated(
+        &self,
+        law: &laws::Law,
+        scan: &Measurement,
+        setup: &Setup,
+    ) -> Result<Vec<f64>, Failure> {
         let bar = progress::bar(0, "simulating");
         let angles = Angles::of(scan);
         let done = bar.watch(|watch| {
@@ -306,6 +237,14 @@ impl Args {
 
     /// The picture in both formats.
     fn write(&self, figure: &Figure) -> Result<(), Failure> {
+        self.put(|| Ok((plot::svg(figure)?, plot::png(figure)?)))
+    }
+
+    /// What is drawn, in both formats, into files that are opened before.
+    fn put(
+        &self,
+        draw: impl FnOnce() -> Result<(String, Vec<u8>), PlotError>,
+    ) -> Result<(), Failure> {
         let path = |end: &str| {
             let mut name = self.output.clone().into_os_string();
             name.push(end);
@@ -313,14 +252,49 @@ impl Args {
         };
         let [svg, png] = [".svg", ".png"].map(|end| AtomicFile::create(path(end)));
         let (svg, png) = (svg?, png?);
-        let drawing = plot::svg(figure).map_err(Failure::bad)?;
-        let pixels = plot::png(figure).map_err(Failure::bad)?;
+        let (drawing, pixels) = draw().map_err(Failure::bad)?;
         finish_all(vec![(svg, drawing.into_bytes()), (png, pixels)])?;
         for end in [".svg", ".png"] {
             say::note(format_args!("wrote {}", path(end).display()));
         }
         Ok(())
     }
+}
+
+/// The files, with the models of a sample in place of its folder in a comparison.
+fn opened(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut all = Vec::new();
+    for path in files {
+        if !path.is_dir() {
+            all.push(path.clone());
+            continue;
+        }
+        let entries = std::fs::read_dir(path)
+            .map_err(|e| Failure::bad(format!("{}: cannot be read: {e}", path.display())))?;
+        let mut models: Vec<PathBuf> = entries
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|file| is_model_name(file))
+            .filter(|file| is_law(file).unwrap_or(false))
+            .collect();
+        models.sort();
+        if models.is_empty() {
+            return Err(Failure::bad(format!(
+                "{}: there are no models in this folder; of a comparison give the folder of a sample, as in {}",
+                path.display(),
+                path.join("SAMPLE").display()
+            )));
+        }
+        all.extend(models);
+    }
+    Ok(all)
+}
+
+/// Whether a file of a comparison may be a model by its name; its cells and solutions are not.
+fn is_model_name(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let others = ["compare.json", "index.json", "rigorous.json"];
+    name.ends_with(".json") && !name.ends_with(".cell.json") && !others.contains(&&*name)
 }
 
 /// Whether a file holds a law; a file that is too large for one does not.
@@ -330,19 +304,6 @@ fn is_law(path: &Path) -> Result<bool, Failure> {
         Err(_) if path.is_file() => Ok(false),
         Err(e) => Err(Failure::bad(e)),
     }
-}
-
-/// The law of a file, with the uncertainty of its values if it states errors.
-fn law(path: &Path) -> Result<Law, Failure> {
-    let (boundary, kind) = law_file::read(path).map_err(NoSubject::Law)?;
-    if let Some(notice) = kind.notice() {
-        say::note(format_args!("{}: {notice}", path.display()));
-    }
-    let spread = match kind {
-        Kind::Model(model) => Spread::of(&model, path.parent()).ok(),
-        Kind::Table(_) => None,
-    };
-    Ok(Law { name: name_of(path), boundary, spread })
 }
 
 /// A file without its folder and its ending.
