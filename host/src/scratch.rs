@@ -1,11 +1,14 @@
 //! Temporary files and folders; none is left, however the program ends.
 //!
-//! Dropped values remove their files; a program that is ended by a signal calls [`remove_all`] first.
+//! Dropped values remove their files; a program that is ended by a signal calls [`remove_all`] first. What a program leaves that had no time for
+//! that (SIGKILL, a power cut) the next one [`sweep`]s: a file in use is locked, one that is left is not.
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, PersistError};
 
@@ -44,6 +47,35 @@ pub(crate) fn remove_all() {
     }
 }
 
+/// A file without a lock may be one that was made a moment ago.
+const LEFT: Duration = Duration::from_mins(1);
+
+/// Removes the temporary files of names that start and end like this, which programs left that were killed.
+pub(crate) fn sweep(folder: &Path, start: &OsStr, end: &str) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    let start = start.as_encoded_bytes();
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let is_ours = name
+            .as_encoded_bytes()
+            .strip_prefix(start)
+            .and_then(|rest| rest.strip_suffix(end.as_bytes()))
+            .is_some_and(|middle| {
+                !middle.is_empty() && middle.iter().all(u8::is_ascii_alphanumeric)
+            });
+        if is_ours && is_left(&entry.path()) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether nobody works on a file any more.
+fn is_left(path: &Path) -> bool {
+    let Ok(file) = File::options().write(true).open(path) else { return false };
+    let age = file.metadata().and_then(|about| about.modified()).map(|at| at.elapsed());
+    matches!(age, Ok(Ok(age)) if age > LEFT) && file.try_lock().is_ok()
+}
+
 fn ending() -> io::Error {
     io::Error::new(ErrorKind::Interrupted, "the program is being ended")
 }
@@ -66,6 +98,8 @@ impl Scratch {
             return Err(ending());
         }
         let file = builder.tempfile_in(folder)?;
+        // where a file system has no locks, what is left of a killed program stays
+        let _ = file.as_file().try_lock();
         registry.files.push(file.path().to_owned());
         Ok(Self { file: Some(file) })
     }
@@ -207,6 +241,37 @@ mod tests {
         // what was there before stays
         drop(MadeFolders::create(&root.path().join("a")).unwrap());
         assert!(root.path().join("a").exists());
+    }
+
+    #[test]
+    fn what_a_killed_program_left_is_swept_and_nothing_else() {
+        let root = tempfile::tempdir().unwrap();
+        let long_ago = std::time::SystemTime::now() - 2 * LEFT;
+        let made = |name: &str, modified| {
+            let file = File::create(root.path().join(name)).unwrap();
+            file.set_modified(modified).unwrap();
+            file
+        };
+        for name in [".fit.json.a1B2c3.part", ".fit.json.x.y.part", ".fit.json..part", "fit.json"] {
+            made(name, long_ago);
+        }
+        made(".fit.json.young1.part", std::time::SystemTime::now());
+        let in_use = made(".fit.json.inuse1.part", long_ago);
+        in_use.try_lock().unwrap();
+        sweep(root.path(), OsStr::new(".fit.json."), ".part");
+        let mut names: Vec<_> = std::fs::read_dir(root.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        let left = [
+            ".fit.json..part",
+            ".fit.json.inuse1.part",
+            ".fit.json.x.y.part",
+            ".fit.json.young1.part",
+            "fit.json",
+        ];
+        assert_eq!(names, left);
     }
 
     #[test]

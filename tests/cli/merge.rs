@@ -34,7 +34,7 @@ fn parts_give_the_same_bytes_as_one_run() {
     let names =
         ["compare.csv", "compare.md", "compare.json", "report.html", "index.json", "a/ggx.json"];
     let content = |of: &str| names.map(|name| folder.text(&format!("{of}/{name}")));
-    for of in [1, 2, 3, 7] {
+    for of in [1, 2, 3, 7, 64] {
         let parts = parts(&folder, of);
         folder.run(&format!("merge {parts} -o m{of}")).ok();
         let done = folder.run(&format!("{LINE} -o m{of}")).with_code(0);

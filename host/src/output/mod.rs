@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use crate::custody::folder_of;
 use crate::custody::{self, Claim, Conflict, destination};
-use crate::scratch::{MadeFolders, Scratch, persist_all};
+use crate::scratch::{MadeFolders, Scratch, persist_all, sweep};
 
 /// A file under construction: written beside its destination under a temporary name.
 ///
@@ -108,8 +108,9 @@ impl AtomicFile {
         let mut prefix = OsString::from(".");
         prefix.push(name);
         prefix.push(".");
+        sweep(folder, &prefix, PART);
         let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).suffix(".part");
+        builder.prefix(&prefix).suffix(PART);
         // The permissions of an ordinary new file; a temporary one would be private to its owner.
         #[cfg(unix)]
         let permissions: fs::Permissions = std::os::unix::fs::PermissionsExt::from_mode(0o666);
@@ -172,6 +173,8 @@ impl AtomicFile {
     }
 }
 
+/// The end of temporary names.
+const PART: &str = ".part";
 /// Names of the standard output.
 const STDOUT: [&str; 4] = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
 
