@@ -20,6 +20,9 @@
 //! Without an aperture in the header it takes neighbouring readings, and then *underestimates* a scan
 //! whose apertures overlap.
 //!
+//! Residuals are differenced where apertures touch, too: a misfit two steps long must not look like noise. Where a lobe is no more than three lags wide
+//! neither estimate tells noise from misfit, and only a figure in the header or counts do ([`is_told`]).
+//!
 //! **Counting**: where readings are whole numbers of photons, or of traced rays, times a quantum,
 //! their variance is quantum x reading (Poisson), whatever the grain of the sample. Readings count as counts only if
 //! they behave so: none is below zero, and where few counts are
@@ -39,6 +42,8 @@ const DIMMEST: f64 = 0.25;
 const STEP_TOLERANCE: f64 = 0.02;
 /// More counts than this in one reading cannot be told from rounding to ten digits.
 const MAX_COUNT: f64 = 1e7;
+/// Share of the largest reading that a lobe has at least.
+const LOBE: f64 = 0.05;
 /// A count is a whole number up to this.
 const COUNT_TOLERANCE: f64 = 0.02;
 /// Pairs of readings with at most so many counts together are "few".
@@ -73,7 +78,7 @@ impl NoiseEstimate {
 pub fn estimate(scan: &Measurement) -> Option<NoiseEstimate> {
     let runs = all_runs(scan);
     let values: Vec<f64> = scan.readings().iter().map(|reading| reading.value).collect();
-    let (order, rms) = least(&runs, &values, ORDERS)?;
+    let (order, rms) = least(&runs, &values, ORDERS, Apart::Separate)?;
     let percent = |rms: f64| 100.0 * rms / scan.largest_reading();
     Some(NoiseEstimate {
         fluctuation_percent: percent(rms),
@@ -100,11 +105,41 @@ pub fn of_fit(scan: &Measurement, simulated: &[f64], rays_percent: Option<f64>) 
     let squares: f64 = residuals.iter().map(|r| r * r).sum();
     let error = percent((squares / residuals.len().max(1) as f64).sqrt());
     let stated = scan.meta.noise_floor_percent.is_some();
-    let left = least(&all_runs(scan), &residuals, OF_RESIDUALS).filter(|_| !stated);
-    let left = left.and_then(|(_, rms)| without_rays(percent(rms), rays_percent));
+    let runs = all_runs(scan);
+    let left = |apart| least(&runs, &residuals, OF_RESIDUALS, apart).filter(|_| !stated);
+    let left = [Apart::Touching, Apart::Separate].into_iter().filter_map(left);
+    let left = left
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .and_then(|(_, rms)| without_rays(percent(rms), rays_percent));
     let floor = before_fit(scan).into_iter().chain(left).min_by(f64::total_cmp);
     // an error that is no number bounds nothing
     floor.map(|floor| if error < floor { error } else { floor })
+}
+
+/// Lags in the width of a lobe from which differences tell noise from what a law misses.
+const TELLING: f64 = 3.0;
+
+/// Whether the noise of a scan can be told from the misfit of a law: it stands in the header, the readings are counts, or the lobes are wide beside the
+/// lag of the differences.
+pub fn is_told(scan: &Measurement) -> bool {
+    let runs = all_runs(scan);
+    scan.meta.noise_floor_percent.is_some()
+        || counting(scan, &runs).is_some()
+        || widths_in_lags(scan, &runs).is_none_or(|width| width >= TELLING)
+}
+
+/// The median over the runs with a lobe of its full width at half maximum, in lags; `None` without one.
+fn widths_in_lags(scan: &Measurement, runs: &[Run]) -> Option<f64> {
+    let largest = scan.largest_reading();
+    let width = |run: &Run| {
+        let values = || scan.readings()[run.readings.clone()].iter().map(|r| r.value);
+        let peak = values().fold(0.0, f64::max);
+        let above = values().filter(|v| *v >= 0.5 * peak).count();
+        (peak > LOBE * largest).then(|| above as f64 / run.touching as f64)
+    };
+    let mut widths: Vec<f64> = runs.iter().filter_map(width).collect();
+    widths.sort_by(f64::total_cmp);
+    widths.get(widths.len() / 2).copied()
 }
 
 /// A figure without the noise of the rays in it; `None` where that is most of it, and the rest is not known.
@@ -119,10 +154,13 @@ fn least(
     runs: &[Run],
     values: &[f64],
     orders: std::ops::RangeInclusive<usize>,
+    apart: Apart,
 ) -> Option<(usize, f64)> {
     let candidates = orders.flat_map(|order| [0, 1].map(|more| (order, more)));
-    let figures = candidates
-        .filter_map(|(order, more)| Some((order, fluctuation(runs, values, (order, more))?)));
+    let figures = candidates.filter_map(|(order, more)| {
+        let lag = |run: &Run| run.lag(apart) + more;
+        Some((order, fluctuation(runs, values, order, &lag)?))
+    });
     figures.min_by(|(_, a), (_, b)| a.total_cmp(b))
 }
 
@@ -130,8 +168,23 @@ fn least(
 struct Run {
     /// Which of the scan's.
     readings: std::ops::Range<usize>,
-    /// The smallest number of steps that separates two apertures.
-    lag: usize,
+    /// The smallest number of steps at which two apertures do not overlap.
+    touching: usize,
+    /// One step more, if they are as wide as that: the edge of an aperture is never sharp.
+    separate: usize,
+}
+
+/// Which readings are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Apart {
+    Touching,
+    Separate,
+}
+
+impl Run {
+    fn lag(&self, apart: Apart) -> usize {
+        if apart == Apart::Touching { self.touching } else { self.separate }
+    }
 }
 
 fn all_runs(scan: &Measurement) -> Vec<Run> {
@@ -153,23 +206,28 @@ fn runs(scan: &Measurement, plane: &[Reading], mut first: usize) -> Vec<Run> {
         return Vec::new();
     };
     let aperture = scan.meta.aperture_deg.unwrap_or(0.0);
-    // one step more than the aperture: its edge is never sharp
-    let lag = ((aperture / step * (1.0 + 1e-9)).floor() as usize)
-        .saturating_add(1)
-        .min(plane.len().max(1));
+    let most = plane.len().max(1);
+    let steps = aperture / step;
+    let touching = ((steps * (1.0 - 1e-9)).ceil() as usize).clamp(1, most);
+    let separate = ((steps * (1.0 + 1e-9)).floor() as usize).saturating_add(1).min(most);
     let regular = |a: &Reading, b: &Reading| {
         (b.theta_deg - a.theta_deg - step).abs() <= STEP_TOLERANCE * step
     };
     let pieces = plane.chunk_by(regular).map(|piece| {
         let readings = first..first + piece.len();
         first = readings.end;
-        Run { readings, lag }
+        Run { readings, touching, separate }
     });
     pieces.collect()
 }
 
-/// RMS of the differences of one order, normalised so that independent noise gives its own RMS; `more` is added to the lag.
-fn fluctuation(runs: &[Run], values: &[f64], (order, more): (usize, usize)) -> Option<f64> {
+/// RMS of the differences of one order, normalised so that independent noise gives its own RMS.
+fn fluctuation(
+    runs: &[Run],
+    values: &[f64],
+    order: usize,
+    lag: &dyn Fn(&Run) -> usize,
+) -> Option<f64> {
     let mut coefficients = vec![1.0];
     for k in 0..order {
         let last: f64 = coefficients[k];
@@ -178,7 +236,7 @@ fn fluctuation(runs: &[Run], values: &[f64], (order, more): (usize, usize)) -> O
     let norm: f64 = coefficients.iter().map(|c| c * c).sum();
     let (mut sum, mut count) = (0.0, 0);
     for run in runs {
-        let lag = run.lag + more;
+        let lag = lag(run);
         let values = values.get(run.readings.clone()).unwrap_or_default();
         for window in values.windows(order * lag + 1) {
             let near = window.iter().step_by(lag);
@@ -208,7 +266,7 @@ fn counting(scan: &Measurement, runs: &[Run]) -> Option<f64> {
         let same = |run: &&Run| of_scan(run)[0].sigma_deg.total_cmp(&sigma_deg).is_eq();
         for run in runs.iter().filter(same) {
             let readings = of_scan(run);
-            for (a, b) in readings.iter().zip(readings.iter().skip(run.lag)) {
+            for (a, b) in readings.iter().zip(readings.iter().skip(run.separate)) {
                 let [a, b] = [a, b].map(|reading| reading.value / quantum);
                 let part = if a + b <= FEW { &mut few } else { &mut many };
                 part[0] += (a - b) * (a - b);

@@ -11,7 +11,7 @@ mod identity;
 mod diagnosis;
 
 use crate::fit::{Fit, tail_score};
-use crate::measurement::{Incidence, Measurement};
+use crate::measurement::{Incidence, Measurement, noise};
 use crate::method::Method;
 use crate::model::{Flux, Grade, Verdict};
 use crate::watch::Watch;
@@ -27,6 +27,10 @@ const OF_MODEL: f64 = 0.05;
 /// The grade of an error where noise is not known, %.
 const UNKNOWN_NOISE: f64 = 0.5;
 
+/// Why an error is no noise although nobody knows the noise.
+const UNTOLD: &str = "lobes are no more than three steps or apertures wide, which does not tell noise from what the law misses; \
+    say the noise in the header, as in `# noise_floor_percent: 0.5`, or measure at finer steps";
+
 /// What a fit is worth.
 pub(super) fn judge(
     task: &Task<'_>,
@@ -35,7 +39,8 @@ pub(super) fn judge(
     fluxes: &[Flux],
     watch: Watch<'_>,
 ) -> Verdict {
-    let times_noise = times_noise(fit);
+    let is_told = noise::is_told(task.measurement);
+    let times_noise = times_noise(fit).filter(|_| is_told);
     let is_noise = times_noise.map_or(fit.rmsd_percent <= UNKNOWN_NOISE, |times| times <= WITHIN);
     let mut grade = if is_noise { Grade::WithinNoise } else { Grade::Misfit };
     let mut causes = Vec::new();
@@ -65,6 +70,9 @@ pub(super) fn judge(
         causes.extend(named.filter(|cause| !signs.iter().any(|sign| same_flag(sign, cause))));
     }
     causes.extend(signs.into_iter().filter(|_| task.diagnose));
+    if !is_noise && !is_told && task.diagnose {
+        causes.push(UNTOLD.into());
+    }
     let worst = fit.worst_incidence().map(|(sigma, _)| sigma);
     Verdict {
         grade,
