@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use layers::modules;
 
 /// Who may import whom. `asperity` is the host; it and the device never see each other.
-const MAY_IMPORT: [(&str, &[&str]); 12] = [
+const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("asperity-core", &[]),
     ("asperity-fourier", &[]),
     ("asperity-needs", &[]),
@@ -33,6 +33,7 @@ const MAY_IMPORT: [(&str, &[&str]); 12] = [
             "asperity-needs",
         ],
     ),
+    ("asperity-counts", &["asperity", "asperity-core", "asperity-fourier"]),
     ("asperity-capi", &["asperity-core"]),
     ("asperity-firmware-sim", &["asperity-core"]),
     ("asperity-evaluator", &["asperity-core"]),
