@@ -1,7 +1,9 @@
 //! The rough boundary of a model, made by any method.
 
+mod any;
 mod part;
 
+pub use any::AnyLaw;
 pub use part::{Mixed, Part};
 
 use std::borrow::Cow;

@@ -13,6 +13,7 @@ use crate::kirchhoff::{
     Beam, CoherentFlux, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders,
 };
 use crate::model::Flux;
+use crate::parallel;
 use crate::watch::Watch;
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -93,6 +94,8 @@ fn incidence(side: Side, incidence_deg: f64) -> Direction<f64> {
 
 /// Points of the Fibonacci lattice that integrates over the facets.
 const POINTS: u32 = 46_368;
+/// Those of them that one thread takes at a time.
+const BLOCK: u32 = 1024;
 const STEP: u32 = 28_657;
 
 /// Flux balances for several incidences; `None` if it was stopped before the end.
@@ -337,10 +340,11 @@ fn mean_weight(draw: impl Fn([f64; 2]) -> Option<Scattered<f64>> + Sync) -> f64 
         let u = [around, (f64::from(k) + 0.5) / n];
         draw(u).map_or(0.0, |ray| ray.weight)
     };
-    let blocks: Vec<f64> = (0..POINTS.div_ceil(1024))
-        .into_par_iter()
-        .map(|b| (b * 1024..((b + 1) * 1024).min(POINTS)).map(weight).sum())
-        .collect();
+    let block = |b: usize| -> f64 {
+        let from = b as u32 * BLOCK;
+        (from..(from + BLOCK).min(POINTS)).map(weight).sum()
+    };
+    let blocks = parallel::map(POINTS.div_ceil(BLOCK) as usize, &block);
     blocks.iter().sum::<f64>() / n
 }
 

@@ -55,6 +55,7 @@ pub use asperity_surface as surface;
 use asperity_surface::{input, linear};
 
 pub mod watch;
+mod parallel;
 pub mod message;
 mod custody;
 mod scratch;

@@ -34,9 +34,9 @@ impl Firmware {
         static TRADE: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         static COUNTS: OnceLock<Result<PathBuf, String>> = OnceLock::new();
         match self {
-            Self::SelfTest => SELF_TEST.get_or_init(|| build_qemu("selftest", "release")).clone(),
-            Self::Counts => COUNTS.get_or_init(|| build_qemu("counts", "release")).clone(),
-            Self::Trade => TRADE.get_or_init(|| build_qemu("trade", "release")).clone(),
+            Self::SelfTest => SELF_TEST.get_or_init(|| build_qemu("selftest", "device")).clone(),
+            Self::Counts => COUNTS.get_or_init(|| build_qemu("counts", "device")).clone(),
+            Self::Trade => TRADE.get_or_init(|| build_qemu("trade", "device")).clone(),
             Self::Instrument => INSTRUMENT.get_or_init(|| build_qemu("qemu", "firmware")).clone(),
         }
     }

@@ -6,12 +6,12 @@
 
 use asperity_core::bsdf::{Lobe, Scatter};
 use asperity_core::direction::{Direction, Side};
-use rayon::prelude::*;
 
 use super::binning::{Azimuth, Binning, side_index};
 use super::bins::{BinnedLobe, Estimate, Partition};
 use super::{BinnedBsdf, SideTable};
 use crate::forward::{Heeding, Rays, Tiles, mix};
+use crate::parallel;
 use crate::watch::Watch;
 
 /// Tiles that are in memory at once.
@@ -200,7 +200,7 @@ impl<S: Scatter<f64> + Sync> Work<'_, S> {
                 self.watch.more(u64::from(tiles.rays_each()));
                 done
             };
-            let group: Vec<T> = (from..to).into_par_iter().map(one).collect();
+            let group = parallel::map((to - from) as usize, &|k| one(from + k as u64));
             group.into_iter().for_each(&mut take);
             if self.watch.is_stopped() {
                 return None;

@@ -48,7 +48,7 @@ use crate::watch::Watch;
 /// Examples:
 ///   asperity trade scan.csv --ior 1.49 --csv trade.csv --plot trade.svg
 ///   asperity trade scan.csv --map map.x3p --wavelength-nm 550 --max-error 1.5
-///   asperity trade fit.json --table-kib 2,8,32 --firmware target/thumbv7em-none-eabihf/release/trade
+///   asperity trade fit.json --table-kib 2,8,32 --firmware target/thumbv7em-none-eabihf/device/trade
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {

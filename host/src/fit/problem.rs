@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::boundary::Boundary;
 use crate::fit::nuisance::{APERTURE, GAIN as GAIN_NAME, Instrument, with_aperture};
@@ -38,6 +38,15 @@ pub(super) struct Problem<'a> {
     pub(super) ior: Option<f64>,
     /// Light of later hits, where it is known near the values in question: then full effort simulates first hits alone.
     pub(super) later: Option<Arc<Later>>,
+    /// The last two simulations that judged values: the better one is wanted again.
+    pub(super) judged: Arc<Mutex<Vec<Judged>>>,
+}
+
+/// What values gave with rays that the fit has not used.
+#[derive(Debug)]
+pub(super) struct Judged {
+    key: (Vec<u64>, usize, Rays),
+    readings: Readings,
 }
 
 /// Readings of light of later hits near a point.
@@ -106,6 +115,7 @@ impl<'a> Problem<'a> {
             parameters,
             full_rays: options.rays.fit.unwrap_or(options.rays.draft),
             later: None,
+            judged: Arc::default(),
             ior: None,
             opening: 1.0,
         }
@@ -271,14 +281,28 @@ impl<'a> Problem<'a> {
         self.parameters.iter().zip(free).map(|(p, &f)| p.to_bounded(f)).collect()
     }
 
-    /// The same in full with given rays, also if the user stops.
+    /// The same in full with given rays, also if the user stops. What was simulated a moment ago is not simulated again.
     pub(super) fn simulate_last(
         &self,
         values: &[f64],
         rays: Rays,
         watch: Watch<'_>,
     ) -> Result<Option<Readings>, BuildError> {
-        Ok(self.ready(values, Effort::Full)?.readings(Effort::Full, rays, watch))
+        let numbers = self.with_held(values).into_iter().chain(self.ior).chain([self.opening]);
+        let key = (numbers.map(f64::to_bits).collect(), self.measured.len(), rays);
+        let judged = || self.judged.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = judged().iter().find(|j| j.key == key) {
+            return Ok(Some(known.readings.clone()));
+        }
+        let found = self.ready(values, Effort::Full)?.readings(Effort::Full, rays, watch);
+        if let Some(readings) = &found {
+            let mut judged = judged();
+            if judged.len() > 1 {
+                judged.remove(0);
+            }
+            judged.push(Judged { key, readings: readings.clone() });
+        }
+        Ok(found)
     }
 }
 

@@ -10,7 +10,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
-use rayon::prelude::*;
+
+use crate::parallel;
 
 use super::aperture::asinh;
 use super::azimuth::{Azimuths, PolarGrid, gauss, graded};
@@ -163,21 +164,22 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
             }
             row
         };
-        let rows: Vec<Vec<f64>> = self.polar.par_iter().map(row).collect();
+        let rows = parallel::map_slice(&self.polar, &row);
         self.kernel = rows.concat();
         self.logs = logarithms(&self.kernel, count);
         self.limit();
-        let mut factors = vec![0.0; count * n * n];
-        factors.par_chunks_exact_mut(n * n).enumerate().for_each(|(m, matrix)| {
+        let factor = |m: usize| {
+            let mut matrix = vec![0.0; n * n];
             for (t, row) in matrix.chunks_exact_mut(n).enumerate() {
                 for (f, (value, weight)) in row.iter_mut().zip(&self.weights).enumerate() {
                     let kernel = self.kernel[(t * n + f) * count + m];
                     *value = if t == f { 1.0 } else { 0.0 } - kernel * weight;
                 }
             }
-            factorise(matrix, n);
-        });
-        self.factors = factors;
+            factorise(&mut matrix, n);
+            matrix
+        };
+        self.factors = parallel::map(count, &factor).concat();
     }
 
     /// Modes of what the rough face sends inwards of light that arrives from any polar angles.
@@ -321,7 +323,7 @@ impl<'a, B: Bsdf<f64> + Sync> Inside<'a, B> {
                 later: Between::new(&self.grid, &answers, count),
             }
         };
-        let responses = grid.theta.par_iter().map(response).collect();
+        let responses = parallel::map_slice(&grid.theta, &response);
         Windows { grid, responses, modes: count }
     }
 

@@ -5,12 +5,12 @@ use asperity_core::bsdf::Scatter;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::gonio::incidence;
 use asperity_core::plate::{Outcome, Plate};
-use rayon::prelude::*;
 
 use super::heeding::Heeding;
 use super::rays::{Rays, Tiles};
 use super::tally::{Detectors, Sums, Tally};
 use super::{Incidence, Sample, Setup};
+use crate::parallel;
 use crate::watch::Watch;
 
 /// Readings of one incidence with their statistical error.
@@ -59,7 +59,7 @@ pub fn monte_carlo<S: Scatter<f64> + Sync>(
     while from < tiles.count() {
         // A group at a time bounds the memory; the order of the sums does not depend on it.
         let to = (from + GROUP).min(tiles.count());
-        let group: Vec<Traced> = (from..to).into_par_iter().map(one).collect();
+        let group = parallel::map((to - from) as usize, &|k| one(from + k as u64));
         for tile in group {
             sums.add(&tile.sums);
             outcome = sum_of(outcome, tile.outcome);
@@ -103,7 +103,8 @@ pub(crate) fn count_flux_until<S: Scatter<f64> + Sync>(
 ) -> Outcome<f64> {
     let boundary = &Heeding { boundary, watch };
     let tiles = rays.tiles(wi.z());
-    let one = |number: u64| {
+    let one = |number: usize| {
+        let number = number as u64;
         let mut sum = [0.0; 2];
         // even to draw the numbers of very many rays takes minutes
         if watch.is_stopped() {
@@ -118,7 +119,7 @@ pub(crate) fn count_flux_until<S: Scatter<f64> + Sync>(
         }
         sum
     };
-    let tiled: Vec<[f64; 2]> = (0..tiles.count()).into_par_iter().map(one).collect();
+    let tiled: Vec<[f64; 2]> = parallel::map(tiles.count() as usize, &one);
     let total = tiled.iter().fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
     let n = tiles.count() as f64 * f64::from(tiles.rays_each());
     let [reflected, transmitted] = total.map(|t| t / n);

@@ -5,7 +5,6 @@ use std::f64::consts::FRAC_PI_2;
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::Direction;
 use asperity_core::gonio::Geometry;
-use rayon::prelude::*;
 
 use super::aperture::{Integral, Line, Node, Opening, Warp, cubic};
 use super::inside::{AllLight, Light, Shared};
@@ -14,6 +13,7 @@ use super::optics::{Entry, View, enter, look};
 use super::returns::Returns;
 use super::{Angles, Incidence, Sample, Setup};
 use crate::measurement::Quantity;
+use crate::parallel;
 
 /// Incidence, rad, from which on internal passes take more rays in transmission: 40 degrees.
 const OBLIQUE: f64 = 0.7;
@@ -92,12 +92,11 @@ pub fn quadrature<B: Bsdf<f64> + Sync>(
     effort: Effort,
 ) -> Readings {
     let shared = if effort.has_passes() { Shared::new(boundary, setup) } else { None };
-    let one = |planes: &&[Incidence]| -> Vec<(Vec<f64>, Neglected)> {
+    let one = |planes: &&[Incidence]| {
         let beam = Beam::new(boundary, setup, planes[0].sigma_deg, effort, shared.as_ref());
-        planes.par_iter().map(|plane| OnePlane::new(&beam, plane).readings()).collect()
+        parallel::map_slice(planes, &|plane| OnePlane::new(&beam, plane).readings())
     };
-    let parts: Vec<Vec<(Vec<f64>, Neglected)>> =
-        angles.by_incidence().par_iter().map(one).collect();
+    let parts = parallel::map_slice(&angles.by_incidence(), &one);
     let all = || parts.iter().flatten();
     Readings {
         neglected: all().map(|p| p.1).fold(Neglected::default(), Neglected::or_more),

@@ -2,13 +2,13 @@
 
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Place, Storage, cells, incidence_cosine, incidence_place};
-use rayon::prelude::*;
 
 use super::grid::{LobeGrid, node};
 use super::turned::Turning;
 use crate::boundary::{Boundary, with_boundary};
 use crate::energy::balance;
 use crate::forward::{Rays, count_flux_until};
+use crate::parallel;
 use crate::watch::Watch;
 
 /// Factor by which the flux may change a gain where the table has next to none, and what that is.
@@ -113,7 +113,7 @@ fn dense(grid: &LobeGrid) -> Vec<f64> {
 fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
     let of = |grid: &LobeGrid| {
         grid.with_table::<S, _>(|table| {
-            cosines.par_iter().map(|cos| grid.flux_of(table, *cos)).collect::<Vec<f64>>()
+            parallel::map_slice(cosines, &|cos| grid.flux_of(table, *cos))
         })
     };
     grid.and_then(of).unwrap_or_else(|| vec![0.0; cosines.len()])

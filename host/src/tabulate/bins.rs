@@ -16,6 +16,7 @@ use super::law::GOLDEN;
 use super::turned::{AZIMUTHS, At};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::{Rays, mix};
+use crate::parallel;
 
 const RINGS: usize = 10;
 const SECTORS: usize = 12;
@@ -100,11 +101,12 @@ fn at<B: Scatter<f64> + Sync>(
     let each = Rays { count: rays.count / u64::from(AZIMUTHS), ..rays };
     let sets: Vec<Vec<[Vec<Hit>; 2]>> = (0..2_u64)
         .map(|set| {
-            let turned = |k: u32| {
+            let turned = |k: usize| {
+                let k = k as u32;
                 let seed = mix(mix(each.seed, 31 + set), u64::from(k));
                 first_hits(&At::new(boundary, k), place, Rays { seed, ..each })
             };
-            (0..AZIMUTHS).into_par_iter().map(turned).collect()
+            parallel::map(AZIMUTHS as usize, &turned)
         })
         .collect();
     let one = |(k, lobe): (usize, Lobe)| {

@@ -11,7 +11,7 @@ use asperity_core::table::{BsdfTableRef, Storage};
 use super::balance;
 use super::law::Lattice;
 use super::turned::{AZIMUTHS, At, Turning};
-use crate::boundary::{Boundary, with_boundary};
+use crate::boundary::{AnyLaw, Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, with_view};
 use crate::forward::{self, Effort, Incidence, Rays, Sample, Setup, mix, monte_carlo, quadrature};
 use crate::measurement::Quantity;
@@ -74,7 +74,7 @@ pub fn distance(
     let thetas: Vec<f64> = (0..=count).map(|k| -90.0 + f64::from(k) * step_deg).collect();
     let angles = forward::Angles::product(&gp200::SIGMAS_DEG, &thetas);
     let effort = if full { Effort::Full } else { Effort::Draft };
-    let of_table = with_view!(table, view => quadrature(&view, &setup, &angles, effort).values, else Vec::new());
+    let of_table = with_view!(table, view => quadrature(&AnyLaw::of(&view), &setup, &angles, effort).values, else Vec::new());
     with_boundary!(boundary,
     b => {
         let percent = rmsd_percent(&quadrature(b, &setup, &angles, effort).values, &of_table)?;

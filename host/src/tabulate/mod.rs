@@ -47,11 +47,11 @@ use asperity_core::bsdf::{Bsdf, LobeSet};
 use asperity_core::direction::Side;
 use asperity_core::quantity::RelativeIor;
 use asperity_core::table::{Header, Storage};
-use rayon::prelude::*;
 
 use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, Rest, Values};
 use crate::forward::{Heeding, Rays};
+use crate::parallel;
 use crate::surface::spectrum::Anisotropy;
 use crate::watch::{Progress, Watch};
 use grid::LobeGrid;
@@ -229,8 +229,7 @@ fn of_storage<S: Storage>(
                 return Err(NoTable::Stopped);
             }
             let mut grid = search::best::<S>(b, eta, which, budget);
-            let model: Vec<f64> =
-                grid.cosines().into_par_iter().map(|cos| grid.flux_of(b, cos)).collect();
+            let model = parallel::map_slice(&grid.cosines(), &|cos| grid.flux_of(b, *cos));
             balance::to_model(&mut grid, &model);
             lobes[k] = Some(grid);
             done += 1;

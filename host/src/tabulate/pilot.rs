@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::grid::{LobeGrid, node};
 use super::rays::{Left, complete, corners, plane_size, sharpen, trace};
 use crate::forward::{Rays, mix};
+use crate::parallel;
 
 /// Kinds that are tried. A facet's share of GGX tails serves what is met once, the others what is met more often.
 const KINDS: [(Form, Fall); 4] = [
@@ -64,7 +65,7 @@ pub(super) fn chosen<B: Scatter<f64> + Sync>(
             };
             Shot { cos, left: (0..tiles.count()).flat_map(each).collect() }
         };
-        halves.par_iter().map(shoot).collect()
+        parallel::map_slice(&halves, &shoot)
     };
     let fill = set(21, (0..nodes).map(|j| 2 * j).collect());
     let judge = set(22, (1..nodes).map(|j| 2 * j - 1).collect());

@@ -10,12 +10,12 @@ use std::f64::consts::TAU;
 use asperity_core::bsdf::{Lobe, Scatter};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Form, GAIN_STEPS, Place, cells, radius};
-use rayon::prelude::*;
 
 use super::facet::{Beam, between, tail};
 use super::grid::LobeGrid;
 use super::law::GOLDEN;
 use crate::forward::{Rays, Tiles, mix};
+use crate::parallel;
 use crate::watch::Watch;
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
@@ -109,7 +109,8 @@ fn gather<S: Scatter<f64> + Sync>(
     (rays, watch): (Rays, Watch<'_>),
 ) -> Gathered {
     let tiles = rays.tiles(cos);
-    let part = |number: u64| {
+    let part = |number: usize| {
+        let number = number as u64;
         let mut sum = [0, 1].map(|k| vec![0.0; lobes[k].map_or(0, plane_size)]);
         let mut flux = [0.0; 2];
         for tile in (number..tiles.count()).step_by(PARTS as usize) {
@@ -130,7 +131,7 @@ fn gather<S: Scatter<f64> + Sync>(
         }
         (sum, flux)
     };
-    let parts: Vec<_> = (0..PARTS).into_par_iter().map(part).collect();
+    let parts = parallel::map(PARTS as usize, &part);
     let mut nodes = [0, 1].map(|k| vec![0.0; lobes[k].map_or(0, plane_size)]);
     let mut flux = [0.0; 2];
     for (sum, own) in parts {

@@ -2,7 +2,8 @@
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::table::{BsdfTableRef, Storage};
-use rayon::prelude::*;
+
+use crate::parallel;
 
 use super::grid::LobeGrid;
 
@@ -17,10 +18,9 @@ pub(super) fn samples<S: Storage>(
     table: &BsdfTableRef<'_, S>,
 ) -> (Vec<u16>, Vec<i8>) {
     let shape = grid.header.shape;
-    let each: Vec<(Vec<u16>, Vec<i8>)> = (0..usize::from(shape.incidences))
-        .into_par_iter()
-        .map(|j| one(grid, table, grid.cosine(j), usize::from(shape.intervals)))
-        .collect();
+    let each = parallel::map(usize::from(shape.incidences), &|j| {
+        one(grid, table, grid.cosine(j), usize::from(shape.intervals))
+    });
     // what a facet reaches ends elsewhere at each incidence: between two of them no light is beyond both ends
     let ends: Vec<u16> = each.iter().filter_map(|(q, _)| q.last().copied()).collect();
     let reach = |j: usize| ends.iter().take(j + 2).skip(j.saturating_sub(1)).max().copied();

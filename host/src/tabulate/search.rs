@@ -3,7 +3,8 @@
 use asperity_core::bsdf::Lobe;
 use asperity_core::direction::{Direction, Side};
 use asperity_core::table::{Fall, Form, GAIN_STEPS, LobeHeader, Shape, Storage, slope};
-use rayon::prelude::*;
+
+use crate::parallel;
 
 use super::balance::incident;
 use super::facet::{self, Beam};
@@ -108,7 +109,7 @@ pub(super) fn best<S: Storage>(
         (error::<S>(&grid, &probes), header)
     };
     let least_above = |candidates: Vec<LobeHeader>, floor: f64| {
-        let judged: Vec<_> = candidates.into_par_iter().map(judged).collect();
+        let judged = parallel::map_slice(&candidates, &|header| judged(*header));
         let errors = judged.into_iter().map(|(error, header)| (error.max(floor), header));
         errors.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(start, |best| best.1)
     };

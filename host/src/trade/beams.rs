@@ -11,7 +11,8 @@ use std::fmt;
 
 use asperity_core::bsdf::{Bsdf, Lobe};
 use asperity_core::direction::Direction;
-use rayon::prelude::*;
+
+use crate::parallel;
 
 /// Directions of either kind in a beam.
 const DIRECTIONS: u32 = 256;
@@ -80,29 +81,26 @@ impl Beam {
 impl Beams {
     /// The values of a model.
     pub(super) fn of<B: Bsdf<f64> + Sync>(model: &B) -> Self {
-        let all = (0..72_u32).into_par_iter().filter_map(|k| {
-            let lobe = if k % 2 == 0 { Lobe::Reflection } else { Lobe::Transmission };
-            Lit::of(model, Beam { below: k % 4 >= 2, degrees: f64::from(5 * (k / 4)), lobe })
-        });
-        Self(all.collect())
+        let one = |k: usize| {
+            let lobe = if k.is_multiple_of(2) { Lobe::Reflection } else { Lobe::Transmission };
+            Lit::of(model, Beam { below: k % 4 >= 2, degrees: (5 * (k / 4)) as f64, lobe })
+        };
+        Self(parallel::map(72, &one).into_iter().flatten().collect())
     }
 
     /// The distance of another law from the model; infinite where it gives no number.
     pub(super) fn accuracy<B: Bsdf<f64> + Sync>(&self, law: &B) -> Accuracy {
-        let parts: Vec<(f64, f64, usize)> = self
-            .0
-            .par_iter()
-            .map(|beam| {
-                let off = |(wo, value): &(Direction<f64>, f64)| {
-                    let off = 100.0 * (law.ars(beam.wi, *wo) - value).abs() / beam.peak;
-                    if off.is_nan() { f64::INFINITY } else { off }
-                };
-                let offs = beam.values.iter().map(off);
-                let (max, sum) =
-                    offs.fold((0.0_f64, 0.0), |(max, sum), off| (max.max(off), sum + off * off));
-                (max, sum, beam.values.len())
-            })
-            .collect();
+        let part = |beam: &Lit| {
+            let off = |(wo, value): &(Direction<f64>, f64)| {
+                let off = 100.0 * (law.ars(beam.wi, *wo) - value).abs() / beam.peak;
+                if off.is_nan() { f64::INFINITY } else { off }
+            };
+            let offs = beam.values.iter().map(off);
+            let (max, sum) =
+                offs.fold((0.0_f64, 0.0), |(max, sum), off| (max.max(off), sum + off * off));
+            (max, sum, beam.values.len())
+        };
+        let parts = parallel::map_slice(&self.0, &part);
         let worst = parts.iter().zip(&self.0).reduce(|a, b| if b.0.0 > a.0.0 { b } else { a });
         let max_percent = worst.map_or(0.0, |w| w.0.0);
         let worst = worst.filter(|_| max_percent > 0.0).map(|w| w.1.which);
@@ -112,8 +110,9 @@ impl Beams {
 
     /// Largest absolute difference of the flux of a lobe, as a fraction of the light, up to 80 degrees.
     pub(super) fn flux_error<B: Bsdf<f64> + Sync>(&self, law: &B) -> f64 {
-        let beams = self.0.par_iter().filter(|b| b.wi.z().abs() > 0.17);
-        beams.map(|b| (flux(law, b.wi, b.which.lobe) - b.flux).abs()).reduce(|| 0.0, f64::max)
+        let beams: Vec<&Lit> = self.0.iter().filter(|b| b.wi.z().abs() > 0.17).collect();
+        let off = |b: &&Lit| (flux(law, b.wi, b.which.lobe) - b.flux).abs();
+        parallel::map_slice(&beams, &off).into_iter().fold(0.0, f64::max)
     }
 }
 

@@ -58,7 +58,7 @@ pub(super) type Counts = BTreeMap<String, Counted>;
 
 impl Device {
     /// The command that makes the program.
-    pub const HOW: &str = "`cargo build --release -p asperity-firmware-sim --no-default-features --features qemu --bin trade \
+    pub const HOW: &str = "`cargo build --profile device -p asperity-firmware-sim --no-default-features --features qemu --bin trade \
                            --target thumbv7em-none-eabihf`";
 
     /// Reads the program and looks for the emulator.

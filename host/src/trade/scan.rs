@@ -6,6 +6,7 @@ use asperity_core::metric::rmsd_percent;
 use asperity_core::plate::RoughSide;
 use asperity_core::quantity::RelativeIor;
 
+use crate::boundary::AnyLaw;
 use crate::forward::{Angles, Effort, Sample, Setup, quadrature};
 use crate::measurement::{Measurement, Quantity};
 
@@ -45,7 +46,7 @@ impl Scan {
         };
         let thetas: Vec<f64> = (0..=720).map(|k| -90.0 + STEP * f64::from(k)).collect();
         let angles = Angles::product(&gp200::SIGMAS_DEG, &thetas);
-        let readings = quadrature(model, &setup, &angles, Effort::Full).values;
+        let readings = quadrature(&AnyLaw::of(model), &setup, &angles, Effort::Full).values;
         Some(Self { setup, angles, readings })
     }
 
@@ -56,7 +57,7 @@ impl Scan {
 
     /// Eq. (18) of a law's diffuse light.
     pub(super) fn error<B: Bsdf<f64> + Sync>(&self, law: &B) -> Option<f64> {
-        let values = quadrature(law, &self.setup, &self.angles, Effort::Full).values;
+        let values = quadrature(&AnyLaw::of(law), &self.setup, &self.angles, Effort::Full).values;
         rmsd_percent(&self.readings, &values).filter(|e| e.is_finite())
     }
 }

@@ -11,12 +11,12 @@ mod sum;
 mod window;
 
 use asperity_core::gonio::Geometry;
-use rayon::prelude::*;
 
 use super::monte_carlo::{GROUP, MonteCarlo};
 use super::rays::Rays;
 use super::tally::{Detectors, Sums, Tally};
 use super::{Effort, Incidence, Setup, monte_carlo};
+use crate::parallel;
 use crate::raytrace::TracedBoundary;
 use crate::watch::Watch;
 use beam::Beam;
@@ -101,7 +101,7 @@ fn trace(
     let mut from = 0;
     while from < tiles.count() {
         let to = (from + GROUP).min(tiles.count());
-        let group: Vec<(Sums, Parts)> = (from..to).into_par_iter().map(one).collect();
+        let group = parallel::map((to - from) as usize, &|k| one(from + k as u64));
         for (tile, parts) in &group {
             sums.add(tile);
             outcome.add(parts);
