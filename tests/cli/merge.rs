@@ -130,3 +130,105 @@ fn wrong_parts_are_refused() {
     }
     folder.run(&format!("merge {good} -o out")).ok();
 }
+
+#[test]
+fn parts_of_a_scan_give_the_bytes_of_one_run() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    let line = "scan m.json --sigma 0,10,20,30,40 --step 2 --aperture 4";
+    for (name, rays) in [("summed", ""), ("traced", " --rays 3e4 --seed 5")] {
+        folder.run(&format!("{line}{rays} -o {name}.csv")).ok();
+        let whole = folder.text(&format!("{name}.csv"));
+        for of in [1, 2, 3, 7, 64] {
+            let make = |part: usize| {
+                let file = format!("{name}{of}-{part}.csv");
+                folder.run(&format!("{line}{rays} --shard {part}/{of} -o {file}")).ok();
+                file
+            };
+            let parts = (1..=of).rev().map(make).collect::<Vec<_>>().join(" ");
+            folder.run(&format!("merge {parts} -o {name}{of}.csv")).ok();
+            assert!(
+                whole == folder.text(&format!("{name}{of}.csv")),
+                "{of} parts of {name} differ"
+            );
+        }
+    }
+    // a part is a scan by itself
+    folder.run("fit traced2-1.csv --method ggx --ior 1.49 -o fit.json").ok();
+}
+
+#[test]
+fn wrong_parts_of_a_scan_are_refused() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    folder.run("model ggx --set alpha=0.3 --ior 1.49 -o n.json").ok();
+    let line = "scan m.json --sigma 0,10,20 --step 4 --aperture 4 --rays 1e4";
+    for (name, line) in [
+        ("whole", line.to_owned()),
+        ("a", format!("{line} --shard 1/2")),
+        ("b", format!("{line} --shard 2/2")),
+        ("seed", format!("{line} --shard 2/2 --seed 2")),
+        ("third", format!("{line} --shard 1/3")),
+        ("other", format!("{} --shard 2/2", line.replace("m.json", "n.json"))),
+    ] {
+        folder.run(&format!("{line} -o {name}.csv")).ok();
+    }
+    let text = folder.text("a.csv");
+    let without =
+        |what: &str| text.lines().filter(|l| !l.starts_with(what)).collect::<Vec<_>>().join("\n");
+    fs::copy(folder.path("b.csv"), folder.path("again.csv")).unwrap();
+    fs::write(folder.path("torn.csv"), without("20,")).unwrap();
+    fs::write(folder.path("noise.csv"), text.replacen("# part_noise: ", "# part_noise: 1e-9, ", 1))
+        .unwrap();
+    fs::write(folder.path("empty.csv"), "").unwrap();
+    for (parts, says) in [
+        ("a.csv", "parts are missing: 2/2"),
+        ("a.csv b.csv again.csv", "are both part 2/2"),
+        ("a.csv third.csv", "different numbers of parts"),
+        ("a.csv seed.csv", "different scans"),
+        ("a.csv other.csv", "different scans"),
+        ("a.csv whole.csv", "whole.csv: this is no part"),
+        ("a.csv m.json", "m.json: this is no part"),
+        ("a.csv empty.csv", "empty.csv: this is no part"),
+        ("a.csv none.csv", "none.csv: "),
+        ("torn.csv b.csv", "torn.csv: it is not finished"),
+        ("noise.csv b.csv", "noise.csv: it is not finished"),
+    ] {
+        let done = folder.run(&format!("merge {parts} -o out.csv")).with_code(2);
+        assert!(done.err.contains(says), "{parts}: {}", done.err);
+        assert!(!folder.path("out.csv").exists(), "{parts} has left a file");
+    }
+    folder.run(&format!("{line} --shard 1/2")).with_code(2);
+    folder.run("merge b.csv a.csv -o out.csv").ok();
+}
+
+#[test]
+fn a_scan_ends_where_its_noise_is_small_enough() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    let line = "scan m.json --sigma 0,30 --step 2 --aperture 4 --rays";
+    let noise = |name: &str| -> f64 {
+        let text = folder.text(name);
+        let line = text.lines().find_map(|l| l.strip_prefix("# noise_floor_percent: ")).unwrap();
+        line.parse().unwrap()
+    };
+    for percent in [1.0, 0.4, 0.15] {
+        folder.run(&format!("{line} 1e9 --until {percent}% -o s.csv")).ok();
+        let reached = noise("s.csv");
+        assert!(
+            (0.5 * percent..=percent).contains(&reached) || percent > 0.9,
+            "{reached} of {percent}"
+        );
+        // it is the scan of as many rays
+        let rays = folder
+            .text("s.csv")
+            .lines()
+            .find_map(|l| Some(l.split_once("Monte Carlo, ")?.1.split(' ').next()?.to_owned()));
+        folder.run(&format!("{line} {} -o t.csv", rays.unwrap())).ok();
+        assert_eq!(folder.text("s.csv"), folder.text("t.csv"));
+    }
+    let done = folder.run(&format!("{line} 2e5 --until 0.01% -o s.csv")).with_code(0);
+    assert!(done.err.contains("give more --rays"), "{}", done.err);
+    folder.run("scan m.json --until 1% -o s.csv").with_code(2);
+    folder.run(&format!("{line} 1e6 --until 1% --shard 1/2 -o s.csv")).with_code(2);
+}

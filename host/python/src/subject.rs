@@ -162,7 +162,6 @@ pub(crate) fn scan(
     let usual = ScanRequest::default();
     let request = ScanRequest {
         sigma_deg,
-        rotation_deg: usual.rotation_deg.clone(),
         theta: AngleRange::new(theta_deg.0, theta_deg.1).map_err(bad)?,
         step_deg,
         aperture_deg,
@@ -171,6 +170,7 @@ pub(crate) fn scan(
         quantity: said.quantity.unwrap_or(usual.quantity),
         rays,
         seed,
+        ..usual
     };
     if rays == Some(0) {
         return Err(bad("rays is 0; give the number of rays per incidence, from 1"));

@@ -1,4 +1,4 @@
-//! `merge`: the parts of a comparison, or of images, into one folder.
+//! `merge`: the parts of a comparison, or of images, into one folder; those of a scan into one file.
 
 use std::path::{Path, PathBuf};
 
@@ -6,15 +6,16 @@ use super::error::Failure;
 use super::parts::in_order;
 use super::print;
 use super::rendering::{Folder, merge_images};
+use super::scan_part::merge_scans;
 use crate::output::{ResultFolder, write_text};
 use crate::reconstruct::{Cell, Index, SampleResult, Shard, Store};
 
-/// Put the parts of a comparison or of images together
+/// Put the parts of a comparison, of images or of a scan together
 ///
 /// `compare --shard I/N` makes a part of the fits, each part into a folder of its own, on as many machines as there are. All
 /// N parts are put into one folder here; the same `compare` without --shard into that folder then takes every fit as it is and
 /// writes the tables, plots and the report that one machine would have written. So it is with `render --shard I/N`: the same
-/// `render` without --shard then writes the images.
+/// `render` without --shard then writes the images. The files of `scan --shard I/N` become one file, that of a single run.
 ///
 /// Refused are parts that are missing, doubled, unfinished, or of other work.
 ///
@@ -23,13 +24,16 @@ use crate::reconstruct::{Cell, Index, SampleResult, Shard, Store};
 ///   asperity compare a.csv b.csv --shard 2/2 -o part2
 ///   asperity merge part1 part2 -o results
 ///   asperity compare a.csv b.csv -o results
+///   asperity scan --map map.x3p --ior 1.5 --shard 1/2 -o part1.csv
+///   asperity scan --map map.x3p --ior 1.5 --shard 2/2 -o part2.csv
+///   asperity merge part1.csv part2.csv -o scan.csv
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// The folders of all parts, in any order
+    /// The folders of all parts, or the files of those of a scan, in any order
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
-    /// Folder for all of them; made if it does not exist
+    /// Folder for all of them, made if it does not exist; for a scan the file
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
@@ -44,6 +48,9 @@ struct Part<'a> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.parts.first().is_some_and(|first| Folder(first.clone()).is_of_images()) {
         return merge_images(&args.parts, &args.output);
+    }
+    if args.parts.first().is_some_and(|first| first.is_file()) {
+        return merge_scans(&args.parts, &args.output);
     }
     let parts = args.parts.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };

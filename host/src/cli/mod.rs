@@ -27,6 +27,7 @@ mod fit;
 mod comparing;
 mod compare;
 mod scan;
+mod scan_part;
 mod demo;
 mod stats;
 mod acquire;

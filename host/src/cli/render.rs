@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::Failure;
 use super::flags::rays::RayFlags;
+use super::flags::scan::noise_share;
 use super::rendering::{Job, Output, Pictures, read_regions, region_text};
 use super::{print, progress, say};
 use crate::output::{AtomicFile, ResultFolder, write_text};
@@ -58,7 +59,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     paths: Option<u32>,
     /// End where the noise of a tile is below this share of its mean, such as 2%
-    #[arg(long, value_name = "NOISE", value_parser = share)]
+    #[arg(long, value_name = "NOISE", value_parser = noise_share)]
     until: Option<f64>,
     /// A preview: half the pixels each way, 16 paths
     #[arg(long, conflicts_with_all = ["size", "paths", "until"])]
@@ -219,15 +220,4 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let number = |text: &str| text.trim().parse::<u32>().ok().filter(|n| (1..=16_384).contains(n));
     let pair = text.split_once(['x', 'X']).and_then(|(w, h)| Some([number(w)?, number(h)?]));
     pair.ok_or_else(|| "write pixels across and down, 1 to 16384, such as 640x480".to_owned())
-}
-
-fn share(text: &str) -> Result<f64, String> {
-    let (digits, scale) = match text.trim().strip_suffix('%') {
-        Some(digits) => (digits, 0.01),
-        None => (text, 1.0),
-    };
-    let number = digits.trim().parse::<f64>().ok().map(|x| scale * x);
-    number
-        .filter(|x| *x > 0.0 && *x < 1.0)
-        .ok_or_else(|| "write a share of the mean between 0 and 100 %, such as 2%".to_owned())
 }

@@ -6,13 +6,16 @@ use asperity_core::gonio::{Geometry, gp200};
 use asperity_core::plate::RoughSide;
 
 use super::error::{Failure, without_effect};
-use super::flags::scan::{GeometryFlag, QuantityFlag, RoughSideFlag, number, parse_rays};
+use super::flags::scan::{
+    GeometryFlag, QuantityFlag, RoughSideFlag, noise_share, number, parse_rays,
+};
 use super::flags::subject::{SubjectFlags, lacking};
-use super::{print, progress};
+use super::scan_part::Part;
+use super::{print, progress, say};
 use crate::kirchhoff::Speckle;
 use crate::measurement::{Quantity, write};
 use crate::output::AtomicFile;
-use crate::reconstruct::{NoScan, ScanRequest, VirtualScan};
+use crate::reconstruct::{NoScan, ScanRequest, Shard, VirtualScan};
 use crate::report::power_text;
 
 /// Simulate a goniophotometer scan of a model, or of a height map
@@ -22,6 +25,7 @@ use crate::report::power_text;
 /// map (--map FILE --ior N) and the models made of one are traced ray by ray, all bounces included, or with
 /// --engine wave --wavelength-nm NM scatter waves: the orders of this very map, all within the detector's cone.
 /// A table (.bsdft) is scanned as the model that it was made of, if it holds the lobes that the scan is made of.
+/// --shard I/N measures a part of the incidences, on as many machines as there are parts.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Angles of incidence in degrees
@@ -52,9 +56,17 @@ pub(super) struct Args {
     /// Monte Carlo with so many rays per incidence; a height map takes 1.5e7 without it
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
+    /// Trace until the noise is at most this share of the largest reading, such as 0.5%; --rays, or 1.5e9 per
+    /// incidence, are the most
+    #[arg(long, value_name = "NOISE", value_parser = noise_share)]
+    until: Option<f64>,
     /// Seed of the Monte Carlo [default: 1]
     #[arg(long, value_name = "K")]
     seed: Option<u64>,
+    /// Measure part I of N of the incidences; `merge` makes one file of all parts, bit for bit the one that a single
+    /// run writes
+    #[arg(long, value_name = "I/N", requires = "output", conflicts_with = "until")]
+    shard: Option<Shard>,
     /// File to write; stdout without it
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -75,12 +87,34 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     request.check(&subject.boundary).map_err(failed)?;
     let without_rays = args.rays.is_none() && !subject.boundary.is_traced();
     without_effect(
-        &[("--seed", args.seed.is_some() && without_rays)],
+        &[
+            ("--seed", args.seed.is_some() && without_rays),
+            ("--until", args.until.is_some() && without_rays),
+        ],
         "nothing is drawn without --rays",
     )?;
+    let part = args
+        .shard
+        .map(|shard| Part::of(shard, &request, (&args.subject, &subject.path)))
+        .transpose()?;
+    if let (Some(part), Some(file), true) = (&part, &args.output, request.is_empty()) {
+        AtomicFile::create(file)?.finish(part.without_readings().as_bytes())?;
+        return print(&format!(
+            "part {} of {} incidences holds none, which {} says\n",
+            part.shard,
+            part.incidences,
+            file.display()
+        ));
+    }
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let bar = progress::bar(0, if request.rays.is_some() { "tracing" } else { "simulating" });
-    let done = bar.watch(|watch| request.run(&subject, watch)).map_err(failed)?;
+    let mut done = bar.watch(|watch| request.run(&subject, watch)).map_err(failed)?;
+    if let Some(part) = part {
+        part.say(&done.noise, &mut done.measurement.meta);
+    }
+    if let Some(said) = args.noise_missed(&done) {
+        say::note(format_args!("{said}"));
+    }
     let mut text = Vec::new();
     write::write(&done.measurement, &mut text).map_err(Failure::bad)?;
     match output {
@@ -98,6 +132,14 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 impl Args {
+    /// What is said where the most rays were too few for --until.
+    fn noise_missed(&self, done: &VirtualScan) -> Option<String> {
+        let (asked, noise) = (100.0 * self.until?, done.measurement.meta.noise_floor_percent?);
+        (noise > asked && !done.interrupted).then(|| {
+            format!("warning: the noise is {noise:.2} % of the largest reading, not {asked} %; give more --rays")
+        })
+    }
+
     fn request(&self) -> Result<ScanRequest, Failure> {
         let theta = self.theta_range.parse();
         Ok(ScanRequest {
@@ -110,7 +152,9 @@ impl Args {
             rough_side: RoughSide::from(self.rough_side),
             quantity: Quantity::from(self.quantity),
             rays: self.rays,
+            until_percent: self.until.map(|share| 100.0 * share),
             seed: self.seed.unwrap_or(1),
+            shard: self.shard,
         })
     }
 }
@@ -140,6 +184,7 @@ impl From<NoScan> for Failure {
             NoScan::RaysNeedAperture | NoScan::CoherentNeedsAperture => {
                 Self::Bad(format!("{e}; give --aperture above 0"))
             }
+            NoScan::WavesAreWhole => Self::Bad(format!("{e}; leave --shard out")),
             NoScan::WavesAreNotTraced => Self::Bad(format!("{e}; leave --rays out")),
             NoScan::Unclear(unclear) => unclear.into(),
             NoScan::Lacking(_) | NoScan::Header(_) | NoScan::Index(_) | NoScan::Unusable(_) => {

@@ -45,7 +45,7 @@ pub use light::{Light, Unlit};
 pub use lobes::{BoundaryValue, boundary_values, boundary_values_at};
 pub use needed::Lacking;
 pub use ranking::{Ranked, Ranking};
-pub use scan::{NoScan, ScanRequest, VirtualScan};
+pub use scan::{NoScan, RayNoise, ScanRequest, VirtualScan};
 pub use situation::{Said, Situation, Unclear, check_aperture, check_plate};
 pub use store::{Index, IndexedCell, IndexedSample, NoShard, OtherContent, Shard, Store};
 pub use subject::{Engine, NoSubject, Subject};

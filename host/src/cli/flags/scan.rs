@@ -436,6 +436,18 @@ pub(in crate::cli) fn number(text: &str) -> Result<f64, String> {
     })
 }
 
+/// A share that noise may have, also in percent.
+pub(in crate::cli) fn noise_share(text: &str) -> Result<f64, String> {
+    let (digits, scale) = match text.trim().strip_suffix('%') {
+        Some(digits) => (digits, 0.01),
+        None => (text, 1.0),
+    };
+    let number = digits.trim().parse::<f64>().ok().map(|x| scale * x);
+    number
+        .filter(|x| *x > 0.0 && *x < 1.0)
+        .ok_or_else(|| "write a share between 0 and 100 %, such as 2%".to_owned())
+}
+
 /// A number of rays, also as 1e6.
 pub(in crate::cli) fn parse_rays(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {

@@ -1,25 +1,28 @@
 //! The virtual goniophotometer: a scan of a boundary.
 
+mod rays;
+mod refused;
+
 use asperity_core::bsdf::Lobe;
 use asperity_core::gonio::{AngleGrid, Geometry, gp200};
 use asperity_core::plate::{Outcome, RoughSide};
 use asperity_core::quantity::RelativeIor;
 
 use crate::boundary::Boundary;
-use crate::forward::{
-    Angles, Effort, Incidence, Rays, Readings, Sample, Setup, by_rays, simulate, wave,
-};
+use crate::forward::{Angles, Effort, Incidence, Rays, Readings, Sample, Setup, simulate, wave};
 use crate::measurement::meta::HeaderFault;
-use crate::measurement::{AngleRange, InvalidReading, Measurement, Metadata, Quantity, Reading};
+use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading};
 use crate::surface::{Edges, Form};
 use crate::watch::Watch;
 
-use super::situation::{Unclear, check_aperture, check_plate};
+use super::situation::{check_aperture, check_plate};
+use super::store::Shard;
 use super::subject::Subject;
-use super::{Lacking, header, needed};
+use super::{header, needed};
 
-/// Rays per incidence where there is no other way.
-const TRACED_RAYS: u64 = 15_000_000;
+pub use rays::RayNoise;
+use rays::{MOST_RAYS, TRACED_RAYS};
+pub use refused::NoScan;
 
 /// What the instrument is to measure; the default is the GP-200's usual scan of transmitted light.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,8 +45,12 @@ pub struct ScanRequest {
     pub quantity: Quantity,
     /// Monte Carlo with so many rays per incidence; `None`: by quadrature, of a traced boundary 1.5e7 rays.
     pub rays: Option<u64>,
+    /// Traces until the noise is at most so many percent of the largest reading, [`rays`](Self::rays) at most.
+    pub until_percent: Option<f64>,
     /// Seed of the rays.
     pub seed: u64,
+    /// The part of the incidences that is measured; all without it.
+    pub shard: Option<Shard>,
 }
 
 impl Default for ScanRequest {
@@ -58,7 +65,9 @@ impl Default for ScanRequest {
             rough_side: RoughSide::Source,
             quantity: Quantity::Flux,
             rays: None,
+            until_percent: None,
             seed: 1,
+            shard: None,
         }
     }
 }
@@ -72,76 +81,10 @@ pub struct VirtualScan {
     pub outcomes: Vec<(f64, Outcome<f64>)>,
     /// Flux left out of the internal passes; quadrature only.
     pub neglected: Option<f64>,
+    /// Noise of the rays, incidence by incidence; Monte Carlo only.
+    pub noise: Vec<RayNoise>,
     /// Whether it was stopped: the incidences that were finished are there.
     pub interrupted: bool,
-}
-
-/// Why there is no scan.
-#[derive(Debug, thiserror::Error)]
-pub enum NoScan {
-    /// An angle of incidence outside 0 to below 90 degrees.
-    #[error("an incidence of {0} degrees is not usable; give 0 to below 90 degrees")]
-    Incidence(f64),
-    /// The same incidence twice.
-    #[error("the incidence of {0} degrees is given twice; leave one out")]
-    IncidenceTwice(f64),
-    /// A rotation outside 0 to below 360 degrees.
-    #[error("a rotation of {0} degrees is not usable; give 0 to below 360 degrees")]
-    Rotation(f64),
-    /// The same rotation twice, or none.
-    #[error("give every rotation of the sample once, and one at least")]
-    Rotations,
-    /// A map is not turned.
-    #[error("a map is scanned as it lies, and light comes from x; only laws are rotated")]
-    MapIsNotTurned,
-    /// Angles of observation that no instrument has.
-    #[error("{0} is outside -90:90; give degrees from the plate normal")]
-    Outside(AngleRange),
-    /// A step that gives no angles, or too many.
-    #[error(
-        "a step of {step_deg} over {from_deg} to {to_deg} degrees is not usable; give a positive step of at most a million angles"
-    )]
-    Step {
-        /// The step.
-        step_deg: f64,
-        /// First angle.
-        from_deg: f64,
-        /// Last angle.
-        to_deg: f64,
-    },
-    /// Transmitted light of an opaque body.
-    #[error("an opaque body transmits nothing")]
-    OpaqueTransmits,
-    /// Rays without an aperture.
-    #[error("rays need a detector to fall into")]
-    RaysNeedAperture,
-    /// Coherent light without an aperture.
-    #[error("coherent light needs a detector to fall into")]
-    CoherentNeedsAperture,
-    /// Rays of waves.
-    #[error("waves are summed, not traced")]
-    WavesAreNotTraced,
-    /// Plate or aperture cannot be.
-    #[error(transparent)]
-    Unclear(#[from] Unclear),
-    /// A table lacks lobes.
-    #[error(transparent)]
-    Lacking(#[from] Lacking),
-    /// A text that no header holds.
-    #[error(transparent)]
-    Header(#[from] HeaderFault),
-    /// The index is none.
-    #[error("{0}")]
-    Index(String),
-    /// Readings that no measurement has.
-    #[error("the model gives no usable scan: {0}")]
-    Unusable(#[from] InvalidReading),
-    /// Stopped, with nothing to keep.
-    #[error("interrupted")]
-    Interrupted,
-    /// Stopped, with nothing to keep.
-    #[error("interrupted before the first incidence was done")]
-    InterruptedEarly,
 }
 
 impl ScanRequest {
@@ -187,7 +130,11 @@ impl ScanRequest {
             return Err(NoScan::IncidenceTwice(sigma[k]));
         }
         self.check_rotations(boundary)?;
-        let count = self.rays.or(boundary.is_traced().then_some(TRACED_RAYS));
+        if self.shard.is_some() && matches!(boundary, Boundary::Wave(_)) {
+            return Err(NoScan::WavesAreWhole);
+        }
+        let usual = if self.until_percent.is_some() { MOST_RAYS } else { TRACED_RAYS };
+        let count = self.rays.or(boundary.is_traced().then_some(usual));
         Ok(Checked { setup, grid, rays: count.map(|count| Rays { count, seed: self.seed }) })
     }
 
@@ -207,10 +154,22 @@ impl ScanRequest {
         Ok(())
     }
 
-    /// Incidences and rotations in the order of the readings.
+    /// Incidences and rotations in the order of the readings, those of its part.
     fn beams(&self) -> Vec<(f64, f64)> {
         let of = |&sigma| self.rotation_deg.iter().map(move |&rotation| (sigma, rotation));
-        self.sigma_deg.iter().flat_map(of).collect()
+        let all = self.sigma_deg.iter().flat_map(of).enumerate();
+        let held = all.filter(|(k, _)| self.shard.is_none_or(|shard| shard.holds(*k)));
+        held.map(|(_, beam)| beam).collect()
+    }
+
+    /// Incidences and rotations of all parts.
+    pub fn incidences(&self) -> usize {
+        self.sigma_deg.len() * self.rotation_deg.len()
+    }
+
+    /// Whether its part holds no incidence.
+    pub fn is_empty(&self) -> bool {
+        self.beams().is_empty()
     }
 
     fn setup(&self, boundary: &Boundary) -> Result<Setup, NoScan> {
@@ -275,7 +234,7 @@ impl ScanRequest {
         let angles: Vec<f64> = (0..grid.count).map(|k| grid.degrees(k)).collect();
         let raw = match rays {
             None => self.summed(boundary, setup, &angles, watch)?,
-            Some(rays) => self.traced(boundary, setup, &angles, *rays, watch),
+            Some(rays) => self.traced_until(boundary, setup, &angles, *rays, watch),
         };
         if raw.values.is_empty() {
             return Err(NoScan::InterruptedEarly);
@@ -298,6 +257,7 @@ impl ScanRequest {
             measurement: Measurement::new(meta, readings)?,
             outcomes: raw.outcomes,
             neglected: raw.neglected,
+            noise: raw.noise,
             interrupted: raw.interrupted,
         })
     }
@@ -325,34 +285,6 @@ impl ScanRequest {
         Ok(Raw { values, std_errors, neglected: Some(neglected.flux), ..Raw::default() })
     }
 
-    /// Incidence by incidence, each by rays.
-    fn traced(
-        &self,
-        boundary: &Boundary,
-        setup: &Setup,
-        angles: &[f64],
-        rays: Rays,
-        watch: Watch<'_>,
-    ) -> Raw {
-        let mut raw = Raw::default();
-        let beams = self.beams();
-        let all = rays.count.saturating_mul(beams.len() as u64);
-        watch.done(0, usize::try_from(all).unwrap_or(usize::MAX));
-        for (sigma_deg, rotation_deg) in beams {
-            let incidence = Incidence::in_plane(sigma_deg, angles.to_vec());
-            let there = boundary.turned(setup.turn_deg(rotation_deg));
-            let Some(done) = by_rays(&there, setup, &incidence, rays, watch) else {
-                raw.interrupted = true;
-                break;
-            };
-            raw.values.extend(&done.values);
-            raw.variance += done.std_errors.iter().map(|e| e * e).sum::<f64>();
-            raw.rays = Some(done.rays);
-            raw.outcomes.push((sigma_deg, done.outcome));
-        }
-        raw
-    }
-
     /// Completes the header.
     fn say(&self, boundary: &Boundary, setup: &Setup, raw: &Raw, meta: &mut Metadata) {
         let how = match raw.rays {
@@ -374,10 +306,8 @@ impl ScanRequest {
             return;
         }
         meta.seed = Some(self.seed);
-        let largest = raw.values.iter().copied().fold(0.0, f64::max);
-        if largest > 0.0 {
-            let rms = (raw.variance / raw.values.len() as f64).sqrt();
-            meta.noise_floor_percent = Some(100.0 * rms / largest);
+        if let Some(noise) = RayNoise::percent(&raw.noise) {
+            meta.noise_floor_percent = Some(noise);
         }
     }
 }
@@ -395,8 +325,7 @@ pub struct Checked {
 struct Raw {
     values: Vec<f64>,
     std_errors: Option<Vec<f64>>,
-    /// Sum over the readings.
-    variance: f64,
+    noise: Vec<RayNoise>,
     /// Rays per incidence.
     rays: Option<u64>,
     outcomes: Vec<(f64, Outcome<f64>)>,
