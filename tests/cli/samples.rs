@@ -28,6 +28,23 @@ fn a_virtual_sample_has_the_printed_figures_and_can_be_fitted() {
     let alpha = fit["parameters"]["alpha"]["value"].as_f64().unwrap();
     // sqrt(2) times the rms slope of 0.148 an axis, which GGX's tails make smaller
     assert!((0.12..0.25).contains(&alpha), "{alpha}");
+    let line = "compare s/sample5/scan.csv --map s/sample5/map.gsf --lit s/sample5/lit.gsf --methods ggx,measured-ray";
+    let found = folder.run(&format!("{line} -o c --json")).json();
+    let results = found["samples"][0]["results"].as_array().unwrap();
+    let error = |k: usize, key: &str| results[k][key].as_f64();
+    assert_eq!((found["samples"].as_array().unwrap().len(), results.len()), (1, 2));
+    assert_eq!(error(0, "lit_error_percent"), None, "a closed form takes no map");
+    // the map of another spot is worse than that of the one that was lit
+    let [other, lit] = ["error_percent", "lit_error_percent"].map(|key| error(1, key).unwrap());
+    assert!(0.0 < lit && lit < 0.8 * other, "{lit} {other}");
+    let own = folder.json("c/scan-lit/measured-ray.json");
+    assert_eq!(own["rmsd_percent"].as_f64(), Some(lit));
+    assert!(folder.text("c/compare.md").contains(&format!("{other:.2} % [{lit:.2}]")));
+    assert!(!folder.path("c/scan-lit/all.svg").exists());
+    // the fits are kept, and the spot may be added later
+    folder.run(&line.replace(" --lit s/sample5/lit.gsf", " -o d")).ok();
+    let done = folder.run(&format!("{line} -o d")).with_code(0);
+    assert!(done.err.contains("2 fits of an earlier run"), "{}", done.err);
     // the same again
     folder.run("samples make --only 5 --rays 2e5 --seed 3 -o t").ok();
     for file in ["map.gsf", "lit.gsf", "scan.csv"] {

@@ -167,5 +167,6 @@ fn sample(
         ranking: Vec::new(),
         grounds: Grounds::default(),
         rigorous: None,
+        lit: Vec::new(),
     })
 }

@@ -4,13 +4,14 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::comparing::{Sample, Work};
-use super::error::Failure;
+use super::error::{Failure, without_effect};
 use super::flags::method::MethodName;
 use super::flags::sample::{Loaded, SampleFlags, methods};
 use super::flags::scan::number;
 use super::model::BouncesFlag;
 use super::planned::PlanFlag;
 use super::{auto, print};
+use crate::method::Kind;
 use crate::reconstruct::{NoCutsOf, SampleResult, Shard, Task, usually_asked};
 use crate::surface::Roughness;
 
@@ -43,6 +44,10 @@ pub(super) struct Args {
     /// Height maps of the samples, in the order of the scans
     #[arg(long = "map", value_name = "FILE", num_args = 1..)]
     maps: Vec<PathBuf>,
+    /// Height maps of the very spots that were lit, in the order of the scans: methods that take a map are fitted with these
+    /// too, and both errors stand in the tables
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "maps", hide_short_help = true)]
+    lit: Vec<PathBuf>,
     /// Methods to try; the five of the paper without it
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = MethodName)]
     methods: Vec<String>,
@@ -103,15 +108,18 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let walks = args.bounces == Some(BouncesFlag::Walk);
     args.sample.check(&methods, !args.maps.is_empty(), walks)?;
-    if !args.maps.is_empty() && args.maps.len() != args.scans.len() {
-        return Err(Failure::bad(format!(
-            "scans: {}, height maps: {}; give one --map a scan in the same order, or none",
-            args.scans.len(),
-            args.maps.len()
-        )));
+    for (flag, given) in [("--map", args.maps.len()), ("--lit", args.lit.len())] {
+        if given > 0 && given != args.scans.len() {
+            return Err(Failure::bad(format!(
+                "scans: {}, height maps: {given}; give one {flag} a scan in the same order, or none",
+                args.scans.len()
+            )));
+        }
     }
     let load = |(k, scan): (usize, &PathBuf)| args.sample.load(scan, args.maps.get(k));
     let loaded = args.scans.iter().enumerate().map(load).collect::<Result<Vec<_>, _>>()?;
+    let load = |(scan, lit): (&PathBuf, &PathBuf)| args.sample.load(scan, Some(lit));
+    let lit = args.scans.iter().zip(&args.lit).map(load).collect::<Result<Vec<_>, _>>()?;
     let mut samples: Vec<Sample<'_>> = Vec::new();
     let names = names(&args.scans);
     for (one, name) in loaded.iter().zip(&names) {
@@ -128,6 +136,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         samples.push(Sample::new(name.clone(), title, task, &methods, &usually_asked)?);
     }
+    samples.extend(of_lit_maps(args, &lit, (&names, &methods))?);
     let work = Work {
         title: "Comparison of the methods".into(),
         what: samples_text(&names, &loaded),
@@ -150,6 +159,25 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             format!("{text}\nTables, models, plots and report.html are in {folder}\n")
         })
     })
+}
+
+/// The samples once more, with the maps of the spots that were lit and the methods that take one.
+fn of_lit_maps<'a>(
+    args: &Args,
+    lit: &'a [Loaded],
+    (names, methods): (&[String], &[String]),
+) -> Result<Vec<Sample<'a>>, Failure> {
+    let takes_map = |m: &&String| Kind::named(m).is_ok_and(|kind| kind.needs_map);
+    let methods: Vec<String> = methods.iter().filter(takes_map).cloned().collect();
+    without_effect(&[("--lit", !lit.is_empty() && methods.is_empty())], "no method takes a map")?;
+    let one = |(place, (one, name)): (usize, (&'a Loaded, &String))| {
+        let task = Task { bounces: args.bounces.map(BouncesFlag::bounces), ..one.task() };
+        let title = format!("{name}, the spot that was lit");
+        let folder = distinct(&format!("{name}-lit"), names);
+        let sample = Sample::new(folder, title, task, &methods, &usually_asked)?;
+        Ok(sample.with_lit_map_of(place))
+    };
+    lit.iter().zip(names).enumerate().map(one).collect()
 }
 
 /// Why Maxwell's equations cannot be solved for a sample, with the flag that mends it.
@@ -191,15 +219,17 @@ fn names(scans: &[PathBuf]) -> Vec<String> {
     for (scan, stem) in scans.iter().zip(&stems) {
         let folder = scan.parent().and_then(Path::file_name).filter(|_| is_shared(stem));
         let wanted = folder.map_or_else(|| stem.clone(), |folder| harmless(Some(folder)));
-        let mut name = wanted.clone();
-        let mut number = 2;
-        while names.iter().any(|taken| is_alike(taken, &name)) {
-            name = format!("{wanted}-{number}");
-            number += 1;
-        }
-        names.push(name);
+        names.push(distinct(&wanted, &names));
     }
     names
+}
+
+/// A name that is not taken, whatever its case.
+fn distinct(wanted: &str, taken: &[String]) -> String {
+    let numbered = (2..).map(|number| format!("{wanted}-{number}"));
+    let mut names = std::iter::once(wanted.to_owned()).chain(numbered);
+    let is_free = |name: &String| !taken.iter().any(|other| other.eq_ignore_ascii_case(name));
+    names.find(is_free).unwrap_or_default()
 }
 
 /// A name of a file without what a name of a folder should not have.

@@ -31,8 +31,8 @@ enum Verb {
 /// Of each sample two patches of one random surface are made. Light meets the one (lit.gsf), and the scan (scan.csv) is
 /// what a GP-200 reads then, with shot noise and a drift of the lamp. A profilometer with noise and a finite resolution
 /// measures the other (map.gsf): its size, pixel, Rq, Rsk, Rku, Rv and Rp are those printed. So the map that a method is
-/// given is not of the spot that was lit, as with real samples; give it lit.gsf to see what the same spot would have made
-/// of it.
+/// given is not of the spot that was lit, as with real samples; `compare --lit` shows beside it what the map of the same spot
+/// would have made of it.
 ///
 /// The scan is by waves where the phase of the rms height, 2 pi (n - 1) Rq / wavelength, is below 3, by rays from 6 on, and by
 /// the hybrid between.
@@ -40,7 +40,7 @@ enum Verb {
 /// Examples:
 ///   asperity samples make -o samples
 ///   asperity samples make --only 5,8 --correlation-um 14,55 --seed 2 -o samples
-///   asperity compare samples/*/scan.csv --map samples/*/map.gsf -o results
+///   asperity compare samples/*/scan.csv --map samples/*/map.gsf --lit samples/*/lit.gsf -o results
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 struct MakeArgs {

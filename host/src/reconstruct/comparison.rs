@@ -40,6 +40,8 @@ pub struct SampleResult {
     pub surface: Option<SurfaceFigures>,
     /// One per method, in the order of [`Comparison::methods`].
     pub attempts: Vec<Attempt>,
+    /// Those of the methods that take a map, given that of the very spot that was lit, if there is one.
+    pub lit: Vec<Attempt>,
     /// The fits in the order of what the data support, if that was asked for.
     pub ranking: Vec<Rank>,
     /// How that order came about.
@@ -120,6 +122,11 @@ impl SampleResult {
     /// Whether an attempt is the best.
     pub fn is_best(&self, attempt: &Attempt) -> bool {
         self.best().is_some_and(|best| best.method == attempt.method)
+    }
+
+    /// The fit of a method to the map of the spot that was lit.
+    pub fn lit(&self, method: &str) -> Option<&Cell> {
+        self.lit.iter().find(|a| a.method == method)?.cell()
     }
 
     /// Which method is best, in a sentence or two.
@@ -240,6 +247,9 @@ fn result(sample: &SampleResult, attempt: &Attempt, timing: bool) -> Value {
         "file": model.map(|_| SampleResult::model_file(&sample.name, &attempt.method)),
         "notes": attempt.notes(),
     });
+    if let Some(lit) = sample.lit(&attempt.method) {
+        result["lit_error_percent"] = json!(lit.rmsd_percent());
+    }
     if let Some(error) = sample.engine_error(attempt) {
         result["engine_error"] = error.json();
     }

@@ -9,9 +9,10 @@ use crate::rigorous::OffBy;
 impl SampleResult {
     /// Method by method; the last column holds the numbers of the notes.
     pub(super) fn details(&self) -> Grid {
-        let is_solved = self.rigorous.is_some();
-        let head = ["method", "error %", "noise floor %", "own noise %", "tails", "lost %"];
-        let head = head.into_iter().chain(is_solved.then_some("engine off"));
+        let (is_solved, has_lit) = (self.rigorous.is_some(), !self.lit.is_empty());
+        let head = ["method", "error %"].into_iter().chain(has_lit.then_some("same spot %"));
+        let head = head.chain(["noise floor %", "own noise %", "tails", "lost %"]);
+        let head = head.chain(is_solved.then_some("engine off"));
         let head = head.chain(["parameters", "verdict", "notes"]).map(String::from).collect();
         let percent = |value: Option<f64>, none: &str| {
             value.map_or_else(|| none.to_owned(), |v| format!("{v:.3}"))
@@ -34,11 +35,17 @@ impl SampleResult {
             let mut row: Vec<Field> = vec![
                 attempt.label().to_owned().into(),
                 Field { text: percent(cell.map(Cell::rmsd_percent), "-"), strong: best },
+            ];
+            if has_lit {
+                let lit = self.lit(&attempt.method).map(Cell::rmsd_percent);
+                row.push(percent(lit, "-").into());
+            }
+            row.extend([
                 percent(self.noise_floor_percent, "unknown").into(),
                 percent(cell.and_then(|c| c.model.simulation_noise_percent), "-").into(),
                 tails.map_or_else(|| "-".to_owned(), |t| format!("{t:.2}")).into(),
                 cell.map_or_else(|| "-".to_owned(), lost).into(),
-            ];
+            ]);
             if is_solved {
                 let off = self.engine_error(attempt);
                 row.push(off.map_or_else(|| "-".to_owned(), OffBy::text).into());
@@ -83,9 +90,14 @@ impl Comparison {
     /// What the tables show.
     pub(super) fn legend(&self) -> String {
         let is_solved = self.samples.iter().any(|s| s.rigorous.is_some());
+        let has_lit = self.samples.iter().any(|s| !s.lit.is_empty());
+        let lit =
+            " [In brackets] and same spot: the method given the map of the very spot that was lit.";
         let engines = " Engine off: what waves, rays or single facets, whichever the method is computed with, are off by from \
              Maxwell's equations on cuts of the map, in the measured lobe.";
-        format!("{}{}", Self::LEGEND, if is_solved { engines } else { "" })
+        let said = [(has_lit, lit), (is_solved, engines)];
+        let said = said.into_iter().filter(|(is_shown, _)| *is_shown).map(|(_, text)| text);
+        std::iter::once(Self::LEGEND).chain(said).collect()
     }
 
     /// Samples down, methods across, the lowest error of each sample marked: the form of the paper's Table 2.
@@ -93,10 +105,14 @@ impl Comparison {
         let head = std::iter::once("sample".to_owned()).chain(self.methods.iter().cloned());
         let row = |sample: &SampleResult| {
             let cells = sample.attempts.iter().map(|attempt| {
+                let lit = sample.lit(&attempt.method);
+                let lit = lit.map(|c| format!(" [{:.2}]", c.rmsd_percent())).unwrap_or_default();
                 let text = match attempt.cell() {
                     None => "-".into(),
-                    Some(c) if !c.is_accepted() => format!("{:.2} % (no)", c.rmsd_percent()),
-                    Some(c) => format!("{:.2} %", c.rmsd_percent()),
+                    Some(c) => {
+                        let refused = if c.is_accepted() { "" } else { " (no)" };
+                        format!("{:.2} %{lit}{refused}", c.rmsd_percent())
+                    }
                 };
                 Field { text, strong: sample.is_best(attempt) }
             });

@@ -53,7 +53,7 @@ fn numbered(sample: &SampleResult) -> String {
     notes + &accuracy.collect::<String>()
 }
 
-const HEAD: [&str; 11] = [
+const HEAD: [&str; 12] = [
     "sample",
     "method",
     "label",
@@ -65,10 +65,11 @@ const HEAD: [&str; 11] = [
     "parameters",
     "notes",
     "seconds",
+    "lit_error_percent",
 ];
 
-/// The time is the last column, empty if it is not shown.
-fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
+/// The time is empty if it is not shown.
+fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 12] {
     let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
     let cell = attempt.cell();
     [
@@ -83,6 +84,7 @@ fn row(sample: &SampleResult, attempt: &Attempt, timing: bool) -> [String; 11] {
         cell.map(|c| parameters_text(&c.parameters)).unwrap_or_default(),
         attempt.notes().join("; "),
         number(cell.filter(|_| timing).and_then(Cell::seconds)),
+        number(sample.lit(&attempt.method).map(Cell::rmsd_percent)),
     ]
 }
 
@@ -129,6 +131,7 @@ mod tests {
         let none = Attempt { method: "map".into(), result: Err("needs a map".into()) };
         let sample = |name: &str, attempts| SampleResult {
             rigorous: None,
+            lit: vec![attempt("b", 0.25, None)],
             name: name.into(),
             title: format!("{name} (Rq = 1.47 um)"),
             noise_floor_percent: Some(0.125),
@@ -154,9 +157,9 @@ mod tests {
         let text = comparison().markdown();
         for line in [
             "| sample | a | b | map |",
-            "| one (Rq = 1.47 um) | 1.54 % | **1.09 %** | - |",
-            "| two (Rq = 1.47 um) | 2.50 % (no) | 3.50 % (no) | - |",
-            "| b | **1.089** | 0.125 | - | 0.12 | - | alpha = 0.18700 ± 0.00090 | best (within noise) |  |",
+            "| one (Rq = 1.47 um) | 1.54 % | **1.09 % [0.25]** | - |",
+            "| two (Rq = 1.47 um) | 2.50 % (no) | 3.50 % [0.25] (no) | - |",
+            "| b | **1.089** | 0.250 | 0.125 | - | 0.12 | - | alpha = 0.18700 ± 0.00090 | best (within noise) |  |",
             "| one (Rq = 1.47 um) | b | 0.25 |",
             "1. map: needs a map",
             "2. b: does not describe, \"limit\"",
@@ -190,6 +193,7 @@ mod tests {
             assert_eq!(result["error_percent"].as_f64(), number(&row[3]));
             assert_eq!(result["timing"]["seconds"].as_f64(), number(&row[10]));
             assert_eq!(result["describes"].to_string(), row[6]);
+            assert_eq!(result["lit_error_percent"].as_f64(), number(&row[11]));
             assert_eq!(result["best"].to_string(), row[7]);
         }
         assert_eq!(&rows[4][9], "does not describe, \"limit\"");

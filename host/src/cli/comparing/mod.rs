@@ -37,7 +37,7 @@ pub(super) struct Work<'a> {
     pub(super) what: String,
     /// The methods, in the order of the columns.
     pub(super) methods: Vec<String>,
-    /// The samples, in the order of the rows.
+    /// The samples, in the order of the rows, then those with the maps of the lit spots.
     pub(super) samples: Vec<Sample<'a>>,
     /// Whether it is said how long it took.
     pub(super) timing: bool,
@@ -83,16 +83,19 @@ impl Work<'_> {
         })?;
         let mut failures = Vec::new();
         let (attempts, is_new) = self.attempts(folder, &mut failures);
+        let done = |name: &str, method: &str| {
+            let rows = self.samples.iter().zip(&attempts).filter(|(s, _)| s.name == name);
+            rows.flat_map(|(_, row)| row).any(|a| a.method == method && a.result.is_ok())
+        };
+        let now = self.index(&done).text();
         if let Some(shard) = self.shard {
-            let done = |name: &str, method: &str| {
-                let rows = self.samples.iter().zip(&attempts).filter(|(s, _)| s.name == name);
-                rows.flat_map(|(_, row)| row).any(|a| a.method == method && a.result.is_ok())
-            };
-            let written = index.finish(self.index(&done).text().as_bytes());
+            let written = index.finish(now.as_bytes());
             failures.extend(written.err().map(Failure::from));
             return end_part(shard, failures);
         }
-        let results = self.samples.iter().zip(attempts);
+        let mut attempts = attempts;
+        let of_lit = attempts.split_off(self.rows().len());
+        let results = self.rows().iter().zip(attempts);
         let result = |(sample, attempts): (&Sample<'_>, Vec<Attempt>)| {
             let rigorous = self.rigorous.and_then(|solved| {
                 let done = cuts::solve(&folder.join(&sample.name), sample, solved);
@@ -103,18 +106,18 @@ impl Work<'_> {
             });
             SampleResult { rigorous, ..sample.result(attempts, self.rank) }
         };
-        let comparison = Comparison {
+        let mut comparison = Comparison {
             title: self.title.clone(),
             what: self.what.clone(),
             methods: self.methods.clone(),
             samples: results.map(result).collect(),
             timing: self.timing,
         };
-        let is_done = |name: &str, method: &str| {
-            let of = comparison.samples.iter().filter(|s| s.name == name).flat_map(|s| &s.attempts);
-            of.into_iter().any(|a| a.method == method && a.cell().is_some())
-        };
-        let now = self.index(&is_done).text();
+        for (sample, attempts) in self.samples[self.rows().len()..].iter().zip(of_lit) {
+            if let Some(result) = sample.lit_of.and_then(|of| comparison.samples.get_mut(of)) {
+                result.lit = attempts;
+            }
+        }
         let is_drawn = !is_new && before == now && self.pictures(folder).all(|path| path.exists());
         let tables = finish_all(vec![
             (csv, comparison.csv().into_bytes()),
@@ -124,14 +127,14 @@ impl Work<'_> {
         ]);
         failures.extend(tables.err().map(Failure::from));
         failures.extend(say(&comparison).err());
-        let drawn = self.samples.iter().zip(&comparison.samples);
+        let drawn = self.rows().iter().zip(&comparison.samples);
         for (sample, result) in drawn.filter(|_| !is_drawn) {
             sample.draw(&result.attempts, (folder, &mut failures));
         }
-        let scans: Vec<_> = self.samples.iter().map(|sample| sample.task.measurement).collect();
+        let scans: Vec<_> = self.rows().iter().map(|sample| sample.task.measurement).collect();
         let mut origin = self.origin();
         if self.render && !interrupt::asked() {
-            let of = self.samples.iter().zip(&comparison.samples);
+            let of = self.rows().iter().zip(&comparison.samples);
             origin.booths = of
                 .map(|(sample, result)| {
                     let done = booth::render(&folder.join(&sample.name), &result.attempts);
@@ -151,7 +154,7 @@ impl Work<'_> {
     fn index(&self, done: &dyn Fn(&str, &str) -> bool) -> Index {
         // methods may be added later; data and options may not
         let identity: Vec<String> =
-            self.samples.iter().map(|s| s.task.key(&s.name, &vec![])).collect();
+            self.rows().iter().map(|s| s.task.key(&s.name, &vec![])).collect();
         Index {
             asperity: 1,
             title: self.title.clone(),
@@ -276,6 +279,12 @@ impl Work<'_> {
         }
     }
 
+    /// The samples that are rows of the tables.
+    fn rows(&self) -> &[Sample<'_>] {
+        let count = self.samples.iter().take_while(|s| s.lit_of.is_none()).count();
+        &self.samples[..count]
+    }
+
     /// What goes before a line about a sample.
     fn prefix(&self, sample: &Sample<'_>) -> String {
         if self.samples.len() == 1 { String::new() } else { format!("{}: ", sample.name) }
@@ -302,7 +311,7 @@ impl Work<'_> {
             let figures = sample.figures();
             figures.iter().flat_map(|(stem, _)| FigureFiles::names(&own, stem)).collect::<Vec<_>>()
         };
-        self.samples.iter().flat_map(of).collect::<Vec<_>>().into_iter()
+        self.rows().iter().flat_map(of).collect::<Vec<_>>().into_iter()
     }
 }
 

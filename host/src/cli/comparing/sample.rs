@@ -23,6 +23,8 @@ pub(in crate::cli) struct Sample<'a> {
     title: String,
     pub(super) task: Task<'a>,
     pub(super) plan: Vec<Planned>,
+    /// Of which sample, by its place, this has the map of the lit spot; it is set beside that one and is no row of its own.
+    pub(super) lit_of: Option<usize>,
 }
 
 /// A method that is to be tried.
@@ -57,7 +59,12 @@ impl<'a> Sample<'a> {
             let path = task.input.map(|input| input.path.as_str()).unwrap_or_default();
             return Err(Failure::bad(format!("{path}: {why}")));
         }
-        Ok(Self { name, title, task, plan })
+        Ok(Self { name, title, task, plan, lit_of: None })
+    }
+
+    /// The same as the sample at `place` with the map of the spot that was lit.
+    pub(in crate::cli) fn with_lit_map_of(self, place: usize) -> Self {
+        Self { lit_of: Some(place), ..self }
     }
 
     /// Its entry in the index of the folder; `done` says which fits are there.
@@ -106,6 +113,7 @@ impl<'a> Sample<'a> {
                 .or_else(|| noise::before_fit(self.task.measurement)),
             surface: self.task.map.map(|map| SurfaceFigures::of(&map.map)),
             attempts,
+            lit: Vec::new(),
             rigorous: None,
         }
     }

@@ -69,8 +69,8 @@ pub(in crate::reconstruct) fn fluxes_of(
     all
 }
 
-/// Derivatives of R and T at each incidence with respect to a parameter: from the fluxes of the fit to those half a standard
-/// error off, on the side that is in the domain.
+/// Derivatives of R and T at each incidence with respect to a parameter: between the fluxes half a standard error off on either
+/// side, or from those of the fit where one side is out of the domain. One side alone would add the curvature to the slope.
 fn moved(
     method: &dyn Method,
     fit: &Fit,
@@ -93,11 +93,16 @@ fn moved(
         let body = ior.map_or(task.options.body, |ior| Body::Dielectric { ior });
         Some((by, fluxes(&method.boundary(&values, body).ok()?, watch)))
     };
-    let (by, moved) = at(step).or_else(|| at(-step))?;
+    let (above, below) = match (at(step), at(-step)) {
+        (Some(above), Some(below)) => (above, below),
+        (Some(one), None) | (None, Some(one)) => (one, (0.0, centre.to_vec())),
+        (None, None) => return None,
+    };
+    let by = above.0 - below.0;
     let slope = |(a, b): (&Flux, &Flux)| {
         [a.reflected - b.reflected, a.transmitted - b.transmitted].map(|d| d / by)
     };
-    Some(moved.iter().zip(centre).map(slope).collect())
+    Some(above.1.iter().zip(&below.1).map(slope).collect())
 }
 
 /// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.
