@@ -6,7 +6,6 @@
 //! Pareto front.
 
 mod pareto;
-mod tier;
 mod beams;
 mod timing;
 mod pairs;
@@ -26,7 +25,6 @@ pub use measure::{Subject, Work, rows};
 pub use pareto::{cheapest, front, knee};
 pub use row::{Evaluator, Marks, Row, Tier};
 pub use scan::Scan;
-pub(crate) use tier::Through;
 
 #[cfg(test)]
 pub(crate) use choice::tests::rows as tests_rows;

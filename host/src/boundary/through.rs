@@ -1,4 +1,5 @@
-//! A law of any number type as one of double precision, so that all can be compared with the same reference.
+//! A law of any number type as one of double precision: so that all can be compared with the same reference, and to search with
+//! a faster one.
 
 use std::marker::PhantomData;
 
