@@ -69,6 +69,17 @@ fn a_scan_is_fitted_and_every_evaluator_held_against_it() {
     );
     assert!(done.err.contains("--firmware") && done.err.contains("cargo build"), "{}", done.err);
     assert_eq!(folder.names(), ["map.txt", "scan.csv", "t.csv", "t.svg"]);
+    folder.run("plot t.csv -o again --title T").ok();
+    let again = folder.text("again.svg");
+    assert!(
+        again.contains("Pareto front")
+            && again.contains("ggx")
+            && again.contains("against the scan")
+    );
+    let torn = folder.text("t.csv").replacen("formula", "riddle", 1);
+    std::fs::write(folder.path("torn.csv"), torn).unwrap();
+    let done = folder.run("plot torn.csv -o torn").with_code(2);
+    assert!(done.err.contains("torn.csv: line 2: the evaluator `riddle`"), "{}", done.err);
 }
 
 #[test]

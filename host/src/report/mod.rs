@@ -12,6 +12,7 @@ mod heights;
 mod cuts;
 mod page;
 mod trade;
+mod trade_csv;
 
 pub use boundary::{BoundaryFiles, boundary_csv, boundary_figure};
 pub use cuts::cuts_figure;
@@ -24,6 +25,7 @@ pub use number::{figure_text, power_text, significant, with_error};
 pub use page::{Origin, page, plan_page};
 pub use residuals::{quantile_figure, residual_figure};
 pub use trade::TradeReport;
+pub use trade_csv::NoTrade;
 
 use crate::fit::Shown;
 

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::grid::{Field, Grid};
 use crate::plot::{Across, Curve, CurveStyle, Figure, Panel, Scale};
-use crate::trade::{Axis, Evaluator, Row};
+use crate::trade::{Axis, Row};
 
 /// Rows of any number of models, marked.
 #[derive(Clone, Debug)]
@@ -20,9 +20,9 @@ pub struct TradeReport {
 }
 
 /// A column: its name in CSV, its heads for people, and its value.
-type Column = (&'static str, &'static str, fn(&Row) -> Option<f64>);
+pub(super) type Column = (&'static str, &'static str, fn(&Row) -> Option<f64>);
 
-const ERRORS: [Column; 8] = [
+pub(super) const ERRORS: [Column; 8] = [
     ("misfit_percent", "fit, %", |r| r.misfit_percent),
     ("scan_percent", "scan, %", |r| r.scan_percent),
     ("distance_percent", "from model, %", |r| r.distance_percent),
@@ -33,7 +33,7 @@ const ERRORS: [Column; 8] = [
     ("table_s", "table, s", |r| r.table_seconds),
 ];
 
-const COSTS: [Column; 7] = [
+pub(super) const COSTS: [Column; 7] = [
     ("eval_ns", "ns a value", |r| r.eval_ns),
     ("sample_ns", "ns a sample", |r| Some(r.sample_ns)),
     ("eval_instructions", "instr. a value", |r| r.eval_instructions.map(f64::from)),
@@ -88,38 +88,6 @@ impl TradeReport {
             cells
         };
         Grid { head, rows: self.rows.iter().map(row).collect() }
-    }
-
-    /// One row per evaluator, every column; empty where nothing was measured.
-    pub fn csv(&self) -> String {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let columns = || ERRORS.iter().chain(&COSTS);
-        let first = ["method", "evaluator", "tier", "precision", "table_kib", "storage"];
-        let last = ["max_at", "front_ns", "front_instructions", "chosen"];
-        let names = first.into_iter().chain(columns().map(|c| c.0)).chain(last);
-        let mut rows: Vec<Vec<String>> = vec![names.map(String::from).collect()];
-        for row in &self.rows {
-            let (kind, kib, storage) = match row.evaluator {
-                Evaluator::Formula => ("formula", String::new(), ""),
-                Evaluator::Table { kib, storage, .. } => ("table", kib.to_string(), storage),
-                Evaluator::Model => ("model", String::new(), ""),
-            };
-            let tier = format!("{:?}", row.tier).to_lowercase();
-            let mut cells = vec![row.method.clone(), kind.into(), tier, row.precision.into()];
-            cells.extend([kib, storage.to_owned()]);
-            cells.extend(columns().map(|c| c.2(row).map_or(String::new(), |x| x.to_string())));
-            let marks = &row.marks;
-            cells.push(row.max_at.clone().unwrap_or_default());
-            cells.extend([marks.front_ns.to_string(), marks.front_instructions.to_string()]);
-            cells.push(marks.chosen.join("; "));
-            rows.push(cells);
-        }
-        for row in &rows {
-            // rows of one length into memory cannot fail
-            let done = writer.write_record(row);
-            debug_assert!(done.is_ok());
-        }
-        String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
     }
 
     /// For machines.

@@ -13,17 +13,20 @@ use crate::law_file;
 use crate::measurement::{Measurement, csv, noise};
 use crate::output::{AtomicFile, finish_all};
 use crate::plot::{self, Figure, PlotError, Scale};
-use crate::report::{self, Drawn, MapFigureFiles, MapFigures, quantile_figure, residual_figure};
+use crate::report::{
+    self, Drawn, MapFigureFiles, MapFigures, TradeReport, quantile_figure, residual_figure,
+};
 use crate::surface::{Purpose, Spectrum};
 
-/// Draw what files hold: models, tables, a scan, a scan with models, a height map
+/// Draw what files hold: models, tables, a scan, a scan with models, a height map, a trade
 ///
 /// Of models and tables the BSDF itself is drawn, the law of the rough boundary: reflection and transmission, from the air and
 /// from inside, one over the other, with 95 % bands where a fit knows its errors; with --view polar as polar diagrams, with
 /// --view hemisphere over all directions; with --view flux the shares of light that are reflected, transmitted and lost, over
 /// the incidence. The folder of a sample in a comparison stands for its models. Of a scan its readings are drawn; with models after it what these
 /// give in its place, with --view residuals the differences in units of the noise, with --view quantiles their
-/// distribution. Of a height map STEM-map, STEM-histogram and STEM-spectrum are drawn.
+/// distribution. Of a height map STEM-map, STEM-histogram and STEM-spectrum are drawn; of the CSV of a trade the error of each
+/// evaluator against its cost.
 ///
 /// Each picture is written twice, STEM.svg and STEM.png. Axes end where the light does.
 ///
@@ -38,7 +41,8 @@ use crate::surface::{Purpose, Spectrum};
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// Models and tables, or the folder of a sample in a comparison; or a scan and these; or a height map
+    /// Models and tables, or the folder of a sample in a comparison; or a scan and these; or a height map; or the CSV
+    /// of a trade
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Stem of the pictures
@@ -104,6 +108,12 @@ const RAYS: u64 = 1_000_000;
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let job = Job { args, files: opened(&args.files)? };
+    if let [path] = &job.files[..]
+        && let Ok(bytes) = csv::load(path)
+        && TradeReport::is_csv(&bytes)
+    {
+        return job.trade(&bytes);
+    }
     let is_law = job.files.iter().map(|path| is_law(path)).collect::<Result<Vec<_>, _>>()?;
     match is_law.iter().position(|law| !law) {
         None => job.laws(),
@@ -219,6 +229,22 @@ impl Job<'_> {
         });
         let done = done.ok_or_else(|| Failure::No("interrupted; nothing is drawn".into()))?;
         Ok(done.values)
+    }
+
+    /// The errors and costs of evaluators.
+    fn trade(&self, bytes: &[u8]) -> Result<(), Failure> {
+        let others = [
+            ("--view", self.view.is_some()),
+            ("--incidence", !self.incidence.is_empty()),
+            ("--side", self.side.is_some()),
+            ("--linear", self.linear),
+        ];
+        without_effect(&others, "a trade is drawn as error against cost")?;
+        self.map.need_map(false)?;
+        let report = TradeReport::of_csv(bytes, self.title("Trade"));
+        let report =
+            report.map_err(|e| Failure::bad(format!("{}: {e}", self.files[0].display())))?;
+        self.write(&report.figure())
     }
 
     /// A height map.
