@@ -87,7 +87,7 @@ impl Cleaned {
         let mut said = Vec::new();
         if self.drop_outs > 0 {
             said.push(format!(
-                "{} readings of exactly 0 with light beside them are left out as drop-outs; --drop none keeps them",
+                "{} readings of exactly 0 with light beside them are left out as drop-outs",
                 self.drop_outs
             ));
         }

@@ -112,6 +112,17 @@ pub enum ScanFault {
         /// The number of fields found.
         found: usize,
     },
+    /// A row of a foreign table with values beyond its last column.
+    #[error(
+        "a row of {found} values below {columns} columns; where decimals or thousands have commas, columns need another \
+         separator; name a column for the rest, or take it out"
+    )]
+    Ragged {
+        /// The number of columns.
+        columns: usize,
+        /// The number of values.
+        found: usize,
+    },
     /// A value that is no number.
     #[error("`{0}` is not a number; write it like 1.25e-3, with a decimal point and no unit")]
     NotANumber(String),

@@ -99,6 +99,17 @@ impl<'a> Split<'a> {
         Ok(Self { text, headings: StringRecord::new(), top, rows })
     }
 
+    /// Refuses values beyond the last heading, which no column would say the meaning of.
+    fn check_width(&self) -> Result<(), (ScanFault, u64)> {
+        let columns = self.headings.len();
+        let surplus = |row: &&StringRecord| row.iter().skip(columns).any(|value| !value.is_empty());
+        let Some(row) = self.rows.iter().find(surplus).filter(|_| columns > 0) else {
+            return Ok(());
+        };
+        let line = line_of(&self.text, row.position().map_or(0, ::csv::Position::byte));
+        Err((ScanFault::Ragged { columns, found: row.len() }, line))
+    }
+
     fn width(&self) -> usize {
         self.rows.first().map_or(0, StringRecord::len).max(self.headings.len())
     }
@@ -187,6 +198,7 @@ impl<'a> Table<'a> {
         let filtered = filtered.collect::<Result<_, _>>()?;
         let decimal_comma = map.decimal_comma || has_decimal_comma(split.fields(&places));
         let layout = Layout { separator, decimal_comma, ..Layout::default() };
+        split.check_width().map_err(|(fault, line)| ScanError::new(name, fault).at(line))?;
         let Split { text, rows, .. } = split;
         Ok(Self { name, text, map, layout, rows, places, filtered })
     }

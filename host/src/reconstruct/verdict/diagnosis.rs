@@ -17,6 +17,9 @@ use super::super::task::Task;
 const EXPLAINS: f64 = 0.5;
 /// ... and one with a further number must be better than one without by this share.
 const SIMPLER: f64 = 0.75;
+/// Errors up to which an alternative fits, %, and in terms of the noise.
+const FITS: f64 = 1.0;
+const FITS_NOISE: f64 = 3.0;
 /// Priors so wide that they say nothing: degrees, and factors.
 const ANY_ANGLE: f64 = 30.0;
 const ANY_FACTOR: f64 = 1e3;
@@ -39,8 +42,14 @@ struct Alternative {
     says: Box<Says>,
 }
 
-/// The cause that explains most, in words; `None` if nothing explains the readings.
-pub(super) fn diagnose(task: &Task<'_>, method: &dyn Method, watch: Watch<'_>) -> Option<String> {
+/// The cause that explains most, in words; `None` if nothing explains the readings. What leaves far more than the noise, %, fits
+/// better but does not fit.
+pub(super) fn diagnose(
+    task: &Task<'_>,
+    method: &dyn Method,
+    noise_percent: f64,
+    watch: Watch<'_>,
+) -> Option<String> {
     // a law of knots follows many faults, and each of its fits takes as long as all others
     if method.is_traced() || method.wave().is_some() || method.is_free_form() {
         return None;
@@ -66,6 +75,8 @@ pub(super) fn diagnose(task: &Task<'_>, method: &dyn Method, watch: Watch<'_>) -
             && let Some(cause) = (alternative.says)(&found)
         {
             let [now, before] = [found.rmsd_percent, base.rmsd_percent];
+            let is_rough = now > FITS.max(FITS_NOISE * noise_percent);
+            let cause = if is_rough { cause.replace("it fits", "it fits better") } else { cause };
             best = Some((error, format!("{cause} (error {now:.2} % instead of {before:.2} %)")));
         }
     }

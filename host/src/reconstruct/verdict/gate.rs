@@ -7,6 +7,7 @@ use crate::energy::{balances, side_name};
 use crate::fit::Fit;
 use crate::forward::Rays;
 use crate::kirchhoff::validity::MOST_EXCESS;
+use crate::measurement::{Measurement, Quantity, Reading};
 use crate::method::{Body, Method};
 use crate::model::Flux;
 use crate::watch::Watch;
@@ -103,6 +104,36 @@ fn moved(
         [a.reflected - b.reflected, a.transmitted - b.transmitted].map(|d| d / by)
     };
     Some(above.1.iter().zip(&below.1).map(slope).collect())
+}
+
+/// Why the readings of a BSDF cannot be, whatever the law: the light that they carry by themselves; `None` if they can.
+///
+/// A lobe falls from the azimuth of its peak to that across, so the lesser reading of two at the same angle on both sides of the normal
+/// is the least of all azimuths there: `2 pi` times its integral over `f cos(theta) sin(theta)` is less than the light that leaves.
+pub(super) fn excess_of_readings(scan: &Measurement) -> Option<String> {
+    if scan.quantity() != Quantity::Bsdf || scan.is_relative() {
+        return None;
+    }
+    let least = scan.by_plane().filter(|plane| plane.phi_deg.abs() <= 0.0).map(|plane| {
+        let at = |theta: f64| {
+            let same = plane.readings.iter().find(|r| (r.theta_deg - theta).abs() < 1e-6);
+            same.map(|r| r.value)
+        };
+        let both = |r: &Reading| Some((r.theta_deg.to_radians(), r.value.min(at(-r.theta_deg)?)));
+        let sides = plane.readings.iter().filter(|r| r.theta_deg >= 0.0).filter_map(both);
+        let powers: Vec<(f64, f64)> = sides
+            .map(|(theta, f)| (theta, std::f64::consts::PI * f * (2.0 * theta).sin()))
+            .collect();
+        let part = |pair: &[(f64, f64)]| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0);
+        (plane.sigma_deg, powers.windows(2).map(part).sum::<f64>())
+    });
+    let (sigma, sum) = least.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (sum > 1.0 + 10.0 * TOLERANCE).then(|| {
+        format!(
+            "the readings at sigma {sigma} deg alone carry at least {sum:.2} times the light that there is:{}",
+            unit_of(sum).trim_start_matches([';', ','])
+        )
+    })
 }
 
 /// Why the fluxes cannot be: where most is too much, and what readings would explain it; `None` if they can.

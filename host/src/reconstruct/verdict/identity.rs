@@ -18,6 +18,11 @@ const FAR_INDEX: f64 = 0.2;
 /// Standard deviations of its prior by which a number of the instrument is hardly off.
 const MOST_WIDTHS: f64 = 6.0;
 
+/// Readings beyond two a value from which on their scatter tells the noise.
+const FEWEST: usize = 4;
+/// A calibration is hardly off by more than this share.
+const FAR_GAIN: f64 = 0.15;
+
 /// Whether a parameter is of the instrument or the medium, not of the surface: the gain of an opaque body is its own.
 fn is_nuisance(name: &str, fit: &Fit) -> bool {
     name == "ior" || (name == "gain" && fit.ior.is_some()) || is_of_instrument(name)
@@ -34,8 +39,56 @@ pub(super) fn undetermined(fit: &Fit, is_free_form: bool) -> Vec<String> {
         return Vec::new();
     }
     let mut found: Vec<String> = fit.parameters.iter().filter_map(|p| alone(fit, p)).collect();
-    found.extend(fit.errors.tied().iter().filter_map(|pair| traded(fit, pair)));
+    // what the readings tie together, or what errors that are not alike in all readings do
+    let (ties, errors) = (fit.errors.tied(), fit.errors.correlations());
+    let closest = |pair: &Correlation| {
+        let same = errors.iter().find(|other| other.of == pair.of);
+        same.filter(|other| other.r.abs() > pair.r.abs()).cloned().unwrap_or_else(|| pair.clone())
+    };
+    found.extend(ties.iter().filter_map(|pair| traded(fit, &closest(pair))));
     found
+}
+
+/// Why few readings of unknown noise determine nothing, whatever their errors; `None` if they are enough.
+pub(super) fn too_few(fit: &Fit, readings: usize) -> Option<String> {
+    let values = fit.parameters.len();
+    (fit.noise_floor_percent.is_none() && readings < 2 * values + FEWEST).then(|| {
+        format!(
+            "{readings} readings for {values} values do not tell noise from misfit, and nothing else tells the noise: the errors of \
+             the values mean nothing; measure more angles, or say the noise in the header, as in `# noise_floor_percent: 0.5`"
+        )
+    })
+}
+
+/// Why a free gain is no calibration; `None` if it may be. Where a law of a plate misses the readings by more than noise, a
+/// gain far from 1 takes up what the law misses; where it fits, the readings are in another unit.
+pub(super) fn gain_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<GainAstray> {
+    fit.ior?;
+    let free = options.fit_gain && options.nuisance.gain.is_none();
+    let gain = fit.parameters.iter().find(|p| p.name == "gain" && free)?.value;
+    if (gain - 1.0).abs() <= FAR_GAIN {
+        return None;
+    }
+    if is_noise {
+        let times = if gain >= 1.0 { gain } else { 1.0 / gain };
+        let way = if gain >= 1.0 { "more" } else { "less" };
+        return Some(GainAstray::Unit(format!(
+            "the readings are {times:.3} times {way} than the light of the law: their unit or the aperture is not what it is said to be; \
+             if their level means nothing, say so with --quantity counts"
+        )));
+    }
+    Some(GainAstray::TakesUp(format!(
+        "the gain ended at {gain:.3}, and the law still misses the readings by more than noise: it takes up what the law misses; leave \
+         it out, say how well it is known (--gain-prior), or, if the level of the readings means nothing, say --quantity counts"
+    )))
+}
+
+/// What a gain far from 1 means.
+pub(super) enum GainAstray {
+    /// The readings have another unit.
+    Unit(String),
+    /// The law does not fit.
+    TakesUp(String),
 }
 
 /// Why a fitted index is not that of the material; `None` if it may be. Where a law misses the readings by more than noise,

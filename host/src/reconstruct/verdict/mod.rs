@@ -11,6 +11,7 @@ mod identity;
 mod diagnosis;
 
 use crate::fit::{Fit, tail_score};
+use crate::measurement::isotropy::Isotropy;
 use crate::measurement::{Incidence, Measurement, noise};
 use crate::method::Method;
 use crate::model::{Flux, Grade, Verdict};
@@ -19,6 +20,7 @@ use crate::watch::Watch;
 use super::task::Task;
 
 pub(super) use gate::fluxes_of;
+use identity::GainAstray;
 
 /// An error of so many times the noise is still noise: the estimates of noise are no better.
 const WITHIN: f64 = 1.5;
@@ -26,6 +28,11 @@ const WITHIN: f64 = 1.5;
 const OF_MODEL: f64 = 0.05;
 /// The grade of an error where noise is not known, %.
 const UNKNOWN_NOISE: f64 = 0.5;
+
+/// A lobe so far beside its place is hardly that of a law which misses the readings, degrees.
+const BESIDE_DEG: f64 = 2.0;
+/// Equal readings that deviate from their mean by so much of the largest are hardly those of one surface, %.
+const UNEQUAL_PERCENT: f64 = 8.0;
 
 /// Why an error is no noise although nobody knows the noise.
 const UNTOLD: &str = "lobes are no more than three steps or apertures wide, which does not tell noise from what the law misses; \
@@ -50,6 +57,14 @@ pub(super) fn judge(
         undetermined.extend(identity::undetermined(fit, method.is_free_form()));
         undetermined.extend(identity::index_astray(fit, &task.options, is_noise));
         undetermined.extend(identity::instrument_astray(fit, &task.options, is_noise));
+        undetermined.extend(identity::too_few(fit, task.measurement.readings().len()));
+    }
+    let has_level = !task.measurement.is_relative();
+    match identity::gain_astray(fit, &task.options, is_noise).filter(|_| task.diagnose && has_level)
+    {
+        Some(GainAstray::TakesUp(why)) => undetermined.push(why),
+        Some(GainAstray::Unit(why)) => causes.push(why),
+        None => {}
     }
     if !undetermined.is_empty() {
         grade = Grade::NotIdentifiable;
@@ -59,15 +74,22 @@ pub(super) fn judge(
         grade = Grade::NotDescribed;
         causes.insert(0, why);
     }
-    if let Some(why) = gate::excess(fit, fluxes) {
+    let excess = gate::excess(fit, fluxes).filter(|_| has_level || fit.ior.is_some());
+    // a gain takes up the unit of a plate's readings
+    let is_absolute = !(task.options.fit_gain && fit.ior.is_some());
+    let of_readings = gate::excess_of_readings(task.measurement).filter(|_| is_absolute);
+    if let Some(why) = of_readings.or(excess) {
         grade = Grade::Unphysical;
         causes.insert(0, why);
     }
     let signs = crate::measurement::signs::signs(task.measurement);
     if !is_noise && task.diagnose {
         // what the readings say of themselves needs no fit to be named
-        let named = diagnosis::diagnose(task, method, watch);
+        let noise = fit.noise_floor_percent.filter(|_| is_told).unwrap_or(UNKNOWN_NOISE);
+        let named = diagnosis::diagnose(task, method, noise, watch);
         causes.extend(named.filter(|cause| !signs.iter().any(|sign| same_flag(sign, cause))));
+        causes.extend(mislabelled(task.measurement, &fit.readings));
+        causes.extend(glued(task.measurement, fit));
     }
     causes.extend(signs.into_iter().filter(|_| task.diagnose));
     if !is_noise && !is_told && task.diagnose {
@@ -82,6 +104,37 @@ pub(super) fn judge(
         peak_off_deg: worst.and_then(|sigma| peak_off(task.measurement, &fit.readings, sigma)),
         tail_score: tail_score(task.measurement, &fit.readings),
     }
+}
+
+/// The incidence whose lobe alone lies beside where the law has it.
+fn mislabelled(scan: &Measurement, simulated: &[f64]) -> Option<String> {
+    let off = |sigma: f64| Some((sigma, peak_off(scan, simulated, sigma)?));
+    let mut all: Vec<(f64, f64)> = scan.incidences().into_iter().filter_map(off).collect();
+    all.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let (&(sigma, worst), &(_, next)) = (all.first()?, all.get(1)?);
+    // of two nobody can tell which is wrong
+    let is_alone = all.len() > 2 && worst.abs() > BESIDE_DEG && worst.abs() > 3.0 * next.abs();
+    is_alone.then(|| {
+        format!(
+            "at sigma {sigma} deg the lobe lies {:.1} deg from where the law has it, at the other incidences {:.1} at most: is this \
+             incidence another one? --sigma-range leaves it out",
+            worst.abs(),
+            next.abs()
+        )
+    })
+}
+
+/// Readings on both sides of a beam along the normal that no law of a homogeneous sample makes so different.
+fn glued(scan: &Measurement, fit: &Fit) -> Option<String> {
+    let worst = Isotropy::of(scan)?.worst_percent;
+    let noise = fit.noise_floor_percent.unwrap_or(UNKNOWN_NOISE);
+    (scan.is_in_plane() && worst > UNEQUAL_PERCENT.max(6.0 * noise)).then(|| {
+        format!(
+            "readings left and right of the normal that should be equal differ by {:.0} % of the largest: a zero of theta (--fit-offset), a \
+             surface with a direction, or readings of two samples in one file",
+            2.0 * worst
+        )
+    })
 }
 
 /// Whether two causes end in the same remedy.
