@@ -8,13 +8,18 @@ use serde_json::Value;
 use crate::program::Folder;
 
 /// A scan of a virtual plate with a little noise, the same each time.
-fn scan(folder: &Folder, name: &str, model: &str, flags: &str) {
+pub(crate) fn scan(folder: &Folder, name: &str, model: &str, flags: &str) {
     folder.run(&format!("model {model} --ior 1.49 -o {name}.json")).ok();
     folder.run(&format!("scan {name}.json --step 1 {flags} -o {name}.csv")).ok();
 }
 
 /// The same file with other angles or readings, and noise of 0.1 % of the largest.
-fn changed(folder: &Folder, from: &str, to: &str, change: impl Fn([f64; 3]) -> [f64; 3]) {
+pub(crate) fn changed(
+    folder: &Folder,
+    from: &str,
+    to: &str,
+    change: impl Fn([f64; 3]) -> [f64; 3],
+) {
     let text = folder.text(&format!("{from}.csv"));
     let rows: Vec<[f64; 3]> = text
         .lines()
@@ -40,12 +45,12 @@ fn changed(folder: &Folder, from: &str, to: &str, change: impl Fn([f64; 3]) -> [
     folder.write(&format!("{to}.csv"), out);
 }
 
-fn causes(model: &Value) -> String {
+pub(crate) fn causes(model: &Value) -> String {
     let causes = model["verdict"]["causes"].as_array().unwrap();
     causes.iter().map(|c| c.as_str().unwrap()).collect::<Vec<_>>().join("; ")
 }
 
-fn value(model: &Value, name: &str) -> f64 {
+pub(crate) fn value(model: &Value, name: &str) -> f64 {
     model["parameters"][name]["value"].as_f64().unwrap()
 }
 

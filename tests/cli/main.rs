@@ -77,6 +77,7 @@ mod extreme_maps;
 mod endless_inputs;
 mod units;
 mod doubtful_maps;
+mod doubtful_scans;
 mod no;
 mod determinism;
 mod custody;

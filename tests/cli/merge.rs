@@ -153,8 +153,9 @@ fn parts_of_a_scan_give_the_bytes_of_one_run() {
             );
         }
     }
-    // a part is a scan by itself
-    folder.run("fit traced2-1.csv --method ggx --ior 1.49 -o fit.json").ok();
+    // a part is a scan by itself, but no whole one
+    let done = folder.run("fit traced2-1.csv --method ggx --ior 1.49 -o fit.json").with_code(0);
+    assert!(done.err.contains("traced2-1.csv is part 1/2 of a scan"), "{}", done.err);
 }
 
 #[test]
@@ -181,6 +182,8 @@ fn wrong_parts_of_a_scan_are_refused() {
     fs::write(folder.path("noise.csv"), text.replacen("# part_noise: ", "# part_noise: 1e-9, ", 1))
         .unwrap();
     fs::write(folder.path("empty.csv"), "").unwrap();
+    let cut = folder.text("b.csv");
+    fs::write(folder.path("cut.csv"), &cut[..cut.len() - 2]).unwrap();
     for (parts, says) in [
         ("a.csv", "parts are missing: 2/2"),
         ("a.csv b.csv again.csv", "are both part 2/2"),
@@ -191,8 +194,10 @@ fn wrong_parts_of_a_scan_are_refused() {
         ("a.csv m.json", "m.json: this is no part"),
         ("a.csv empty.csv", "empty.csv: this is no part"),
         ("a.csv none.csv", "none.csv: "),
-        ("torn.csv b.csv", "torn.csv: it is not finished"),
-        ("noise.csv b.csv", "noise.csv: it is not finished"),
+        ("torn.csv b.csv", "torn.csv: it was cut off or changed"),
+        ("noise.csv b.csv", "noise.csv: it was cut off or changed"),
+        ("a.csv cut.csv", "cut.csv: it was cut off or changed"),
+        ("a.csv .", "this is a folder beside parts of a scan"),
     ] {
         let done = folder.run(&format!("merge {parts} -o out.csv")).with_code(2);
         assert!(done.err.contains(says), "{parts}: {}", done.err);
@@ -230,5 +235,7 @@ fn a_scan_ends_where_its_noise_is_small_enough() {
     let done = folder.run(&format!("{line} 2e5 --until 0.01% -o s.csv")).with_code(0);
     assert!(done.err.contains("give more --rays"), "{}", done.err);
     folder.run("scan m.json --until 1% -o s.csv").with_code(2);
+    // a bare number might mean a share or percent
+    folder.run(&format!("{line} 1e5 --until 0.5 -o s.csv")).with_code(2);
     folder.run(&format!("{line} 1e6 --until 1% --shard 1/2 -o s.csv")).with_code(2);
 }

@@ -127,3 +127,19 @@ fn maps_are_drawn_and_what_cannot_be_is_refused() {
         case("plot bad.txt -o p", &["as a scan", "as a height map"]).file("bad.txt", "hello"),
     ]);
 }
+
+#[test]
+fn laws_with_one_name_and_left_models_are_told_apart() {
+    let folder = folder();
+    folder.run("tabulate ggx.json --bytes 8192 -o ggx.bsdft").ok();
+    folder.run("plot ggx.json ggx.bsdft -o two").ok();
+    let picture = folder.text("two.svg");
+    assert!(picture.contains("ggx.json") && picture.contains("ggx.bsdft"));
+    // of a comparison only what its index lists is drawn
+    folder.run("scan ggx.json --sigma 0,30 --step 2 --aperture 2 -o s.csv").ok();
+    folder.run("compare s.csv --methods ggx -o c").ok();
+    std::fs::copy(folder.path("normals.json"), folder.path("c/s/normals.json")).unwrap();
+    folder.run("plot c/s --view flux -o c").ok();
+    let picture = folder.text("c.svg");
+    assert!(picture.contains("ggx") && !picture.contains("normals"));
+}

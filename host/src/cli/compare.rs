@@ -120,6 +120,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let loaded = args.scans.iter().enumerate().map(load).collect::<Result<Vec<_>, _>>()?;
     let load = |(scan, lit): (&PathBuf, &PathBuf)| args.sample.load(scan, Some(lit));
     let lit = args.scans.iter().zip(&args.lit).map(load).collect::<Result<Vec<_>, _>>()?;
+    for (whole, spot) in loaded.iter().zip(&lit) {
+        if let (Some(a), Some(b)) = (&whole.map, &spot.map)
+            && a.input.sha256 == b.input.sha256
+        {
+            return Err(Failure::bad(format!(
+                "--lit {}: it is the map of --map again; give the map of the spot that was lit",
+                b.input.path
+            )));
+        }
+    }
     let mut samples: Vec<Sample<'_>> = Vec::new();
     let names = names(&args.scans);
     for (one, name) in loaded.iter().zip(&names) {
@@ -139,7 +149,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     samples.extend(of_lit_maps(args, &lit, (&names, &methods))?);
     let work = Work {
         title: "Comparison of the methods".into(),
-        what: samples_text(&names, &loaded),
+        what: samples_text(&names, &loaded, &lit),
         methods,
         samples,
         timing: !args.no_timing,
@@ -199,14 +209,17 @@ fn rankings(samples: &[SampleResult]) -> String {
 }
 
 /// What the samples are, by their files and what these say.
-fn samples_text(names: &[String], loaded: &[Loaded]) -> String {
-    let one = |(name, l): (&String, &Loaded)| {
+fn samples_text(names: &[String], loaded: &[Loaded], lit: &[Loaded]) -> String {
+    let one = |(k, (name, l)): (usize, (&String, &Loaded))| {
         let sample = l.measurement.meta.sample.as_ref();
         let sample = sample.map(|s| format!(" ({s})")).unwrap_or_default();
         let map = l.map.as_ref().map(|m| format!(", map {}", m.input.path));
-        format!("{name}: scan {}{sample}{}.", l.input.path, map.unwrap_or_default())
+        let spot = lit.get(k).and_then(|l| l.map.as_ref());
+        let spot = spot.map(|m| format!(", the spot that was lit {}", m.input.path));
+        let (map, spot) = (map.unwrap_or_default(), spot.unwrap_or_default());
+        format!("{name}: scan {}{sample}{map}{spot}.", l.input.path)
     };
-    names.iter().zip(loaded).map(one).collect::<Vec<_>>().join(" ")
+    names.iter().zip(loaded).enumerate().map(one).collect::<Vec<_>>().join(" ")
 }
 
 /// Names for the folders of the samples: those of the scans, of scans that are called alike those of their folders, made harmless

@@ -91,6 +91,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn read(folder: &Path) -> Result<Part<'_>, Failure> {
+    if folder.is_file() {
+        return Err(Failure::bad(format!(
+            "{}: this is a file beside folders of parts; give the folders of `compare --shard`, or files of `scan --shard` alone",
+            folder.display()
+        )));
+    }
     if !folder.is_dir() {
         return Err(Failure::bad(format!(
             "{}: there is no such folder; check the path",

@@ -24,7 +24,7 @@ pub(super) fn in_order(parts: &[(&Path, Shard)], of: usize) -> Result<Vec<usize>
         (1..=of).filter(|k| owners[k - 1].is_none()).map(|k| format!("{k}/{of}")).collect();
     if !missing.is_empty() {
         let missing = missing.join(", ");
-        return Err(Failure::bad(format!("parts are missing: {missing}; give the folders of all")));
+        return Err(Failure::bad(format!("parts are missing: {missing}; give all of them")));
     }
     Ok(owners.into_iter().flatten().collect())
 }

@@ -252,7 +252,8 @@ fn table(all: &[Figures], folder: &Path) -> String {
     }
     let _ = writeln!(
         text,
-        "\nRa is not asked for. Maps and scans are in {}: compare them with\n  asperity compare {}/*/scan.csv --map {}/*/map.gsf -o results",
+        "\nRa is not asked for. Maps and scans are in {}: compare them with\n  asperity compare {}/*/scan.csv --map {}/*/map.gsf --lit {}/*/lit.gsf -o results",
+        folder.display(),
         folder.display(),
         folder.display(),
         folder.display()

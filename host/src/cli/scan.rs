@@ -10,7 +10,7 @@ use super::flags::scan::{
     GeometryFlag, QuantityFlag, RoughSideFlag, noise_share, number, parse_rays,
 };
 use super::flags::subject::{SubjectFlags, lacking};
-use super::scan_part::Part;
+use super::scan_part::{Part, sealed};
 use super::{print, progress, say};
 use crate::kirchhoff::Speckle;
 use crate::measurement::{Quantity, write};
@@ -56,8 +56,8 @@ pub(super) struct Args {
     /// Monte Carlo with so many rays per incidence; a height map takes 1.5e7 without it
     #[arg(long, value_name = "N", value_parser = parse_rays)]
     rays: Option<u64>,
-    /// Trace until the noise is at most this share of the largest reading, such as 0.5%; --rays, or 1.5e9 per
-    /// incidence, are the most
+    /// Trace until the noise, rms over all readings, is at most this share of the largest, such as 0.5%; --rays are the
+    /// most, of a map 1.5e9 per incidence without it
     #[arg(long, value_name = "NOISE", value_parser = noise_share)]
     until: Option<f64>,
     /// Seed of the Monte Carlo [default: 1]
@@ -91,7 +91,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             ("--seed", args.seed.is_some() && without_rays),
             ("--until", args.until.is_some() && without_rays),
         ],
-        "nothing is drawn without --rays",
+        "nothing is drawn without --rays; give --rays N, with --until as the most",
     )?;
     let part = args
         .shard
@@ -109,14 +109,26 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let bar = progress::bar(0, if request.rays.is_some() { "tracing" } else { "simulating" });
     let mut done = bar.watch(|watch| request.run(&subject, watch)).map_err(failed)?;
-    if let Some(part) = part {
+    if let Some(part) = &part {
         part.say(&done.noise, &mut done.measurement.meta);
+    }
+    if done.interrupted {
+        let said = format!("{} of {} incidences", done.noise.len(), request.held());
+        done.measurement.meta.other.push(("interrupted".to_owned(), said));
     }
     if let Some(said) = args.noise_missed(&done) {
         say::note(format_args!("{said}"));
     }
     let mut text = Vec::new();
     write::write(&done.measurement, &mut text).map_err(Failure::bad)?;
+    if part.is_some() {
+        text = sealed(&String::from_utf8_lossy(&text)).into_bytes();
+    }
+    let other = args.other_output(done.interrupted);
+    let output = match &other {
+        Some(path) => Some(AtomicFile::create(path)?),
+        None => output,
+    };
     match output {
         Some(file) => {
             let is_stdout = file.is_stdout();
@@ -126,17 +138,26 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         None => print(&String::from_utf8_lossy(&text))?,
     }
     if done.interrupted {
-        return Err(Failure::No("interrupted; the finished incidences were written".into()));
+        let to =
+            other.map(|other| format!(" to {}; the file that was there is kept", other.display()));
+        let to = to.unwrap_or_default();
+        return Err(Failure::No(format!("interrupted; the finished incidences were written{to}")));
     }
     Ok(())
 }
 
 impl Args {
+    /// Another file for a scan that was interrupted, where there is one already, which may be a whole scan.
+    fn other_output(&self, interrupted: bool) -> Option<PathBuf> {
+        let path = self.output.as_ref().filter(|path| interrupted && path.is_file())?;
+        Some(path.with_extension("interrupted.csv"))
+    }
+
     /// What is said where the most rays were too few for --until.
     fn noise_missed(&self, done: &VirtualScan) -> Option<String> {
         let (asked, noise) = (100.0 * self.until?, done.measurement.meta.noise_floor_percent?);
         (noise > asked && !done.interrupted).then(|| {
-            format!("warning: the noise is {noise:.2} % of the largest reading, not {asked} %; give more --rays")
+            format!("warning: the noise is {noise:.2} % of the largest reading, not {asked:.3} %; give more --rays")
         })
     }
 

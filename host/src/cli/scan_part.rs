@@ -18,6 +18,8 @@ const MOST_BYTES: u64 = 4 << 30;
 const PART: &str = "part";
 const WHOLE: &str = "part_of";
 const NOISE: &str = "part_noise";
+/// The SHA-256 of all other lines.
+const SUM: &str = "part_sha256";
 
 /// Which part of which scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,13 +67,18 @@ impl Part {
         for (key, value) in meta.entries() {
             let _ = writeln!(text, "# {key}: {value}");
         }
-        text + "sigma_deg,theta_deg,reading\n"
+        sealed(&(text + "sigma_deg,theta_deg,reading\n"))
     }
 
     /// Number of incidences that it holds.
     fn held(&self) -> usize {
         (0..self.incidences).filter(|k| self.shard.holds(*k)).count()
     }
+}
+
+/// The text of a part with its checksum as the first line.
+pub(super) fn sealed(text: &str) -> String {
+    format!("# {SUM}: {}\n{text}", InputFile::of_bytes("", text.as_bytes()).sha256)
 }
 
 /// A part that was read.
@@ -132,19 +139,33 @@ fn together(parts: &[&Found<'_>]) -> Result<Measurement, Failure> {
 
 fn read(path: &Path) -> Result<Found<'_>, Failure> {
     let bad = |what: &str| Failure::bad(format!("{}: {what}", path.display()));
-    let bytes = read_file(path, MOST_BYTES).map_err(|e| bad(&e.to_string()))?;
+    if path.is_dir() {
+        return Err(bad(
+            "this is a folder beside parts of a scan; give files of `scan --shard` alone",
+        ));
+    }
+    let bytes = read_file(path, MOST_BYTES)
+        .map_err(|e| bad(&format!("{e}; give the files of all parts")))?;
     let text = String::from_utf8_lossy(&bytes);
     let no_part = || bad("this is no part of a scan; give the files of `scan --shard`");
-    let part = part_of(&text).ok_or_else(no_part)?;
+    if header(&text, SUM).is_none() {
+        return Err(no_part());
+    }
+    let whole =
+        text.split_once('\n').filter(|(first, rest)| sealed(rest) == format!("{first}\n{rest}"));
+    let (_, rest) = whole.ok_or_else(|| {
+        bad("it was cut off or changed since it was written; run `scan --shard` of this part again")
+    })?;
+    let part = part_of(rest).ok_or_else(no_part)?;
     let unfinished = || bad("it is not finished; run `scan --shard` of this part again");
     if part.held() == 0 {
         return Ok(Found { path, part, noise: Vec::new(), scan: None });
     }
-    let scan = csv::parse(&bytes, path).map_err(Failure::bad)?;
+    let scan = csv::parse(rest, path).map_err(Failure::bad)?;
     let mut held: Vec<(f64, f64)> =
         scan.by_plane().map(|p| (p.sigma_deg, p.rotation_deg)).collect();
     held.dedup();
-    let noise = match header(&text, NOISE) {
+    let noise = match header(rest, NOISE) {
         Some(line) => noise_of(line).filter(|n| n.len() == part.held()).ok_or_else(unfinished)?,
         None => Vec::new(),
     };

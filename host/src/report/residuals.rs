@@ -66,7 +66,7 @@ pub fn quantile_figure(
         Curve { label: fit.label.to_owned(), points, style: CurveStyle::Fitted }
     };
     let line = vec![(-3.2, -3.2), (3.2, 3.2)];
-    let line = Curve { label: "normal noise".into(), points: line, style: CurveStyle::Measured };
+    let line = Curve { label: "normal noise".into(), points: line, style: CurveStyle::Fitted };
     let unit = if noise.is_some() { "standard deviations" } else { "% of the largest reading" };
     Figure {
         title: title.to_owned(),

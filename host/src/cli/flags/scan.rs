@@ -211,6 +211,7 @@ impl ReadFlags {
             let part = Part { geometry, band: self.band.clone(), quantity };
             let (scan, layout) = exchanged::parse_noting(&bytes, path, &part)?;
             say_layout(path, layout);
+            say_part(path, &scan);
             let scan = selection
                 .apply(&scan)
                 .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
@@ -313,6 +314,20 @@ const RIGHT_ANGLE: f64 = 1.571;
 fn say_layout(path: &Path, layout: Layout) {
     if !layout.is_usual() {
         say::note(format_args!("{}: the file is {layout}", path.display()));
+    }
+}
+
+/// Says that a file holds a part of a scan, or one that was not finished.
+fn say_part(path: &Path, scan: &Measurement) {
+    let value = |key: &str| scan.meta.other.iter().find(|(k, _)| k == key).map(|(_, v)| v);
+    if let Some(part) = value("part") {
+        say::note(format_args!(
+            "warning: {} is part {part} of a scan; `asperity merge` makes the whole",
+            path.display()
+        ));
+    }
+    if let Some(how_far) = value("interrupted") {
+        say::note(format_args!("warning: {} was interrupted: {how_far} are there", path.display()));
     }
 }
 
@@ -436,16 +451,13 @@ pub(in crate::cli) fn number(text: &str) -> Result<f64, String> {
     })
 }
 
-/// A share that noise may have, also in percent.
+/// A share that noise may have, in percent; a bare number might mean either.
 pub(in crate::cli) fn noise_share(text: &str) -> Result<f64, String> {
-    let (digits, scale) = match text.trim().strip_suffix('%') {
-        Some(digits) => (digits, 0.01),
-        None => (text, 1.0),
-    };
-    let number = digits.trim().parse::<f64>().ok().map(|x| scale * x);
+    let digits = text.trim().strip_suffix('%');
+    let number = digits.and_then(|digits| digits.trim().parse::<f64>().ok()).map(|x| 0.01 * x);
     number
         .filter(|x| *x > 0.0 && *x < 1.0)
-        .ok_or_else(|| "write a share between 0 and 100 %, such as 2%".to_owned())
+        .ok_or_else(|| "write a share between 0 and 100 % with its sign, such as 2%".to_owned())
 }
 
 /// A number of rays, also as 1e6.

@@ -1,6 +1,6 @@
 //! Models and tables: their lobes in three views, and where the light goes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_core::direction::Side;
 
@@ -31,6 +31,17 @@ pub(super) struct Law {
     spread: Option<Spread>,
 }
 
+/// The laws, by the whole names of their files where those without endings are alike.
+fn told_apart(mut laws: Vec<Law>, files: &[PathBuf]) -> Vec<Law> {
+    let names: Vec<String> = laws.iter().map(|law| law.name.clone()).collect();
+    for (law, path) in laws.iter_mut().zip(files) {
+        if names.iter().filter(|name| **name == law.name).count() > 1 {
+            law.name = path.display().to_string();
+        }
+    }
+    laws
+}
+
 impl Job<'_> {
     /// Models and tables.
     pub(super) fn laws(&self) -> Result<(), Failure> {
@@ -39,6 +50,7 @@ impl Job<'_> {
         without_effect(&self.setup.given(), why)?;
         self.map.need_map(false)?;
         let laws = self.files.iter().map(|path| law(path)).collect::<Result<Vec<_>, _>>()?;
+        let laws = told_apart(laws, &self.files);
         let figure = match self.view {
             None | Some(ViewFlag::Lobes) => self.lobes(&laws)?,
             Some(ViewFlag::Polar) => {

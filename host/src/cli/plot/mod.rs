@@ -13,6 +13,7 @@ use crate::law_file;
 use crate::measurement::{Measurement, csv, noise};
 use crate::output::{AtomicFile, finish_all};
 use crate::plot::{self, Figure, PlotError, Scale};
+use crate::reconstruct::Index;
 use crate::report::{
     self, Drawn, MapFigureFiles, MapFigures, TradeReport, quantile_figure, residual_figure,
 };
@@ -297,10 +298,12 @@ fn opened(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         }
         let entries = std::fs::read_dir(path)
             .map_err(|e| Failure::bad(format!("{}: cannot be read: {e}", path.display())))?;
+        let listed = listed(path);
         let mut models: Vec<PathBuf> = entries
             .flatten()
             .map(|entry| entry.path())
             .filter(|file| is_model_name(file))
+            .filter(|file| listed.as_ref().is_none_or(|names| names.contains(&name_of(file))))
             .filter(|file| is_law(file).unwrap_or(false))
             .collect();
         models.sort();
@@ -314,6 +317,15 @@ fn opened(files: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         all.extend(models);
     }
     Ok(all)
+}
+
+/// The methods that the index of a comparison lists for the folder of a sample; `None` without an index that knows it.
+fn listed(folder: &Path) -> Option<Vec<String>> {
+    let index = Index::read(folder.parent()?).ok()?;
+    let name = folder.file_name()?.to_string_lossy();
+    let sample = index.samples.into_iter().find(|sample| sample.name == name)?;
+    let fitted = sample.cells.into_iter().filter(|cell| cell.model.is_some());
+    Some(fitted.map(|cell| cell.method).collect())
 }
 
 /// Whether a file of a comparison may be a model by its name; its cells and solutions are not.

@@ -167,9 +167,14 @@ impl ScanRequest {
         self.sigma_deg.len() * self.rotation_deg.len()
     }
 
+    /// Those of its part.
+    pub fn held(&self) -> usize {
+        self.beams().len()
+    }
+
     /// Whether its part holds no incidence.
     pub fn is_empty(&self) -> bool {
-        self.beams().is_empty()
+        self.held() == 0
     }
 
     fn setup(&self, boundary: &Boundary) -> Result<Setup, NoScan> {

@@ -93,8 +93,11 @@ impl ScanRequest {
                 break;
             };
             raw.values.extend(&done.values);
+            // what no ray has met may be as much in error as what one has met
+            let one_ray = 1.0 / done.rays as f64;
+            let squares: f64 = done.std_errors.iter().map(|e| e * e).sum();
             raw.noise.push(RayNoise {
-                squares: done.std_errors.iter().map(|e| e * e).sum(),
+                squares: squares.max(one_ray * one_ray),
                 largest: done.values.iter().copied().fold(0.0, f64::max),
                 readings: done.values.len(),
             });

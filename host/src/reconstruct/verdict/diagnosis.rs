@@ -301,7 +301,7 @@ fn level(gain: f64, quantity: Quantity, aperture_deg: f64) -> Option<String> {
         "their unit is off by 1000".into()
     } else if is_near(std::f64::consts::PI) && quantity == Quantity::Bsdf {
         "they are reflectance factors; --quantity factor".into()
-    } else if quantity == Quantity::Flux && aperture_deg > 0.0 && (0.1..10.0).contains(&gain) {
+    } else if quantity == Quantity::Flux && aperture_deg > 0.0 && (0.01..10.0).contains(&gain) {
         let other = aperture_deg * gain.sqrt();
         format!(
             "an aperture of {other:.3} deg would do that (--aperture {other:.3}), or a calibration (--fit-gain)"

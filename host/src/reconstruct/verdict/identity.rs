@@ -52,9 +52,10 @@ pub(super) fn undetermined(fit: &Fit, is_free_form: bool) -> Vec<String> {
 /// Why few readings of unknown noise determine nothing, whatever their errors; `None` if they are enough.
 pub(super) fn too_few(fit: &Fit, readings: usize) -> Option<String> {
     let values = fit.parameters.len();
+    let s = if values == 1 { "" } else { "s" };
     (fit.noise_floor_percent.is_none() && readings < 2 * values + FEWEST).then(|| {
         format!(
-            "{readings} readings for {values} values do not tell noise from misfit, and nothing else tells the noise: the errors of \
+            "{readings} readings for {values} value{s} do not tell noise from misfit, and nothing else tells the noise: the errors of \
              the values mean nothing; measure more angles, or say the noise in the header, as in `# noise_floor_percent: 0.5`"
         )
     })
@@ -62,7 +63,7 @@ pub(super) fn too_few(fit: &Fit, readings: usize) -> Option<String> {
 
 /// Why a free gain is no calibration; `None` if it may be. Where a law of a plate misses the readings by more than noise, a
 /// gain far from 1 takes up what the law misses; where it fits, the readings are in another unit.
-pub(super) fn gain_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<GainAstray> {
+pub(super) fn gain_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<Astray> {
     fit.ior?;
     let free = options.fit_gain && options.nuisance.gain.is_none();
     let gain = fit.parameters.iter().find(|p| p.name == "gain" && free)?.value;
@@ -72,20 +73,20 @@ pub(super) fn gain_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Op
     if is_noise {
         let times = if gain >= 1.0 { gain } else { 1.0 / gain };
         let way = if gain >= 1.0 { "more" } else { "less" };
-        return Some(GainAstray::Unit(format!(
+        return Some(Astray::Unit(format!(
             "the readings are {times:.3} times {way} than the light of the law: their unit or the aperture is not what it is said to be; \
              if their level means nothing, say so with --quantity counts"
         )));
     }
-    Some(GainAstray::TakesUp(format!(
+    Some(Astray::TakesUp(format!(
         "the gain ended at {gain:.3}, and the law still misses the readings by more than noise: it takes up what the law misses; leave \
          it out, say how well it is known (--gain-prior), or, if the level of the readings means nothing, say --quantity counts"
     )))
 }
 
-/// What a gain far from 1 means.
-pub(super) enum GainAstray {
-    /// The readings have another unit.
+/// What a number of the instrument far from what it should be means.
+pub(super) enum Astray {
+    /// The law fits: the instrument or the unit is another one.
     Unit(String),
     /// The law does not fit.
     TakesUp(String),
@@ -111,21 +112,25 @@ pub(super) fn index_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> O
 
 /// Why a number of the instrument is not what it was known to be; none if all may be. Where a law misses the readings by
 /// more than noise, a number many standard deviations of its prior away takes up what the law misses.
-pub(super) fn instrument_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<String> {
-    if is_noise {
-        return None;
-    }
+pub(super) fn instrument_astray(fit: &Fit, options: &FitOptions, is_noise: bool) -> Option<Astray> {
     let all = fit.parameters.iter().filter_map(|p| {
         let (nominal, width) = options.nuisance.prior(p.name)?;
         Some((p, (p.value - nominal).abs() / width))
     });
     let (worst, widths) =
         all.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, w)| *w > MOST_WIDTHS)?;
-    Some(format!(
-        "{} ended at {:.3}, {widths:.0} standard deviations from what is known of it, and the law still misses the readings by \
-         more than noise: it takes up what the law misses; leave it out, state how well it is known, or try another law",
+    let far = format!(
+        "{} ended at {:.3}, {widths:.0} standard deviations from what is known of it",
         worst.name, worst.value
-    ))
+    );
+    if is_noise {
+        let said = format!("{far}: see whether the instrument is as it is said to be");
+        return Some(Astray::Unit(said));
+    }
+    Some(Astray::TakesUp(format!(
+        "{far}, and the law still misses the readings by more than noise: it takes up what the law misses; leave it out, state how well \
+         it is known, or try another law"
+    )))
 }
 
 /// What a value says of itself.

@@ -20,7 +20,7 @@ use crate::watch::Watch;
 use super::task::Task;
 
 pub(super) use gate::fluxes_of;
-use identity::GainAstray;
+use identity::Astray;
 
 /// An error of so many times the noise is still noise: the estimates of noise are no better.
 const WITHIN: f64 = 1.5;
@@ -56,15 +56,16 @@ pub(super) fn judge(
     if task.diagnose {
         undetermined.extend(identity::undetermined(fit, method.is_free_form()));
         undetermined.extend(identity::index_astray(fit, &task.options, is_noise));
-        undetermined.extend(identity::instrument_astray(fit, &task.options, is_noise));
         undetermined.extend(identity::too_few(fit, task.measurement.readings().len()));
     }
     let has_level = !task.measurement.is_relative();
-    match identity::gain_astray(fit, &task.options, is_noise).filter(|_| task.diagnose && has_level)
-    {
-        Some(GainAstray::TakesUp(why)) => undetermined.push(why),
-        Some(GainAstray::Unit(why)) => causes.push(why),
-        None => {}
+    let gain = identity::gain_astray(fit, &task.options, is_noise).filter(|_| has_level);
+    let others = identity::instrument_astray(fit, &task.options, is_noise);
+    for astray in gain.into_iter().chain(others).filter(|_| task.diagnose) {
+        match astray {
+            Astray::TakesUp(why) => undetermined.push(why),
+            Astray::Unit(why) => causes.push(why),
+        }
     }
     if !undetermined.is_empty() {
         grade = Grade::NotIdentifiable;

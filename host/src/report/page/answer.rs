@@ -72,11 +72,47 @@ fn sentence(sample: &SampleResult) -> String {
         )
     });
     format!(
-        "{}: take {}: error {:.2} % ({noise}){}.",
+        "{}: take {}: error {:.2} % ({noise}){}.{}{}",
         sample.title,
         best.label,
         best.rmsd_percent(),
-        inside.unwrap_or_default()
+        inside.unwrap_or_default(),
+        equals(sample, best),
+        spread(sample)
+    )
+}
+
+/// Methods whose errors differ from the least by less than anybody knows them.
+const ALIKE: f64 = 0.03;
+
+/// The other methods that are as good.
+fn equals(sample: &SampleResult, best: &Cell) -> String {
+    let accepted = sample.attempts.iter().filter(|a| a.describes() && !sample.is_best(a));
+    let alike = |cell: &&Cell| {
+        let own = cell.model.simulation_noise_percent.unwrap_or(0.0);
+        cell.rmsd_percent() - best.rmsd_percent() <= (ALIKE * best.rmsd_percent()).max(own)
+    };
+    let names: Vec<String> = accepted
+        .filter_map(|a| a.cell())
+        .filter(alike)
+        .map(|c| format!("{} ({:.2} %)", c.label, c.rmsd_percent()))
+        .collect();
+    if names.is_empty() { String::new() } else { format!(" As good: {}.", names.join(", ")) }
+}
+
+/// How far the methods that describe the sample are apart in the light that goes through from inside; the stated errors are those of
+/// values under one law.
+fn spread(sample: &SampleResult) -> String {
+    let accepted = sample.attempts.iter().filter(|a| a.describes()).filter_map(|a| a.cell());
+    let through: Vec<f64> = accepted.filter_map(from_inside).map(|f| f.transmitted).collect();
+    let (low, high) =
+        through.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    if through.len() < 2 {
+        return String::new();
+    }
+    format!(
+        " The {} methods that describe the sample give {low:.3} to {high:.3} for the light through.",
+        through.len()
     )
 }
 

@@ -94,6 +94,7 @@ pub fn page(comparison: &Comparison, scans: &[&Measurement], origin: &Origin) ->
                     }
                     section id="table2" {
                         h2 { "Table 2: the errors" }
+                        p { (comparison.legend()) }
                         (tables::errors(comparison))
                         @if let Some(times) = tables::times(comparison) { (times) }
                     }
