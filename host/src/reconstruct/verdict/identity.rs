@@ -155,7 +155,9 @@ fn traded(fit: &Fit, pair: &Correlation) -> Option<String> {
     let [a, b] = &pair.of;
     let of = |name: &str| fit.parameters.iter().find(|p| p.name == name);
     let (first, second) = (of(a)?, of(b)?);
-    if pair.r.abs() <= MOST_CORRELATION {
+    // a level and the levels of single incidences are one thing, which the priors of these share out
+    let is_level = |name: &str| name == "gain" || name.starts_with("gain_at_");
+    if pair.r.abs() <= MOST_CORRELATION || (is_level(a) && is_level(b)) {
         return None;
     }
     let is_unsure = |p: &Fitted| {
