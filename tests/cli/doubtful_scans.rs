@@ -1,5 +1,7 @@
 //! Scans that a law follows although something is wrong with them: what is wrong is named, and what is sound is not accused.
 
+use serde_json::Value;
+
 use crate::believe::{causes, changed, scan, value};
 use crate::program::Folder;
 
@@ -12,6 +14,12 @@ fn folder() -> Folder {
     folder.run("model ggx --opaque --set alpha=0.2,gain=0.8,lambert=0.01 -o metal.json").ok();
     folder.run(&format!("scan metal.json --step 1 {PLATE} -o metal.csv")).ok();
     folder
+}
+
+/// The model of a fit that is refused.
+fn refused(folder: &Folder, line: &str) -> Value {
+    let done = folder.run(line).with_code(1);
+    serde_json::from_str(&done.out).expect("stdout is JSON")
 }
 
 #[test]
@@ -37,7 +45,7 @@ fn a_gain_far_from_one_is_never_accepted_in_silence() {
     let model = folder.run(&format!("{fit} --quantity counts")).with_code(0).json();
     assert_eq!(causes(&model), "");
     // another law takes the gain to where it misses least
-    let model = folder.run(&fit.replace("ggx", "normals")).with_code(1).json();
+    let model = refused(&folder, &fit.replace("ggx", "normals"));
     assert_eq!(model["verdict"]["grade"], "not-identifiable");
     assert!(causes(&model).contains("it takes up what the law misses"), "{}", causes(&model));
 }
@@ -55,7 +63,7 @@ fn a_few_readings_of_unknown_noise_determine_nothing() {
     };
     let few: String = text.lines().filter(is_kept).fold(String::new(), |all, l| all + l + "\n");
     folder.write("few.csv", few.clone());
-    let model = folder.run("fit few.csv --method ggx --json").with_code(1).json();
+    let model = refused(&folder, "fit few.csv --method ggx --json");
     assert_eq!(model["verdict"]["grade"], "not-identifiable");
     assert!(causes(&model).starts_with("3 readings"), "{}", causes(&model));
     // the noise is said: they are enough
@@ -109,7 +117,7 @@ fn readings_that_carry_more_light_than_there_is_are_unphysical_whatever_the_law(
     folder.write("white.csv", text);
     let line = "fit white.csv --columns sigma=ti,theta=to,reading=f --quantity bsdf --opaque --json --method";
     for method in ["ggx", "super-gauss"] {
-        let model = folder.run(&format!("{line} {method}")).with_code(1).json();
+        let model = refused(&folder, &format!("{line} {method}"));
         assert_eq!(model["verdict"]["grade"], "unphysical", "{method}");
         assert!(causes(&model).contains("divide by pi"), "{method}: {}", causes(&model));
     }
