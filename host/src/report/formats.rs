@@ -169,7 +169,7 @@ mod tests {
         }
         assert!(text.contains("Best: b, 1.089 %; the measurement's own noise is 0.125 %."));
         let text = comparison().text();
-        assert!(text.contains("1.09 % *") && text.contains("1. map: needs a map"), "{text}");
+        assert!(text.contains("1.09 % [0.25] *") && text.contains("1. map: needs a map"), "{text}");
         assert_eq!(
             comparison().undescribed().map(|s| s.name.as_str()).collect::<Vec<_>>(),
             ["two"]

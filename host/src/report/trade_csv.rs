@@ -168,7 +168,7 @@ mod tests {
         assert!(TradeReport::is_csv(csv.as_bytes()));
         let again = TradeReport::of_csv(csv.as_bytes(), "Trade".into()).unwrap();
         assert_eq!((again.csv(), again.by_scan), (csv.clone(), true));
-        let bad = csv.replacen("formula,exact", "riddle,exact", 1);
+        let bad = csv.replacen("formula,fast", "riddle,fast", 1);
         let why = TradeReport::of_csv(bad.as_bytes(), String::new()).unwrap_err().to_string();
         assert!(why.starts_with("line 2: the evaluator `riddle` is unknown"), "{why}");
     }
