@@ -2,11 +2,9 @@
 
 mod any;
 mod part;
-mod through;
 
 pub use any::AnyLaw;
 pub use part::{Mixed, Part};
-pub(crate) use through::{Through, cast};
 
 use std::borrow::Cow;
 

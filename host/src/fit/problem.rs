@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::boundary::Boundary;
 use crate::fit::nuisance::{APERTURE, GAIN as GAIN_NAME, Instrument, with_aperture};
 use crate::fit::{FitOptions, Objective};
-use crate::forward::{Angles, Effort, Rays, Readings, Sample, Setup, simulate, simulate_in_search};
+use crate::forward::{Angles, Effort, Rays, Readings, Sample, Setup, simulate};
 use crate::measurement::{Measurement, noise};
 use crate::method::{Body, BuildError, Method, Parameter, Scale};
 use crate::watch::Watch;
@@ -234,15 +234,7 @@ impl<'a> Problem<'a> {
         let gain = self.named(values, GAIN_NAME);
         let factor = self.named(values, APERTURE).unwrap_or(1.0) * self.opening;
         let cones = self.options.signature.map(|s| s.cones(factor, setup.quantity));
-        Ok(Ready {
-            boundary,
-            setup,
-            angles,
-            instrument,
-            gain,
-            cones: cones.unwrap_or_default(),
-            is_search: true,
-        })
+        Ok(Ready { boundary, setup, angles, instrument, gain, cones: cones.unwrap_or_default() })
     }
 
     /// Rays per incidence in full effort.
@@ -302,8 +294,7 @@ impl<'a> Problem<'a> {
         if let Some(known) = judged().iter().find(|j| j.key == key) {
             return Ok(Some(known.readings.clone()));
         }
-        let last = Ready { is_search: false, ..self.ready(values, Effort::Full)? };
-        let found = last.readings(Effort::Full, rays, watch);
+        let found = self.ready(values, Effort::Full)?.readings(Effort::Full, rays, watch);
         if let Some(readings) = &found {
             let mut judged = judged();
             if judged.len() > 1 {
@@ -324,8 +315,6 @@ pub(super) struct Ready<'a> {
     gain: Option<f64>,
     /// Weights and FULL angles of the cones that the instrument's response is made of, degrees; none: that of the setup.
     cones: Vec<(f64, f64)>,
-    /// Whether many more readings are asked for, none of which is the last word.
-    is_search: bool,
 }
 
 impl Ready<'_> {
@@ -351,7 +340,6 @@ impl Ready<'_> {
 
     /// What the instrument's response takes of the light.
     fn seen(&self, effort: Effort, rays: Rays, watch: Watch<'_>) -> Option<Readings> {
-        let simulate = if self.is_search { simulate_in_search } else { simulate };
         let through =
             |setup: &Setup| simulate(&self.boundary, setup, &self.angles, effort, rays, watch);
         let mut sum: Option<Readings> = None;

@@ -31,7 +31,6 @@ pub use monte_carlo::{MonteCarlo, count_flux, monte_carlo};
 pub use quadrature::{Effort, Neglected, Readings, quadrature};
 pub use rays::Rays;
 pub(crate) use rays::{Tiles, mix};
-pub(crate) use simulate::simulate_in_search;
 pub use simulate::{by_rays, simulate};
 pub use wave::wave;
 

@@ -1,15 +1,13 @@
 //! One entry to all engines: quadrature if the boundary can be evaluated, plus the coherent light of waves and
 //! tables; else Monte Carlo.
 
-use asperity_core::math::Fast;
-
 use super::facets;
 use super::quadrature::Neglected;
 use super::{
     Angles, Effort, Incidence, MonteCarlo, Rays, Readings, Setup, coherent, monte_carlo,
     quadrature, wave,
 };
-use crate::boundary::{AnyLaw, Boundary, Through, with_boundary};
+use crate::boundary::{Boundary, with_boundary};
 use crate::watch::Watch;
 
 /// Simulates a scan; only a traced boundary uses `rays`.
@@ -49,32 +47,6 @@ pub fn simulate(
         coherent::add_all(setup, plan, &mut readings.values, |wi| boundary.coherent(wi));
     }
     Some(readings)
-}
-
-/// The same for a search, which asks for readings hundreds of times: the fast tier evaluates the laws whose powers and exponentials
-/// take most of the time. Readings differ by 1e-10 of their value.
-pub(crate) fn simulate_in_search(
-    boundary: &Boundary,
-    setup: &Setup,
-    plan: &Angles,
-    effort: Effort,
-    rays: Rays,
-    watch: Watch<'_>,
-) -> Option<Readings> {
-    let is_plain = !boundary.is_anisotropic() && !boundary.keeps_direction();
-    match boundary {
-        Boundary::Normals(law) if is_plain => {
-            let law = law.cast::<Fast<f64>>();
-            let law = Through::<Fast<f64>, _>::new(&law);
-            Some(quadrature(&AnyLaw::of(&law), setup, plan, effort))
-        }
-        Boundary::Microfacet(law) if is_plain => {
-            let law = law.cast::<Fast<f64>>();
-            let law = Through::<Fast<f64>, _>::new(&law);
-            Some(quadrature(&AnyLaw::of(&law), setup, plan, effort))
-        }
-        other => simulate(other, setup, plan, effort, rays, watch),
-    }
 }
 
 /// One incidence of a scan by rays: of a traced surface also by a sum over its facets.

@@ -7,8 +7,8 @@ use asperity_core::bsdf::{Bsdf, Lobe, LobeSet, Scattered};
 use asperity_core::direction::{Direction, Side};
 use asperity_core::math::{Fast, Real};
 
-use crate::boundary::{Boundary, Through, with_boundary};
-use crate::trade::Formula;
+use crate::boundary::{Boundary, with_boundary};
+use crate::trade::{Formula, Through};
 
 /// A law of a rough face.
 pub(super) trait Rough: Sync {

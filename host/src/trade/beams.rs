@@ -154,7 +154,7 @@ mod tests {
     use asperity_core::quantity::{Alpha, RelativeIor};
 
     use super::Beams;
-    use crate::boundary::Through;
+    use crate::trade::tier::Through;
 
     fn ggx<T: asperity_core::math::Real>(alpha: f64) -> Ggx<T> {
         let alpha = Alpha::new(T::from_f64(alpha)).unwrap();

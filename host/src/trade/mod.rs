@@ -6,6 +6,7 @@
 //! Pareto front.
 
 mod pareto;
+mod tier;
 mod beams;
 mod timing;
 mod pairs;
@@ -25,6 +26,7 @@ pub use measure::{Subject, Work, rows};
 pub use pareto::{cheapest, front, knee};
 pub use row::{Evaluator, Marks, Row, Tier};
 pub use scan::Scan;
+pub(crate) use tier::Through;
 
 #[cfg(test)]
 pub(crate) use choice::tests::rows as tests_rows;

@@ -5,7 +5,7 @@ use asperity_core::direction::Direction;
 use asperity_core::math::Real;
 
 use super::beams::single;
-use crate::boundary::cast;
+use super::tier::cast;
 
 /// Their number; the device has room for as many.
 pub(super) const COUNT: usize = 256;

@@ -1,5 +1,4 @@
-//! A law of any number type as one of double precision: so that all can be compared with the same reference, and to search with
-//! a faster one.
+//! A law of any number type as one of double precision, so that all can be compared with the same reference.
 
 use std::marker::PhantomData;
 
