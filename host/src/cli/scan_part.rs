@@ -27,7 +27,7 @@ pub(super) struct Part {
     pub(super) shard: Shard,
     /// Incidences and rotations of all parts.
     pub(super) incidences: usize,
-    /// A SHA-256 of the subject, of all that is asked for, and of the version.
+    /// SHA-256 of the subject, the request and the version.
     whole: String,
 }
 

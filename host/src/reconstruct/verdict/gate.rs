@@ -22,6 +22,8 @@ const OF_WAVES: [f64; 2] = [0.0, 45.0];
 const RAYS: Rays = Rays { count: 20_000, seed: 7 };
 /// What a balance by quadrature may miss.
 const TOLERANCE: f64 = 5e-3;
+/// Angles are equal to this, degrees.
+const SAME_DEG: f64 = 1e-6;
 /// Standard errors of a level by which it may be too bright.
 const ERRORS: f64 = 2.0;
 
@@ -116,8 +118,8 @@ pub(super) fn excess_of_readings(scan: &Measurement) -> Option<String> {
     }
     let least = scan.by_plane().filter(|plane| plane.phi_deg.abs() <= 0.0).map(|plane| {
         let at = |theta: f64| {
-            let same = plane.readings.iter().find(|r| (r.theta_deg - theta).abs() < 1e-6);
-            same.map(|r| r.value)
+            let from = plane.readings.partition_point(|r| r.theta_deg <= theta - SAME_DEG);
+            plane.readings.get(from).filter(|r| r.theta_deg < theta + SAME_DEG).map(|r| r.value)
         };
         let both = |r: &Reading| Some((r.theta_deg.to_radians(), r.value.min(at(-r.theta_deg)?)));
         let sides = plane.readings.iter().filter(|r| r.theta_deg >= 0.0).filter_map(both);
