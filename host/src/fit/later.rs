@@ -64,25 +64,67 @@ pub(super) fn minimise(
     start: &[f64],
     tolerance: f64,
 ) -> Result<End, Stopped> {
-    search.begin();
     let mut values = start.to_vec();
     for _ in 0..ROUNDS {
-        let later = about(problem, &values, || search.count());
-        if search.interrupted() {
-            return Err(Stopped);
+        let Some(round) = round(search, problem, &values, tolerance)? else { break };
+        if round.stays || !round.end.converged {
+            return Ok(round.end);
         }
-        let Ok(Some(later)) = later else { break };
-        let end = search.minimise(&problem.with_later(later), &values, Effort::Full, tolerance)?;
-        let stays = problem.parameters().iter().zip(values.iter().zip(&end.values)).all(
-            |(p, (&before, &after))| {
-                let most = STAYS * p.step(before).abs();
-                (p.to_free(after) - p.to_free(before)).abs() <= most
-            },
-        );
-        if stays || !end.converged {
-            return Ok(end);
-        }
-        values = end.values;
+        values = round.end.values;
     }
     search.minimise(problem, &values, Effort::Full, tolerance)
+}
+
+/// The same for a quick fit: where the values do not come to rest the last round counts. `None` if after the first
+/// the cost is still above `most`.
+pub(super) fn estimate(
+    search: &mut Search<'_>,
+    problem: &Problem<'_>,
+    start: &[f64],
+    tolerance: f64,
+    most: f64,
+) -> Result<Option<End>, Stopped> {
+    let mut values = start.to_vec();
+    let mut last = None;
+    for _ in 0..ROUNDS {
+        let Some(round) = round(search, problem, &values, tolerance)? else { break };
+        if round.end.cost > most {
+            return Ok(None);
+        }
+        values.clone_from(&round.end.values);
+        let is_done = round.stays || !round.end.converged;
+        last = Some(round.end);
+        if is_done {
+            break;
+        }
+    }
+    Ok(last)
+}
+
+/// A search with later light as it is about its start.
+struct Round {
+    end: End,
+    /// Whether it ended where it began.
+    stays: bool,
+}
+
+/// `None` if there is no later light to be told apart.
+fn round(
+    search: &mut Search<'_>,
+    problem: &Problem<'_>,
+    start: &[f64],
+    tolerance: f64,
+) -> Result<Option<Round>, Stopped> {
+    search.begin();
+    let later = about(problem, start, || search.count());
+    if search.interrupted() {
+        return Err(Stopped);
+    }
+    let Ok(Some(later)) = later else { return Ok(None) };
+    let end = search.minimise(&problem.with_later(later), start, Effort::Full, tolerance)?;
+    let parameters = problem.parameters().iter();
+    let stays = parameters.zip(start.iter().zip(&end.values)).all(|(p, (&before, &after))| {
+        (p.to_free(after) - p.to_free(before)).abs() <= STAYS * p.step(before).abs()
+    });
+    Ok(Some(Round { end, stays }))
 }

@@ -16,6 +16,8 @@ use crate::watch::Watch;
 pub struct Quick {
     /// Error of eq. (18) over the readings it used, %.
     pub rmsd_percent: f64,
+    /// The least cost, in the units of the objective.
+    pub cost: f64,
     /// Names and values of the fitted parameters.
     pub values: Vec<(&'static str, f64)>,
     /// Evaluations of the forward model.
@@ -34,12 +36,13 @@ const MOST: u64 = 800;
 /// The tolerance of its end, as a share of the error.
 const TOLERANCE: f64 = 5e-3;
 
-/// A quick fit; `None` if there is none, or if stopped.
+/// A quick fit; `None` if there is none, if stopped, or if it would hardly come below a cost of `most`.
 pub fn quick(
     method: &dyn Method,
     measurement: &Measurement,
     setup: &Setup,
     options: &FitOptions,
+    most: f64,
     watch: Watch<'_>,
 ) -> Option<Quick> {
     let problem = Problem::new(method, measurement, setup, options, watch.quiet()).thinned();
@@ -48,7 +51,7 @@ pub fn quick(
     let (_, start) = search.best_starts(&problem, 1).into_iter().next()?;
     let end = search.minimise(&problem, &start, Effort::Draft, TOLERANCE).ok()?;
     let end = if problem.has_later_hits() {
-        later::minimise(&mut search, &problem, &end.values, TOLERANCE).ok()?
+        later::estimate(&mut search, &problem, &end.values, TOLERANCE, most).ok()??
     } else {
         end
     };
@@ -56,6 +59,7 @@ pub fn quick(
     let names = problem.parameters().iter().map(|p| p.name);
     Some(Quick {
         rmsd_percent: rmsd_percent(problem.measured(), &readings.values)?,
+        cost: end.cost,
         values: names.zip(end.values.iter().copied()).collect(),
         evaluations: search.evaluations(),
     })
