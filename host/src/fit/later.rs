@@ -12,6 +12,8 @@ use crate::method::BuildError;
 
 /// Rounds of a search; what still moves then is searched for in full.
 const ROUNDS: usize = 5;
+/// What the cost may be after each round of a quick fit, in terms of the most that is of use.
+const SLACK: [f64; ROUNDS] = [4.0, 2.0, 1.0, 1.0, 1.0];
 /// Free coordinates that move by less than this share of a parameter's step stay where they are: what a straight line of the
 /// later light misses falls with the square of the move.
 const STAYS: f64 = 0.01;
@@ -75,8 +77,9 @@ pub(super) fn minimise(
     search.minimise(problem, &values, Effort::Full, tolerance)
 }
 
-/// The same for a quick fit: where the values do not come to rest the last round counts. `None` if after the first
-/// the cost is still above `most`.
+/// The same for a quick fit: where the values do not come to rest the last round counts. `None` if the cost stays above `most`.
+///
+/// A search of first hits alone may end far from the minimum, where the first rounds still lead a long way.
 pub(super) fn estimate(
     search: &mut Search<'_>,
     problem: &Problem<'_>,
@@ -86,9 +89,9 @@ pub(super) fn estimate(
 ) -> Result<Option<End>, Stopped> {
     let mut values = start.to_vec();
     let mut last = None;
-    for _ in 0..ROUNDS {
+    for slack in SLACK {
         let Some(round) = round(search, problem, &values, tolerance)? else { break };
-        if round.end.cost > most {
+        if round.end.cost > slack * most {
             return Ok(None);
         }
         values.clone_from(&round.end.values);

@@ -5,7 +5,7 @@ use asperity_core::metric::rmsd_percent;
 use super::FitOptions;
 use super::later;
 use super::problem::Problem;
-use super::search::Search;
+use super::search::{End, Search, Stopped};
 use crate::forward::{Effort, Setup};
 use crate::measurement::Measurement;
 use crate::method::Method;
@@ -29,20 +29,31 @@ impl Quick {
     pub fn value(&self, name: &str) -> Option<f64> {
         self.values.iter().find(|(n, _)| *n == name).map(|(_, value)| *value)
     }
+
+    /// The values of the parameters of a problem; those it does not have are as in `others`.
+    fn values_of(&self, problem: &Problem<'_>, others: &[f64]) -> Vec<f64> {
+        let parameters = problem.parameters().iter().zip(others);
+        parameters.map(|(p, other)| self.value(p.name).unwrap_or(*other)).collect()
+    }
 }
 
 /// Evaluations at most.
 const MOST: u64 = 800;
 /// The tolerance of its end, as a share of the error.
 const TOLERANCE: f64 = 5e-3;
+/// Costs alike up to this factor are those of one law.
+const SAME: f64 = 1.01;
 
-/// A quick fit; `None` if there is none, if stopped, or if it would hardly come below a cost of `most`.
+/// A quick fit; `None` if there is none, or if stopped.
+///
+/// One of another instrument or other readings than those of a fit `beside` it ends early, with nothing, where it would hardly
+/// come below the cost of that fit.
 pub fn quick(
     method: &dyn Method,
     measurement: &Measurement,
     setup: &Setup,
     options: &FitOptions,
-    most: f64,
+    beside: Option<&Quick>,
     watch: Watch<'_>,
 ) -> Option<Quick> {
     let problem = Problem::new(method, measurement, setup, options, watch.quiet()).thinned();
@@ -51,7 +62,7 @@ pub fn quick(
     let (_, start) = search.best_starts(&problem, 1).into_iter().next()?;
     let end = search.minimise(&problem, &start, Effort::Draft, TOLERANCE).ok()?;
     let end = if problem.has_later_hits() {
-        later::estimate(&mut search, &problem, &end.values, TOLERANCE, most).ok()??
+        in_full(&mut search, &problem, (&start, &end.values), beside).ok()??
     } else {
         end
     };
@@ -63,4 +74,23 @@ pub fn quick(
         values: names.zip(end.values.iter().copied()).collect(),
         evaluations: search.evaluations(),
     })
+}
+
+/// With all light, from where a search of first hits has ended. That may be far from the minimum: if it leads nowhere, from the
+/// fit beside, where further numbers leave that as it is.
+fn in_full(
+    search: &mut Search<'_>,
+    problem: &Problem<'_>,
+    (start, end): (&[f64], &[f64]),
+    beside: Option<&Quick>,
+) -> Result<Option<End>, Stopped> {
+    let most = beside.map_or(f64::INFINITY, |fit| fit.cost);
+    let found = later::estimate(search, problem, end, TOLERANCE, most)?;
+    let Some(fit) = beside.filter(|_| found.is_none()) else { return Ok(found) };
+    let values = fit.values_of(problem, start);
+    let cost = problem.cost(&values, Effort::Full).ok().flatten();
+    if cost.is_none_or(|cost| cost > SAME * fit.cost) {
+        return Ok(None);
+    }
+    later::estimate(search, problem, &values, TOLERANCE, most)
 }

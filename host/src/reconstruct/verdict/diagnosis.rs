@@ -54,18 +54,17 @@ pub(super) fn diagnose(
     if method.is_traced() || method.wave().is_some() || method.is_free_form() {
         return None;
     }
-    let fit = |scan: &Measurement, setup: &Setup, options: &FitOptions, most: f64| {
-        quick(method, scan, setup, options, most, watch)
+    let fit = |scan: &Measurement, setup: &Setup, options: &FitOptions, beside: Option<&Quick>| {
+        quick(method, scan, setup, options, beside, watch)
     };
-    let base = fit(task.measurement, &task.setup, &task.options, f64::INFINITY)?;
+    let base = fit(task.measurement, &task.setup, &task.options, None)?;
     let mut best: Option<(f64, String)> = None;
     let all = alternatives(task);
     let found: Vec<Option<Quick>> = all
         .par_iter()
         .map(|alternative| {
             let scan = alternative.scan.as_ref().unwrap_or(task.measurement);
-            // what is worse than the fit itself explains nothing
-            fit(scan, &alternative.setup, &alternative.options, base.cost)
+            fit(scan, &alternative.setup, &alternative.options, Some(&base))
         })
         .collect();
     for (alternative, found) in all.iter().zip(found) {
