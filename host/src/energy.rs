@@ -14,6 +14,7 @@ use crate::kirchhoff::{
 };
 use crate::model::Flux;
 use crate::parallel;
+use crate::shard::Piece;
 use crate::watch::Watch;
 
 /// Flux balance of one incidence, as fractions of the incident flux.
@@ -42,6 +43,33 @@ pub struct Energy {
 }
 
 impl Energy {
+    /// As numbers; none of what is not known.
+    fn numbers(&self) -> Vec<f64> {
+        let known = [self.reflected, self.transmitted, self.lost];
+        let coherent = [self.coherent_reflected, self.coherent_transmitted];
+        let evanescent = [self.evanescent_reflected, self.evanescent_transmitted];
+        known.into_iter().chain(coherent).chain(evanescent.into_iter().flatten()).collect()
+    }
+
+    /// From such numbers; `None` if there are too few.
+    fn of_numbers(side: Side, incidence_deg: f64, numbers: &[f64]) -> Option<Self> {
+        let &[reflected, transmitted, lost, coherent_reflected, coherent_transmitted, ..] = numbers
+        else {
+            return None;
+        };
+        Some(Self {
+            incidence_deg,
+            side: side_name(side),
+            reflected,
+            transmitted,
+            lost,
+            coherent_reflected,
+            coherent_transmitted,
+            evanescent_reflected: numbers.get(5).copied(),
+            evanescent_transmitted: numbers.get(6).copied(),
+        })
+    }
+
     /// The balance of light of which these shares are known; the rest is lost, and none is evanescent.
     fn of(
         side: Side,
@@ -98,7 +126,7 @@ const POINTS: u32 = 46_368;
 const BLOCK: u32 = 1024;
 const STEP: u32 = 28_657;
 
-/// Flux balances for several incidences; `None` if it was stopped before the end.
+/// Flux balances for several incidences; `None` if it was stopped before the end, or if others have a part of them.
 ///
 /// As [`balance`]; of a map whose own speckle is meant the orders are summed, all incidences from one stack of
 /// transforms; their coherent part is the specular order, of a patch all that its mean field sends, however wide. What Kirchhoff's
@@ -159,11 +187,13 @@ fn one_by_one(
         if watch.is_stopped() {
             return None;
         }
-        found.push(of(side, deg));
+        let own =
+            watch.piece(Piece::Balance, (side_name(side), k), || Some(of(side, deg).numbers()));
+        found.extend(own.and_then(|own| Energy::of_numbers(side, deg, &own)));
         watch.done(k + 1, incidences.len());
     }
-    // the last one may have been cut short
-    (!watch.is_stopped()).then_some(found)
+    // the last one may have been cut short, and other parts have others
+    (!watch.is_stopped() && found.len() == incidences.len()).then_some(found)
 }
 
 fn of_waves(

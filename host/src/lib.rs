@@ -54,6 +54,7 @@ pub use asperity_exchange as exchange;
 pub use asperity_surface as surface;
 use asperity_surface::{input, linear};
 
+pub mod shard;
 pub mod watch;
 mod parallel;
 pub mod message;

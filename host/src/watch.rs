@@ -4,6 +4,8 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::shard::{Piece, Pieces};
+
 /// What work tells whoever watches it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress<'a> {
@@ -20,7 +22,7 @@ pub enum Progress<'a> {
     More(u64),
 }
 
-/// A flag that ends the work, and an ear for its progress.
+/// A flag that ends the work, an ear for its progress, and what is known of its pieces.
 ///
 /// Work looks at the flag often enough to end within a second, and then gives what it has or `None`, as its own
 /// documentation says. Progress is told from any thread.
@@ -41,6 +43,7 @@ pub enum Progress<'a> {
 pub struct Watch<'a> {
     stop: &'a AtomicBool,
     progress: &'a (dyn Fn(Progress<'_>) + Sync),
+    pieces: Option<&'a Pieces>,
 }
 
 static NEVER: AtomicBool = AtomicBool::new(false);
@@ -55,22 +58,52 @@ impl Watch<'static> {
 impl<'a> Watch<'a> {
     /// Work ends soon after `stop` is set, and tells its progress.
     pub fn new(stop: &'a AtomicBool, progress: &'a (dyn Fn(Progress<'_>) + Sync)) -> Self {
-        Self { stop, progress }
+        Self { stop, progress, pieces: None }
     }
 
     /// Work ends soon after `stop` is set, and tells nothing.
     pub fn silent(stop: &'a AtomicBool) -> Self {
-        Self { stop, progress: &|_| () }
+        Self::new(stop, &|_| ())
     }
 
     /// The same flag, nothing told: for a part of work whose steps are not those of the whole.
     pub fn quiet(self) -> Self {
-        Self::silent(self.stop)
+        Self { progress: &|_| (), ..self }
     }
 
     /// The same flag with another ear.
     pub fn telling(self, progress: &'a (dyn Fn(Progress<'_>) + Sync)) -> Self {
         Self { progress, ..self }
+    }
+
+    /// The same of a work that is divided among machines.
+    pub fn sharing(self, pieces: Option<&'a Pieces>) -> Self {
+        Self { pieces, ..self }
+    }
+
+    /// Whether only a part of the work of this kind is done.
+    pub fn is_part_of(self, kind: Piece) -> bool {
+        self.pieces_of(kind).is_some_and(|pieces| pieces.shard().is_some())
+    }
+
+    fn pieces_of(self, kind: Piece) -> Option<&'a Pieces> {
+        self.pieces.filter(|pieces| pieces.kind() == kind)
+    }
+
+    /// What piece `number` of those of a name gives: by `work`, or as another machine has found it. `None` if another part has
+    /// it, if the work gives nothing, or if it was stopped.
+    pub fn piece(
+        self,
+        kind: Piece,
+        (name, number): (&str, usize),
+        work: impl FnOnce() -> Option<Vec<f64>>,
+    ) -> Option<Vec<f64>> {
+        // one that was cut short is none
+        let work = || work().filter(|_| !self.is_stopped());
+        match self.pieces_of(kind) {
+            Some(pieces) => pieces.piece(name, number, work),
+            None => work(),
+        }
     }
 
     /// Whether the work has to end.

@@ -197,7 +197,7 @@ fn wrong_parts_of_a_scan_are_refused() {
         ("torn.csv b.csv", "torn.csv: it was cut off or changed"),
         ("noise.csv b.csv", "noise.csv: it was cut off or changed"),
         ("a.csv cut.csv", "cut.csv: it was cut off or changed"),
-        ("a.csv .", "this is a folder beside parts of a scan"),
+        ("a.csv .", "this is a folder beside files of parts"),
     ] {
         let done = folder.run(&format!("merge {parts} -o out.csv")).with_code(2);
         assert!(done.err.contains(says), "{parts}: {}", done.err);
@@ -238,4 +238,100 @@ fn a_scan_ends_where_its_noise_is_small_enough() {
     // a bare number might mean a share or percent
     folder.run(&format!("{line} 1e5 --until 0.5 -o s.csv")).with_code(2);
     folder.run(&format!("{line} 1e6 --until 1% --shard 1/2 -o s.csv")).with_code(2);
+}
+
+/// Makes a work whole, and in parts that `merge` puts together; both are the same bytes.
+fn parts_are_the_whole(folder: &Folder, line: &str, numbers: &[usize]) {
+    folder.run(&format!("{line} -o whole")).ok();
+    let whole = fs::read(folder.path("whole")).unwrap();
+    for &of in numbers {
+        let make = |part: usize| {
+            let file = format!("part{of}-{part}");
+            let done = folder.run(&format!("{line} --shard {part}/{of} -o {file}")).with_code(0);
+            assert!(done.out.contains(&format!("part {part}/{of}, ")), "{}", done.out);
+            file
+        };
+        let parts = (1..=of).rev().map(make).collect::<Vec<_>>().join(" ");
+        folder.run(&format!("merge {parts} -o out")).ok();
+        assert!(whole == fs::read(folder.path("out")).unwrap(), "{of} parts of {line} differ");
+    }
+}
+
+#[test]
+fn parts_of_a_balance_give_the_bytes_of_one_run() {
+    let folder = Folder::new();
+    folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
+    parts_are_the_whole(&folder, "check m.json --rays 3000 --json", &[1, 2, 3, 7, 64]);
+    // what no part has made is not made again: the rays were counted by the parts
+    let text = folder.text("part2-1").replace("balance 0: ", "balance 0: 0.25 0.5 0.25 0 0 #");
+    assert!(text.contains("balance 0: 0.25"), "{text}");
+    fs::write(folder.path("part2-1"), text).unwrap();
+    let done = folder.run("merge part2-1 part2-2 -o out").with_code(2);
+    assert!(done.err.contains("cut off or changed"), "{}", done.err);
+}
+
+#[test]
+fn parts_of_a_table_give_the_bytes_of_one_run() {
+    let folder = Folder::new();
+    folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
+    let line = "tabulate m.json --lobes air-T --bytes 3000 --rays 3000";
+    parts_are_the_whole(&folder, line, &[1, 3, 20]);
+}
+
+#[test]
+fn parts_of_a_bootstrap_give_the_model_of_one_run() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    folder.run("scan m.json --sigma 0,30 --step 2 --aperture 4 --rays 1e5 -o s.csv").ok();
+    let line = "fit s.csv --method ggx --bootstrap 10 --no-timing";
+    parts_are_the_whole(&folder, line, &[1, 3, 16]);
+}
+
+#[test]
+fn wrong_parts_of_a_balance_are_refused() {
+    let folder = Folder::new();
+    folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
+    folder.run("model heights --set delta=0.2 --ior 1.49 -o n.json").ok();
+    let line = "check m.json --rays 1000";
+    for (name, line) in [
+        ("whole", line.to_owned()),
+        ("a", format!("{line} --shard 1/2")),
+        ("b", format!("{line} --shard 2/2")),
+        ("seed", format!("{line} --shard 2/2 --seed 2")),
+        ("third", format!("{line} --shard 1/3")),
+        ("other", format!("{} --shard 2/2", line.replace("m.json", "n.json"))),
+        ("table", "tabulate m.json --lobes air-T --bytes 3000 --rays 1000 --shard 2/2".to_owned()),
+    ] {
+        folder.run(&format!("{line} -o {name}")).ok();
+    }
+    fs::copy(folder.path("b"), folder.path("again")).unwrap();
+    let cut = folder.text("b");
+    fs::write(folder.path("cut"), &cut[..cut.len() - 2]).unwrap();
+    for (parts, says) in [
+        ("a", "parts are missing: 2/2"),
+        ("a b again", "are both part 2/2"),
+        ("a third", "different numbers of parts"),
+        ("a seed", "different commands"),
+        ("a other", "different commands"),
+        ("a table", "different commands"),
+        ("a whole", "whole: this is no part"),
+        ("a m.json", "m.json: this is no part"),
+        ("a none", "none: "),
+        ("a cut", "cut: it was cut off or changed"),
+        ("a .", "this is a folder beside files of parts"),
+    ] {
+        let done = folder.run(&format!("merge {parts} -o out")).with_code(2);
+        assert!(done.err.contains(says), "{parts}: {}", done.err);
+        assert!(!folder.path("out").exists(), "{parts} has left a file");
+    }
+    // and what has no parts
+    folder.run(&format!("{line} --shard 1/2")).with_code(2);
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o g.json").ok();
+    for line in ["check g.json", "tabulate g.json", "tabulate m.json --max-error 1"] {
+        let done = folder.run(&format!("{line} --shard 1/2 -o part")).with_code(2);
+        assert!(done.err.contains("--shard is of no use here"), "{}", done.err);
+    }
+    fs::copy(folder.path("n.json"), folder.path("m.json")).unwrap();
+    let done = folder.run("merge a b -o out").with_code(2);
+    assert!(done.err.contains("is not what it was when the parts were made"), "{}", done.err);
 }

@@ -1,11 +1,12 @@
 //! `check`: where the flux goes, from both sides, and whether the law is reciprocal.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_core::direction::Side;
 use clap::ValueEnum;
 
 use super::error::Failure;
+use super::flags::part::PartFlags;
 use super::flags::rays::RayFlags;
 use super::flags::subject::{SubjectFlags, lacking};
 use super::flags::waves;
@@ -14,6 +15,7 @@ use super::{print, progress};
 use crate::boundary::Boundary;
 use crate::energy::side_name;
 use crate::kirchhoff::Speckle;
+use crate::output::AtomicFile;
 use crate::reconstruct::{Check, CheckRequest, NoBalance, Subject};
 use crate::report::power_text;
 use crate::rigorous::CutsRequest;
@@ -50,6 +52,8 @@ impl From<SideFlag> for Side {
 /// orders --incidence-orders goes; --orders writes every order. With --map and --engine rigorous it solves them on cuts of the
 /// map, and says what waves, rays and single facets are off by there.
 ///
+/// --shard I/N counts the rays of a part of the incidences, each side on its own, on as many machines as there are parts.
+///
 /// Exit 1 if the model gives more than it receives (R + T > 1.0001, of tables 1.0005, of waves 1.01) or a value that is not
 /// finite.
 #[derive(Debug, clap::Args)]
@@ -66,6 +70,11 @@ pub(super) struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// File for what is printed; stdout without it
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) part: PartFlags,
     #[command(flatten)]
     profile: ProfileFlags,
     #[command(flatten)]
@@ -73,12 +82,15 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
+    let solves = args.profile.profile.is_some();
+    args.part.need_pieces(!solves, "orders of a profile are solved at once")?;
     if let Some(path) = &args.profile.profile {
         let (ior, wavelength_um) = args.subject.of_profile()?;
         let light = Light { ior, wavelength_um, side: args.side.map(Side::from) };
-        return args.profile.solve(path, light, args.json);
+        return args.profile.solve(path, light, (args.json, args.output.as_deref()));
     }
     if let Some((prepared, ior, wavelength_um)) = args.subject.of_cuts()? {
+        args.part.need_pieces(false, "cuts are solved at once")?;
         return args.cuts(&prepared, ior, wavelength_um);
     }
     args.profile.need_profile()?;
@@ -90,11 +102,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     request.check_angles().map_err(|e| failed(args, Path::new(""), e))?;
     let subject = args.subject.read(&[Speckle::Averaged])?;
     args.rays.noted(subject.boundary.is_traced());
+    let is_traced = subject.boundary.is_traced();
+    args.part.need_pieces(is_traced, "a model without rays is balanced in a moment")?;
+    let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let bar = progress::bar(0, "checking");
-    let check = bar.watch(|watch| request.run(&subject.boundary, watch));
+    let check =
+        bar.watch(|watch| request.run(&subject.boundary, watch.sharing(args.part.pieces())));
+    let is_heard = matches!(&check, Ok(_) | Err(NoBalance::Interrupted));
+    let output = match output {
+        Some(output) if args.part.is_part() && is_heard => return args.part.finish(output),
+        output => output,
+    };
     let check = check.map_err(|e| failed(args, &subject.path, e))?;
-    if args.json {
-        print(&(check.json(&subject).map_err(Failure::bad)? + "\n"))?;
+    let text = if args.json {
+        check.json(&subject).map_err(Failure::bad)? + "\n"
     } else {
         let table = subject.table.as_ref().map(|said| format!("table {said}\n"));
         let mut text = table.unwrap_or_default();
@@ -105,7 +126,11 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             text.push_str(warning);
             text.push('\n');
         }
-        print(&text)?;
+        text
+    };
+    match output {
+        Some(output) => output.finish(text.as_bytes())?,
+        None => print(&text)?,
     }
     if check.conserves_energy {
         Ok(())
@@ -135,7 +160,11 @@ impl Args {
             period_um,
         };
         let found = waves::solved_cuts(&request, &prepared.map)?;
-        if self.json { print(&format!("{:#}\n", found.json())) } else { print(&found.text()) }
+        let text = if self.json { format!("{:#}\n", found.json()) } else { found.text() };
+        match &self.output {
+            Some(path) => Ok(AtomicFile::create(path)?.finish(text.as_bytes())?),
+            None => print(&text),
+        }
     }
 }
 

@@ -12,7 +12,8 @@ use super::model::BouncesFlag;
 use super::planned::PlanFlag;
 use super::{auto, print};
 use crate::method::Kind;
-use crate::reconstruct::{NoCutsOf, SampleResult, Shard, Task, usually_asked};
+use crate::reconstruct::{NoCutsOf, SampleResult, Task, usually_asked};
+use crate::shard::Shard;
 use crate::surface::Roughness;
 
 /// Fit every method to every sample, and set the results side by side

@@ -11,6 +11,7 @@ use super::flags::light::LightFlags;
 use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
 use super::flags::nuisance::NuisanceFlags;
+use super::flags::part::PartFlags;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::model::{BouncesFlag, ProfileFlag};
 use super::planned::PlanFlag;
@@ -23,6 +24,7 @@ use crate::model::{Model, Spread};
 use crate::output::AtomicFile;
 use crate::reconstruct::{Entry, Found, Task, Trials, boundary_values, usually_asked};
 use crate::report::{self, BoundaryFiles, FigureFiles, PolarFiles};
+use crate::watch::Watch;
 
 /// Fit a model to a measured scan
 ///
@@ -42,6 +44,8 @@ use crate::report::{self, BoundaryFiles, FigureFiles, PolarFiles};
 /// With --method auto every law in closed form is fitted (of the rough face; with --body sheet, of the sheet as measured), and
 /// has to predict incidences that it was not fitted to. A table gives the errors in and out of sample, in the tails, and
 /// what the data do not determine. Of the laws that predict as well as the best, the one with the fewest parameters is kept.
+///
+/// --shard I/N fits a part of the replicas of --bootstrap, on as many machines as there are parts.
 ///
 /// Exit 1 if the fit did not converge or the model does not describe the surface; what was found is
 /// written all the same.
@@ -126,6 +130,8 @@ pub(super) struct Args {
     #[arg(long, hide_short_help = true)]
     no_timing: bool,
     #[command(flatten)]
+    pub(super) part: PartFlags,
+    #[command(flatten)]
     effort: EffortFlags,
     #[command(flatten)]
     nuisance: NuisanceFlags,
@@ -200,6 +206,8 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
             "--signature, --beam-width and --slit-height are for laws in closed form",
         ));
     }
+    let has_replicas = args.nuisance.replicas() > 0;
+    args.part.need_pieces(has_replicas, "the replicas of --bootstrap alone are divided")?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let is_closed = trials.iter().all(|t| !t.is_traced() && t.wave().is_none());
     let plots = args.plot.as_deref();
@@ -207,8 +215,13 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let found = if args.is_auto() {
         auto::choose(&task, &trials)
     } else {
-        let found = progress::counter("").watch(|watch| task.fit(&trials, watch));
-        found.map(|found| (String::new(), found))
+        let pieces = args.part.pieces();
+        let work = |watch: Watch<'_>| task.fit(&trials, watch.sharing(pieces));
+        progress::counter("").watch(work).map(|found| (String::new(), found))
+    };
+    let output = match output {
+        Some(output) if args.part.is_part() && found.is_ok() => return args.part.finish(output),
+        output => output,
     };
     let (table, Found { entry, mut model, failed }) = found.map_err(|e| match e {
         FitError::Interrupted => Failure::No(format!("{e}; no fit was written")),

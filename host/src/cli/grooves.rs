@@ -32,9 +32,6 @@ pub(super) struct ProfileFlags {
     /// Write every order as CSV (side,m0,theta_i_deg,kind,m,theta_deg,eff_TE,eff_TM) in place of sums
     #[arg(long)]
     orders: bool,
-    /// File for the orders; stdout without it
-    #[arg(short, long, value_name = "FILE", requires = "orders")]
-    output: Option<PathBuf>,
 }
 
 /// What falls on the grooves.
@@ -71,14 +68,19 @@ impl ProfileFlags {
     }
 
     /// Solves, and prints or writes what is asked for.
-    pub(super) fn solve(&self, path: &Path, light: Light, as_json: bool) -> Result<(), Failure> {
+    pub(super) fn solve(
+        &self,
+        path: &Path,
+        light: Light,
+        (as_json, output): (bool, Option<&Path>),
+    ) -> Result<(), Failure> {
         let bytes = input::read_file(path, MOST_BYTES)
             .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
         let text = String::from_utf8_lossy(&bytes);
         let profile = read_profile(&text, path, self.period_um).map_err(Failure::bad)?;
         let problem = Problem::new(profile, light.ior, light.wavelength_um)
             .map_err(|e| Failure::bad(format!("{}: {e}", path.display())))?;
-        let output = self.output.as_ref().map(AtomicFile::create).transpose()?;
+        let output = output.map(AtomicFile::create).transpose()?;
         let incidences = self.incidences(light.side, &problem);
         let solution = solved(&problem, &incidences)?;
         let answer = if as_json {

@@ -1,4 +1,5 @@
-//! `merge`: the parts of a comparison, or of images, into one folder; those of a scan into one file.
+//! `merge`: the parts of a comparison, or of images, into one folder; those of a scan, a balance, a table or a bootstrap into
+//! one file.
 
 use std::path::{Path, PathBuf};
 
@@ -7,15 +8,19 @@ use super::parts::in_order;
 use super::print;
 use super::rendering::{Folder, merge_images};
 use super::scan_part::merge_scans;
+use super::work_part::{is_work_part, whole};
 use crate::output::{ResultFolder, write_text};
-use crate::reconstruct::{Cell, Index, SampleResult, Shard, Store};
+use crate::reconstruct::{Cell, Index, SampleResult, Store};
+use crate::shard::Shard;
 
-/// Put the parts of a comparison, of images or of a scan together
+/// Put the parts of a comparison, of images, of a scan or of other work together
 ///
 /// `compare --shard I/N` makes a part of the fits, each part into a folder of its own, on as many machines as there are. All
 /// N parts are put into one folder here; the same `compare` without --shard into that folder then takes every fit as it is and
 /// writes the tables, plots and the report that one machine would have written. So it is with `render --shard I/N`: the same
-/// `render` without --shard then writes the images. The files of `scan --shard I/N` become one file, that of a single run.
+/// `render` without --shard then writes the images. The files of `scan --shard I/N` become one file, that of a single run. Of
+/// `check`, `tabulate` and `fit --bootstrap` the same command is run here, in the folder where it was given, with what all parts
+/// have found: it writes and prints what it would have without --shard.
 ///
 /// Refused are parts that are missing, doubled, unfinished, or of other work.
 ///
@@ -27,14 +32,17 @@ use crate::reconstruct::{Cell, Index, SampleResult, Shard, Store};
 ///   asperity scan --map map.x3p --ior 1.5 --shard 1/2 -o part1.csv
 ///   asperity scan --map map.x3p --ior 1.5 --shard 2/2 -o part2.csv
 ///   asperity merge part1.csv part2.csv -o scan.csv
+///   asperity check --map map.x3p --ior 1.5 --rays 1e9 --shard 1/2 -o part1
+///   asperity check --map map.x3p --ior 1.5 --rays 1e9 --shard 2/2 -o part2
+///   asperity merge part1 part2 -o balance.txt
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// The folders of all parts, or the files of those of a scan, in any order
+    /// The folders or files of all parts, in any order
     #[arg(required = true, value_name = "PART")]
     parts: Vec<PathBuf>,
-    /// Folder for all of them, made if it does not exist; for a scan the file
-    #[arg(short, long, value_name = "DIR")]
+    /// Folder for all of them, made if it does not exist; or the file
+    #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
 }
 
@@ -48,6 +56,10 @@ struct Part<'a> {
 pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if args.parts.first().is_some_and(|first| Folder(first.clone()).is_of_images()) {
         return merge_images(&args.parts, &args.output);
+    }
+    if args.parts.first().is_some_and(|first| is_work_part(first)) {
+        let (command, found) = whole(&args.parts, &args.output)?;
+        return super::done_of_parts(&command, found);
     }
     if args.parts.first().is_some_and(|first| first.is_file()) {
         return merge_scans(&args.parts, &args.output);

@@ -28,6 +28,7 @@ mod comparing;
 mod compare;
 mod scan;
 mod scan_part;
+mod work_part;
 mod demo;
 mod stats;
 mod acquire;
@@ -54,9 +55,11 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use error::Failure;
+use flags::part::PartFlags;
 
 use crate::custody;
 use crate::message::brief;
+use crate::shard::{Piece, Results};
 
 /// Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
 ///
@@ -155,17 +158,62 @@ fn command() -> clap::Command {
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     interrupt::listen();
     custody::watch();
-    let arguments = match planned::with_plan(flags::light::with_shadowing(arguments)) {
-        Ok(arguments) => arguments,
-        Err(failure) => return ended(Err(failure)),
-    };
-    let matches = command().try_get_matches_from(arguments);
-    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+    let given: Vec<OsString> = arguments.into_iter().collect();
+    let mut cli = match parsed(given.clone()) {
         Ok(cli) => cli,
-        Err(e) => return usage(&e),
+        Err(NoCommand::Usage(e)) => return usage(&e),
+        Err(NoCommand::Failed(failure)) => return ended(Err(failure)),
     };
     say::set(cli.quiet, cli.verbose);
-    let done = match cli.verb {
+    if let Some((kind, part)) = cli.verb.part() {
+        part.begin(kind, &in_utf8(&given), None);
+    }
+    ended(done(cli.verb))
+}
+
+/// Why there is no command.
+enum NoCommand {
+    Usage(clap::Error),
+    Failed(Failure),
+}
+
+fn parsed(arguments: Vec<OsString>) -> Result<Cli, NoCommand> {
+    let arguments = planned::with_plan(flags::light::with_shadowing(arguments));
+    let matches = command().try_get_matches_from(arguments.map_err(NoCommand::Failed)?);
+    matches.and_then(|matches| Cli::from_arg_matches(&matches)).map_err(NoCommand::Usage)
+}
+
+fn in_utf8(arguments: &[OsString]) -> Vec<String> {
+    arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect()
+}
+
+/// Does what parts were made of, with what they have found.
+fn done_of_parts(command: &[String], found: Results) -> Result<(), Failure> {
+    let no_part = || Failure::bad(format!("`{}` has no parts", command.join(" ")));
+    let mut cli = match parsed(command.iter().map(OsString::from).collect()) {
+        Ok(cli) => cli,
+        Err(NoCommand::Usage(e)) => return Err(Failure::Bad(e.to_string())),
+        Err(NoCommand::Failed(failure)) => return Err(failure),
+    };
+    let (kind, part) = cli.verb.part().ok_or_else(no_part)?;
+    part.begin(kind, command, Some(found));
+    done(cli.verb)
+}
+
+impl Verb {
+    /// Which part of the work is asked for, of a verb whose pieces are numbers.
+    fn part(&mut self) -> Option<(Piece, &mut PartFlags)> {
+        match self {
+            Self::Check(a) => Some((Piece::Balance, &mut a.part)),
+            Self::Fit(a) => Some((Piece::Replica, &mut a.part)),
+            Self::Tabulate(a) => Some((Piece::TableRays, &mut a.part)),
+            _ => None,
+        }
+    }
+}
+
+fn done(verb: Verb) -> Result<(), Failure> {
+    match verb {
         Verb::Demo(a) => demo::run(&a),
         Verb::Model(a) => model::run(&a),
         Verb::Scan(a) => scan::run(&a),
@@ -188,8 +236,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Verb::Render(a) => render::run(&a),
         Verb::Completions(a) => completions::run(&a),
         Verb::Manual(a) => manual::run(&a),
-    };
-    ended(done)
+    }
 }
 
 /// Says how a verb has failed, if it has.

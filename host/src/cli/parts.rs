@@ -1,9 +1,88 @@
-//! Parts of work that were done apart, in their order.
+//! Parts of work that were done apart: whether they are of one work, their order, and files that say so and are whole.
 
 use std::path::Path;
 
 use super::error::Failure;
-use crate::reconstruct::Shard;
+use crate::input::{InputFile, read_file};
+use crate::shard::Shard;
+
+/// The SHA-256 of all other lines of a part, its first line.
+const SUM: &str = "part_sha256";
+
+/// What a part says of itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Claim<'a> {
+    pub(super) path: &'a Path,
+    pub(super) shard: Shard,
+    /// SHA-256 of the whole work.
+    pub(super) whole: &'a str,
+}
+
+/// Places of the parts in their order, 1 to `of`; all of them are of one work. `differ` says what two are parts of otherwise, as
+/// in "scans: another subject", `one` what to give, as in "of one scan".
+///
+/// # Errors
+/// Parts of other work or of another number of parts, a part that is there twice, or is missing.
+pub(super) fn of_one_work(
+    parts: &[Claim<'_>],
+    differ: &str,
+    one: &str,
+) -> Result<Vec<usize>, Failure> {
+    let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
+    for other in parts {
+        let differ = if first.whole != other.whole {
+            format!("are parts of different {differ}")
+        } else if first.shard.of != other.shard.of {
+            "are parts of different numbers of parts".to_owned()
+        } else {
+            continue;
+        };
+        let two = format!("{} and {}", first.path.display(), other.path.display());
+        return Err(Failure::bad(format!("{two} {differ}; give the parts {one}")));
+    }
+    let shards: Vec<(&Path, Shard)> = parts.iter().map(|part| (part.path, part.shard)).collect();
+    in_order(&shards, first.shard.of)
+}
+
+/// The text of a part with its checksum as the first line.
+pub(super) fn sealed(text: &str) -> String {
+    format!("# {SUM}: {}\n{text}", InputFile::of_bytes("", text.as_bytes()).sha256)
+}
+
+/// The text of a part without its checksum, which must be right. `no_part` says what else it is, `again` what mends it.
+///
+/// # Errors
+/// A file that cannot be read, is no part, or is damaged.
+pub(super) fn opened(
+    path: &Path,
+    most_bytes: u64,
+    no_part: &str,
+    again: &str,
+) -> Result<String, Failure> {
+    let bad = |what: &str| Failure::bad(format!("{}: {what}", path.display()));
+    if path.is_dir() {
+        return Err(bad("this is a folder beside files of parts; give files of `--shard` alone"));
+    }
+    let bytes = read_file(path, most_bytes)
+        .map_err(|e| bad(&format!("{e}; give the files of all parts")))?;
+    let text = String::from_utf8_lossy(&bytes);
+    if header(&text, SUM).is_none() {
+        return Err(bad(no_part));
+    }
+    match text.split_once('\n').filter(|(first, rest)| sealed(rest) == format!("{first}\n{rest}")) {
+        Some((_, rest)) => Ok(rest.to_owned()),
+        None => Err(bad(&format!("it was cut off or changed since it was written; {again}"))),
+    }
+}
+
+/// The value of a header line.
+pub(super) fn header<'a>(text: &'a str, key: &str) -> Option<&'a str> {
+    let lines = text.lines().map_while(|line| line.strip_prefix('#'));
+    lines
+        .filter_map(|line| line.split_once(':'))
+        .find(|(k, _)| k.trim() == key)
+        .map(|(_, v)| v.trim())
+}
 
 /// Places of the parts in their order, 1 to `of`.
 ///

@@ -8,12 +8,12 @@ use super::flags::scan::noise_share;
 use super::rendering::{Job, Output, Pictures, read_regions, region_text};
 use super::{print, progress, say};
 use crate::output::{AtomicFile, ResultFolder, write_text};
-use crate::reconstruct::Shard;
 use crate::render::Renderer;
 use crate::render::tracer::image::{Effort, Share};
 use crate::render::tracer::path::Tracer;
 use crate::render::tracer::region::{Until, region_means};
 use crate::render::tracer::scene_file::BUILT_IN;
+use crate::shard::Shard;
 
 /// Render a scene with models, to see what a small error of a law does
 ///

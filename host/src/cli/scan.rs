@@ -10,13 +10,15 @@ use super::flags::scan::{
     GeometryFlag, QuantityFlag, RoughSideFlag, noise_share, number, parse_rays,
 };
 use super::flags::subject::{SubjectFlags, lacking};
-use super::scan_part::{Part, sealed};
+use super::parts::sealed;
+use super::scan_part::Part;
 use super::{print, progress, say};
 use crate::kirchhoff::Speckle;
 use crate::measurement::{Quantity, write};
 use crate::output::AtomicFile;
-use crate::reconstruct::{NoScan, ScanRequest, Shard, VirtualScan};
+use crate::reconstruct::{NoScan, ScanRequest, VirtualScan};
 use crate::report::power_text;
+use crate::shard::Shard;
 
 /// Simulate a goniophotometer scan of a model, or of a height map
 ///

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::error::Failure;
 use super::flags::subject::SubjectFlags;
-use super::parts::in_order;
+use super::parts::{Claim, header, of_one_work, opened, sealed};
 use super::print;
 use crate::input::{InputFile, read_file};
 use crate::measurement::{Measurement, Metadata, Reading, csv, write};
 use crate::output::AtomicFile;
-use crate::reconstruct::{RayNoise, ScanRequest, Shard};
+use crate::reconstruct::{RayNoise, ScanRequest};
+use crate::shard::Shard;
 
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -18,8 +19,6 @@ const MOST_BYTES: u64 = 4 << 30;
 const PART: &str = "part";
 const WHOLE: &str = "part_of";
 const NOISE: &str = "part_noise";
-/// The SHA-256 of all other lines.
-const SUM: &str = "part_sha256";
 
 /// Which part of which scan.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,11 +75,6 @@ impl Part {
     }
 }
 
-/// The text of a part with its checksum as the first line.
-pub(super) fn sealed(text: &str) -> String {
-    format!("# {SUM}: {}\n{text}", InputFile::of_bytes("", text.as_bytes()).sha256)
-}
-
 /// A part that was read.
 struct Found<'a> {
     path: &'a Path,
@@ -96,21 +90,12 @@ struct Found<'a> {
 /// Parts that are missing, doubled, unfinished, or of other scans.
 pub(super) fn merge_scans(parts: &[PathBuf], output: &Path) -> Result<(), Failure> {
     let parts = parts.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
-    let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
-    for other in &parts {
-        let (a, b) = (&first.part, &other.part);
-        let differ = if a.whole != b.whole || a.incidences != b.incidences {
-            "are parts of different scans: another subject, other options or version"
-        } else if a.shard.of != b.shard.of {
-            "are parts of different numbers of parts"
-        } else {
-            continue;
-        };
-        let two = format!("{} and {}", first.path.display(), other.path.display());
-        return Err(Failure::bad(format!("{two} {differ}; give the parts of one scan")));
-    }
-    let shards: Vec<(&Path, Shard)> = parts.iter().map(|p| (p.path, p.part.shard)).collect();
-    let order = in_order(&shards, first.part.shard.of)?;
+    let claims: Vec<Claim<'_>> = parts
+        .iter()
+        .map(|Found { path, part, .. }| Claim { path, shard: part.shard, whole: &part.whole })
+        .collect();
+    let order =
+        of_one_work(&claims, "scans: another subject, other options or version", "of one scan")?;
     let scan = together(&order.into_iter().map(|place| &parts[place]).collect::<Vec<_>>())?;
     let mut text = Vec::new();
     write::write(&scan, &mut text).map_err(Failure::bad)?;
@@ -137,27 +122,15 @@ fn together(parts: &[&Found<'_>]) -> Result<Measurement, Failure> {
     Measurement::new(meta, readings).map_err(Failure::bad)
 }
 
+/// What is said of a file that is no part, and what mends one.
+const NO_PART: &str = "this is no part of a scan; give the files of `scan --shard`";
+const AGAIN: &str = "run `scan --shard` of this part again";
+
 fn read(path: &Path) -> Result<Found<'_>, Failure> {
     let bad = |what: &str| Failure::bad(format!("{}: {what}", path.display()));
-    if path.is_dir() {
-        return Err(bad(
-            "this is a folder beside parts of a scan; give files of `scan --shard` alone",
-        ));
-    }
-    let bytes = read_file(path, MOST_BYTES)
-        .map_err(|e| bad(&format!("{e}; give the files of all parts")))?;
-    let text = String::from_utf8_lossy(&bytes);
-    let no_part = || bad("this is no part of a scan; give the files of `scan --shard`");
-    if header(&text, SUM).is_none() {
-        return Err(no_part());
-    }
-    let whole =
-        text.split_once('\n').filter(|(first, rest)| sealed(rest) == format!("{first}\n{rest}"));
-    let (_, rest) = whole.ok_or_else(|| {
-        bad("it was cut off or changed since it was written; run `scan --shard` of this part again")
-    })?;
-    let part = part_of(rest).ok_or_else(no_part)?;
-    let unfinished = || bad("it is not finished; run `scan --shard` of this part again");
+    let rest = &opened(path, MOST_BYTES, NO_PART, AGAIN)?;
+    let part = part_of(rest).ok_or_else(|| bad(NO_PART))?;
+    let unfinished = || bad(&format!("it is not finished; {AGAIN}"));
     if part.held() == 0 {
         return Ok(Found { path, part, noise: Vec::new(), scan: None });
     }
@@ -173,15 +146,6 @@ fn read(path: &Path) -> Result<Found<'_>, Failure> {
         return Err(unfinished());
     }
     Ok(Found { path, part, noise, scan: Some(scan) })
-}
-
-/// The value of a header line.
-fn header<'a>(text: &'a str, key: &str) -> Option<&'a str> {
-    let lines = text.lines().map_while(|line| line.strip_prefix('#'));
-    lines
-        .filter_map(|line| line.split_once(':'))
-        .find(|(k, _)| k.trim() == key)
-        .map(|(_, v)| v.trim())
 }
 
 fn part_of(text: &str) -> Option<Part> {

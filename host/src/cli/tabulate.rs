@@ -8,6 +8,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 use super::error::Failure;
+use super::flags::part::PartFlags;
 use super::flags::rays::RayFlags;
 use super::flags::scan::number;
 use super::planned::PlanFlag;
@@ -95,6 +96,9 @@ enum StorageFlag {
 /// The .bsdft file is one line of JSON and then the arrays, little-endian. --rust writes the same as a Rust module of
 /// statics, --c as a C header.
 ///
+/// --shard I/N sends the rays of a part of the incidences, of a traced map; the rays that tell how far the table is from the
+/// model are sent when the parts are merged.
+///
 /// Exit 1 if --max-error is not reached.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -125,6 +129,8 @@ pub(super) struct Args {
     /// File to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    pub(super) part: PartFlags,
     /// Rust module to write as well
     #[arg(long, value_name = "FILE")]
     rust: Option<PathBuf>,
@@ -180,6 +186,8 @@ impl From<LobeDistance> for LobeAnswer {
 
 /// Sizes that are tried to reach an error.
 const SIZES: [usize; 8] = [2, 4, 8, 16, 32, 64, 128, 256];
+/// Bytes where the user says nothing.
+const USUAL_BYTES: usize = 32 << 10;
 /// Largest number of bytes.
 const MOST_BYTES: usize = 16 << 20;
 /// Step of the scan that tells the distance, degrees.
@@ -196,12 +204,20 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let (model, boundary, _) = Model::read(&args.model)?;
     args.plan.compare(&model.method)?;
+    args.need_pieces(&boundary)?;
     let open = |path: &PathBuf| AtomicFile::create(path);
     let output = open(&args.output)?;
+    if args.part.is_part() {
+        let made = args.table(&boundary, args.bytes.unwrap_or(USUAL_BYTES));
+        return match made {
+            Ok(_) | Err(NoTable::Stopped) => args.part.finish(output),
+            Err(e) => Err(no_table(e)),
+        };
+    }
     let rust = args.rust.as_ref().map(open).transpose()?;
     let c = args.c.as_ref().map(open).transpose()?;
     let (table, distance) = match args.max_error {
-        None => made(args, &boundary, args.bytes.unwrap_or(32 << 10))?,
+        None => made(args, &boundary, args.bytes.unwrap_or(USUAL_BYTES))?,
         Some(most) => smallest(args, &boundary, most)?,
     };
     let method = model.method;
@@ -294,40 +310,62 @@ fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
     let _ = std::fmt::Write::write_fmt(text, line);
 }
 
+impl Args {
+    /// Refuses parts of what is made in a moment, or of which the first decides on the next.
+    fn need_pieces(&self, boundary: &Boundary) -> Result<(), Failure> {
+        let is_traced = boundary.is_traced();
+        self.part.need_pieces(is_traced, "a model without rays is tabulated in a moment")?;
+        let why = "of --max-error each table decides on the next; give --bytes";
+        self.part.need_pieces(self.max_error.is_none(), why)
+    }
+
+    fn table(&self, boundary: &Boundary, bytes: usize) -> Result<EmbeddedTable, NoTable> {
+        let plan = self.budget(boundary, bytes);
+        let bar = progress::bar(0, "tabulating");
+        bar.watch(|watch| tabulate(boundary, &plan, watch.sharing(self.part.pieces())))
+    }
+
+    fn budget(&self, boundary: &Boundary, bytes: usize) -> Budget {
+        let sides: &[Side] = match self.side {
+            SidesFlag::Air => &[Side::Air],
+            SidesFlag::Dielectric => &[Side::Dielectric],
+            SidesFlag::Both => &[Side::Air, Side::Dielectric],
+        };
+        let lobes: &[Lobe] = match self.lobe {
+            LobesFlag::Reflection => &[Lobe::Reflection],
+            LobesFlag::Transmission => &[Lobe::Transmission],
+            LobesFlag::Both => &[Lobe::Reflection, Lobe::Transmission],
+        };
+        let kept = self.storage.map(|s| match s {
+            StorageFlag::U8 => Kept::U8,
+            StorageFlag::U16 => Kept::U16,
+            StorageFlag::F32 => Kept::F32,
+        });
+        let rays = self.rays.noted(boundary.is_traced());
+        let lobes = if self.lobes.is_empty() {
+            LobeSet::of_each(sides, lobes)
+        } else {
+            self.lobes.iter().fold(LobeSet::NONE, |set, one| set | (*one).into())
+        };
+        Budget { lobes, bytes, kept, rays }
+    }
+}
+
+fn no_table(e: NoTable) -> Failure {
+    match e {
+        NoTable::Stopped => Failure::No("interrupted before the table was made".into()),
+        NoTable::Small(..) => Failure::bad(format!("--bytes: {e}")),
+        e => Failure::bad(e),
+    }
+}
+
 fn made(
     args: &Args,
     boundary: &Boundary,
     bytes: usize,
 ) -> Result<(EmbeddedTable, Option<Distance>), Failure> {
-    let sides: &[Side] = match args.side {
-        SidesFlag::Air => &[Side::Air],
-        SidesFlag::Dielectric => &[Side::Dielectric],
-        SidesFlag::Both => &[Side::Air, Side::Dielectric],
-    };
-    let lobes: &[Lobe] = match args.lobe {
-        LobesFlag::Reflection => &[Lobe::Reflection],
-        LobesFlag::Transmission => &[Lobe::Transmission],
-        LobesFlag::Both => &[Lobe::Reflection, Lobe::Transmission],
-    };
-    let kept = args.storage.map(|s| match s {
-        StorageFlag::U8 => Kept::U8,
-        StorageFlag::U16 => Kept::U16,
-        StorageFlag::F32 => Kept::F32,
-    });
-    let rays = args.rays.noted(boundary.is_traced());
-    let lobes = if args.lobes.is_empty() {
-        LobeSet::of_each(sides, lobes)
-    } else {
-        args.lobes.iter().fold(LobeSet::NONE, |set, one| set | (*one).into())
-    };
-    let plan = Budget { lobes, bytes, kept, rays };
-    let bar = progress::bar(0, "tabulating");
-    let table = bar.watch(|watch| tabulate(boundary, &plan, watch));
-    let table = table.map_err(|e| match e {
-        NoTable::Stopped => Failure::No("interrupted before the table was made".into()),
-        NoTable::Small(..) => Failure::bad(format!("--bytes: {e}")),
-        e => Failure::bad(e),
-    })?;
+    let table = args.table(boundary, bytes).map_err(no_table)?;
+    let rays = args.rays.rays();
     let distance = distance(boundary, &table, STEP, rays, interrupt::watch());
     heeded()?;
     Ok((table, distance))

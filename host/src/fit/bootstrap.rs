@@ -9,6 +9,7 @@ use super::descent;
 use super::problem::Problem;
 use super::search::Search;
 use crate::forward::{Effort, mix};
+use crate::shard::Piece;
 use crate::surface::gaussian::normal;
 use crate::watch::Watch;
 
@@ -60,7 +61,7 @@ impl Noise {
     }
 }
 
-/// Draws of fitted values, one row a replica; fewer if the user stops it. The same for any number of threads.
+/// Draws of fitted values, one row a replica; fewer if the user stops it or others have some. The same for any number of threads.
 pub(super) fn replicas(
     problem: &Problem<'_>,
     values: &[f64],
@@ -89,5 +90,10 @@ pub(super) fn replicas(
         let end = descent::minimise(&search, &replica, values, Effort::Full, TOLERANCE).ok()?;
         Some(end.values)
     };
-    (0..count).into_par_iter().filter_map(one).collect()
+    let name = format!("replica, {}", problem.method.label());
+    let shared = |k: u32| {
+        let draw = || Some(one(k).unwrap_or_default());
+        watch.piece(Piece::Replica, (&name, k as usize), draw).filter(|values| !values.is_empty())
+    };
+    (0..count).into_par_iter().filter_map(shared).collect()
 }

@@ -47,6 +47,6 @@ pub use needed::Lacking;
 pub use ranking::{Ranked, Ranking};
 pub use scan::{NoScan, RayNoise, ScanRequest, VirtualScan};
 pub use situation::{Said, Situation, Unclear, check_aperture, check_plate};
-pub use store::{Index, IndexedCell, IndexedSample, NoShard, OtherContent, Shard, Store};
+pub use store::{Index, IndexedCell, IndexedSample, OtherContent, Store};
 pub use subject::{Engine, NoSubject, Subject};
 pub use task::{Task, Trials, Unusable, usually_asked};

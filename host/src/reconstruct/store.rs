@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::output::{OutputError, internal, write_text};
 use crate::provenance::InputFile;
+use crate::shard::Shard;
 
 use super::cell::Cell;
 use super::task::{Task, Trials};
@@ -101,45 +102,6 @@ pub struct Index {
     pub shard: Option<Shard>,
     /// The samples, each with its folder.
     pub samples: Vec<IndexedSample>,
-}
-
-/// One of `of` parts of the fits: every `of`-th one, from the `part`-th on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Shard {
-    /// Which part, from 1.
-    pub part: usize,
-    /// How many parts there are.
-    pub of: usize,
-}
-
-impl Shard {
-    /// Whether a fit of this number, from 0, is in it.
-    pub fn holds(self, number: usize) -> bool {
-        number % self.of == self.part - 1
-    }
-}
-
-impl std::fmt::Display for Shard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}/{}", self.part, self.of)
-    }
-}
-
-/// A text that is no part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("write the part and the number of parts, such as 2/7")]
-pub struct NoShard;
-
-impl std::str::FromStr for Shard {
-    type Err = NoShard;
-
-    fn from_str(text: &str) -> Result<Self, NoShard> {
-        let (part, of) = text.split_once('/').ok_or(NoShard)?;
-        let number = |text: &str| text.trim().parse::<usize>().map_err(|_| NoShard);
-        let (part, of) = (number(part)?, number(of)?);
-        if (1..=of).contains(&part) && of <= 100_000 { Ok(Self { part, of }) } else { Err(NoShard) }
-    }
 }
 
 /// A sample in an [`Index`].

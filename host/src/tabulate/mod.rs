@@ -52,6 +52,7 @@ use crate::boundary::{Boundary, with_boundary};
 use crate::embedded::{EmbeddedTable, Rest, Values};
 use crate::forward::{Heeding, Rays};
 use crate::parallel;
+use crate::shard::Piece;
 use crate::surface::spectrum::Anisotropy;
 use crate::watch::{Progress, Watch};
 use grid::LobeGrid;
@@ -141,7 +142,7 @@ pub enum NoTable {
     Stopped,
 }
 
-/// Makes the table of a boundary. `watch` is told the steps done.
+/// Makes the table of a boundary. `watch` is told the steps done; a part of the work ends as if it were stopped.
 ///
 /// # Errors
 /// [`NoTable`] if there is none.
@@ -281,6 +282,10 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
         };
         let both = [reflection.as_mut(), transmission.as_mut()];
         let fluxes = rays::fill(boundary, both, plan.rays, watch.telling(&tick));
+        if watch.is_part_of(Piece::TableRays) && !watch.is_stopped() {
+            done += usize::from(incidences);
+            continue;
+        }
         // the last incidence may have been cut short
         let fluxes = fluxes.filter(|_| !watch.is_stopped());
         let fluxes = fluxes.ok_or(NoTable::Stopped)?;
@@ -293,7 +298,11 @@ fn of_rays<B: asperity_core::bsdf::Scatter<f64> + Sync, S: Storage>(
             }
         }
     }
-    Ok((lobes, slope.unwrap_or(0.1)))
+    if watch.is_part_of(Piece::TableRays) {
+        Err(NoTable::Stopped)
+    } else {
+        Ok((lobes, slope.unwrap_or(0.1)))
+    }
 }
 
 /// Stores everything.

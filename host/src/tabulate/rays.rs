@@ -16,6 +16,7 @@ use super::grid::LobeGrid;
 use super::law::GOLDEN;
 use crate::forward::{Rays, Tiles, mix};
 use crate::parallel;
+use crate::shard::Piece;
 use crate::watch::Watch;
 
 /// Parts into which the rays of an incidence are cut; their sums are added in order.
@@ -43,9 +44,35 @@ struct Gathered {
     rays: f64,
 }
 
+impl Gathered {
+    /// What `work` finds, or what another machine has; `sizes` are the numbers of nodes.
+    fn shared(
+        watch: Watch<'_>,
+        (name, side, number): (&str, Side, usize),
+        sizes: [usize; 2],
+        work: impl FnOnce() -> Self,
+    ) -> Option<Self> {
+        let name = format!("{name}, {}", if side == Side::Air { "air" } else { "dielectric" });
+        let numbers = watch.piece(Piece::TableRays, (&name, number), || Some(work().numbers()))?;
+        Self::of_numbers(&numbers, sizes)
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        [self.rays].iter().chain(&self.flux).chain(self.nodes.iter().flatten()).copied().collect()
+    }
+
+    /// `None` if there are too few or too many of them.
+    fn of_numbers(numbers: &[f64], [first, second]: [usize; 2]) -> Option<Self> {
+        let (&[rays, reflected, transmitted], nodes) = numbers.split_first_chunk()?;
+        let (a, b) = nodes.split_at_checked(first)?;
+        let nodes = [a.to_vec(), b.to_vec()];
+        (b.len() == second).then_some(Self { nodes, flux: [reflected, transmitted], rays })
+    }
+}
+
 /// Fills both lobes of a side; their incidences must be the same.
 ///
-/// Fluxes at the incidences of the gains, reflected and transmitted; `None` if it was stopped.
+/// Fluxes at the incidences of the gains, reflected and transmitted; `None` if it was stopped, or only a part of it is done.
 pub(super) fn fill<S: Scatter<f64> + Sync>(
     boundary: &S,
     lobes: [Option<&mut LobeGrid>; 2],
@@ -64,18 +91,28 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         let views = [reflection.as_deref(), transmission.as_deref()];
         let any = views.into_iter().flatten().next()?;
         let (side, cos) = (any.side, any.cosine(j));
-        let found = gather(boundary, views, (side, cos), (salted(rays, side, 11), watch));
-        fluxes.push(found.flux.map(|f| f / found.rays));
+        let sizes = views.map(|view| view.map_or(0, plane_size));
+        let work = || gather(boundary, views, (side, cos), (salted(rays, side, 11), watch));
+        let found = Gathered::shared(watch, ("nodes", side, j), sizes, work);
+        // counted between nodes whoever has those
+        let mut between = Vec::new();
         if j + 1 < usize::from(count) {
             let cosines = any.cosines();
             let from = usize::from(GAIN_STEPS) * j;
             let next = from + usize::from(GAIN_STEPS);
-            for cos in cosines[from + 2..next].iter().step_by(2) {
-                let counted =
-                    gather(boundary, [None; 2], (side, *cos), (salted(fewer, side, 13), watch));
-                fluxes.push(counted.flux.map(|f| f / counted.rays));
+            for (at, cos) in cosines[from + 2..next].iter().enumerate().step_by(2) {
+                let work =
+                    || gather(boundary, [None; 2], (side, *cos), (salted(fewer, side, 13), watch));
+                let counted = Gathered::shared(watch, ("between", side, from + at), [0; 2], work);
+                between.extend(counted.map(|counted| counted.flux.map(|f| f / counted.rays)));
             }
         }
+        let Some(found) = found else {
+            watch.more(1);
+            continue;
+        };
+        fluxes.push(found.flux.map(|f| f / found.rays));
+        fluxes.extend(between);
         let grids = [&mut reflection, &mut transmission];
         for ((grid, nodes), lit) in grids.into_iter().zip(&found.nodes).zip(&mut lit) {
             if let Some(grid) = grid {
@@ -85,7 +122,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         }
         watch.more(1);
     }
-    if watch.is_stopped() {
+    if watch.is_stopped() || watch.is_part_of(Piece::TableRays) {
         return None;
     }
     for (grid, lit) in [&mut reflection, &mut transmission].into_iter().zip(&lit) {

@@ -24,8 +24,9 @@ use super::progress::Board;
 use super::{interrupt, say};
 use crate::output::{AtomicFile, ResultFolder, check_all, finish_all, internal, write_text};
 use crate::provenance::InputFile;
-use crate::reconstruct::{Attempt, Cell, Comparison, Index, SampleResult, Shard, Store};
+use crate::reconstruct::{Attempt, Cell, Comparison, Index, SampleResult, Store};
 use crate::report::{self, FigureFiles, Origin};
+use crate::shard::Shard;
 
 pub(super) use sample::Sample;
 

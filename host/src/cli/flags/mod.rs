@@ -3,6 +3,7 @@
 pub(in crate::cli) mod scan;
 pub(in crate::cli) mod method;
 pub(in crate::cli) mod nuisance;
+pub(in crate::cli) mod part;
 pub(in crate::cli) mod rays;
 pub(in crate::cli) mod map;
 pub(in crate::cli) mod light;

@@ -7,8 +7,8 @@ use crate::cli::error::Failure;
 use crate::cli::parts::in_order;
 use crate::cli::print;
 use crate::output::{AtomicFile, ResultFolder, internal, write_text};
-use crate::reconstruct::Shard;
 use crate::render::tracer::image::{Effort, Image};
+use crate::shard::Shard;
 
 /// A share that was read.
 struct Part {

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::cli::error::Failure;
 use crate::output::internal;
-use crate::reconstruct::Shard;
 use crate::render::tracer::image::Image;
+use crate::shard::Shard;
 
 /// Where images go.
 pub(in crate::cli) enum Output {

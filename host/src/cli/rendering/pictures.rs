@@ -10,13 +10,13 @@ use super::output::{Folder, Output, RenderIndex};
 use crate::cli::error::Failure;
 use crate::cli::{progress, say};
 use crate::output::{AtomicFile, ResultFolder, write_text};
-use crate::reconstruct::Shard;
 use crate::render::tracer::image::{Effort, Image, Share};
 use crate::render::tracer::path::Tracer;
 use crate::render::tracer::scene::Scene;
 use crate::render::{
     BodyNumbers, Named, body_numbers, developed, differences, exr, sheet, white_level,
 };
+use crate::shard::Shard;
 
 /// What is to be rendered, and how well.
 pub(in crate::cli) struct Pictures<'a> {

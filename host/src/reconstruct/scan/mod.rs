@@ -12,11 +12,11 @@ use crate::boundary::Boundary;
 use crate::forward::{Angles, Effort, Incidence, Rays, Readings, Sample, Setup, simulate, wave};
 use crate::measurement::meta::HeaderFault;
 use crate::measurement::{AngleRange, Measurement, Metadata, Quantity, Reading};
+use crate::shard::Shard;
 use crate::surface::{Edges, Form};
 use crate::watch::Watch;
 
 use super::situation::{check_aperture, check_plate};
-use super::store::Shard;
 use super::subject::Subject;
 use super::{header, needed};
 
