@@ -263,8 +263,8 @@ fn parts_of_a_balance_give_the_bytes_of_one_run() {
     folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
     parts_are_the_whole(&folder, "check m.json --rays 3000 --json", &[1, 2, 3, 7, 64]);
     // what no part has made is not made again: the rays were counted by the parts
-    let text = folder.text("part2-1").replace("balance 0: ", "balance 0: 0.25 0.5 0.25 0 0 #");
-    assert!(text.contains("balance 0: 0.25"), "{text}");
+    let text = folder.text("part2-1").replace("air 0: ", "air 0: 0.25 0.5 0.25 0 0 #");
+    assert!(text.contains("air 0: 0.25"), "{text}");
     fs::write(folder.path("part2-1"), text).unwrap();
     let done = folder.run("merge part2-1 part2-2 -o out").with_code(2);
     assert!(done.err.contains("cut off or changed"), "{}", done.err);
