@@ -13,6 +13,7 @@ use super::flags::method::MethodName;
 use super::flags::nuisance::NuisanceFlags;
 use super::flags::part::PartFlags;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
+use super::flags::stem::stem;
 use super::model::{BouncesFlag, ProfileFlag};
 use super::planned::PlanFlag;
 use super::readings::Given;
@@ -118,7 +119,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write plots of the readings, STEM-linear, -log (svg, png), and the law from both sides, -boundary (svg, png, csv)
-    #[arg(long, value_name = "STEM")]
+    #[arg(long, value_name = "STEM", value_parser = stem())]
     plot: Option<PathBuf>,
     /// Exit 0 whatever the verdict
     #[arg(long, hide_short_help = true)]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::Failure;
 use super::flags::map::MapFlags;
+use super::flags::stem::stem;
 use super::flags::waves::{self, KirchhoffFlags};
 use super::{print, say};
 use crate::atlas;
@@ -59,7 +60,7 @@ pub(super) struct Args {
     map: PathBuf,
     /// Write plots of heights, their histogram and spectrum: STEM-map, STEM-histogram, STEM-spectrum, each .svg and .png;
     /// with --rigorous also STEM-rigorous, the errors of this map among those of the atlas
-    #[arg(long, value_name = "STEM")]
+    #[arg(long, value_name = "STEM", value_parser = stem())]
     plot: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
@@ -201,8 +202,8 @@ fn draw(
             "note: no spectrum of a map with missing points is drawn; fill them with --fill"
         ));
     }
-    let title = &path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    for path in files.write(&MapFigures { title, map: &loaded.map, spectrum })? {
+    let title = MapFigures::title(path, &loaded.map);
+    for path in files.write(&MapFigures { title: &title, map: &loaded.map, spectrum })? {
         say::note(format_args!("wrote {}", path.display()));
     }
     Ok(())

@@ -11,7 +11,7 @@ use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use super::palette::{INK, Rgb, Stroke};
+use super::palette::{INK, PAPER, Rgb, Stroke};
 use super::polyline::{Frame, Pixel, dashed};
 use super::raster::Raster;
 
@@ -68,6 +68,16 @@ impl Canvas {
             bold: false,
             color: Some(paint(INK)),
         });
+    }
+
+    /// Text about a point, on paper: legible on lines and on maps.
+    pub(super) fn label(&mut self, (x, y): Pixel, text: &str, size: u32) {
+        let letters = f64::from(size);
+        let (width, height) = (0.6 * letters * text.chars().count() as f64 + 4.0, letters + 2.0);
+        let whole = |left: f64| left.round();
+        let (left, top) = (whole(x - 0.5 * width), whole(y - 0.5 * height));
+        self.fill(Frame { left, top, width: whole(width), height: whole(height) }, PAPER);
+        self.text((x, y + 0.36 * letters), text, size, Anchor::Middle);
     }
 
     /// A filled rectangle. With whole numbers for its sides it is sharp in both formats.

@@ -95,6 +95,8 @@ pub struct Figure {
     pub scale: Scale,
     /// Whether all panels have one vertical range, so that heights compare between them.
     pub shared_y: bool,
+    /// Panels of a row, 1 to 4; chosen by their number if `None`.
+    pub columns: Option<usize>,
     /// The panels, row by row, at most [`MAX_PANELS`].
     pub panels: Vec<Panel>,
 }

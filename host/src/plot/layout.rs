@@ -36,9 +36,14 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Places `panels` panels; the vertical ticks are at every panel unless they are shared by a row.
-    pub(super) fn new(panels: usize, legend: &[String], shared_y: bool) -> Self {
-        let (rows, columns, frame_height) = grid(panels);
+    /// Places `panels` panels, `asked` in a row if given; the vertical ticks are at every panel unless they are shared by a row.
+    pub(super) fn new(
+        panels: usize,
+        asked: Option<usize>,
+        legend: &[String],
+        shared_y: bool,
+    ) -> Self {
+        let (rows, columns, frame_height) = grid(panels, asked);
         let (legend, legend_bottom) = place_legend(legend);
         let between = if shared_y { 52.0 } else { TICKS_LEFT + 14.0 };
         let left = TICKS_LEFT;
@@ -97,9 +102,15 @@ const LABEL_ABOVE: f64 = 26.0;
 const CAPTION_ABOVE: f64 = 40.0;
 const TICKS_BELOW: f64 = 34.0;
 const LABEL_BELOW: f64 = 46.0;
+/// More would be too narrow for their ticks.
+const MOST_COLUMNS: usize = 4;
 
 /// Rows, columns and the height of one panel.
-fn grid(panels: usize) -> (usize, usize, f64) {
+fn grid(panels: usize, asked: Option<usize>) -> (usize, usize, f64) {
+    if let Some(columns) = asked.filter(|columns| (1..=MOST_COLUMNS).contains(columns)) {
+        let rows = panels.div_ceil(columns).max(1);
+        return (rows, columns, if rows == 1 { 440.0 } else { 350.0 });
+    }
     match panels {
         0 | 1 => (1, 1, 790.0),
         2 => (1, 2, 560.0),
@@ -139,9 +150,12 @@ mod tests {
     #[test]
     fn panels_neither_overlap_nor_leave_the_picture() {
         for panels in 1..=9 {
-            for shared in [true, false] {
+            for (shared, asked) in [true, false]
+                .into_iter()
+                .flat_map(|s| [None, Some(2), Some(4), Some(9)].map(|a| (s, a)))
+            {
                 let legend = vec!["measured".to_owned(); 6];
-                let layout = Layout::new(panels, &legend, shared);
+                let layout = Layout::new(panels, asked, &legend, shared);
                 assert_eq!(layout.frames.len(), panels);
                 for (i, a) in layout.frames.iter().enumerate() {
                     assert!(a.left > 0.0 && a.right() < WIDTH && a.bottom() < layout.height);

@@ -5,6 +5,7 @@ use super::figure::{Curve, CurveStyle, Figure};
 use super::layout::{SAMPLE, fitted, size};
 use super::palette::{self, INK, MEASURED, MEASURED_RIM, Rgb};
 use super::polyline::Pixel;
+use super::slots::slots;
 
 /// The curves by name, and how each is drawn.
 pub(super) struct Legend {
@@ -17,7 +18,7 @@ pub(super) struct Legend {
 pub(super) struct Entry {
     label: String,
     style: CurveStyle,
-    /// Which of its style, from 0.
+    /// The number of its line, by [`slots`].
     index: usize,
 }
 
@@ -25,8 +26,6 @@ impl Legend {
     /// Every name once, in the order of drawing and then of appearance.
     pub(super) fn of(figure: &Figure) -> Self {
         let mut entries: Vec<Entry> = Vec::new();
-        // lines and points share the colours
-        let mut coloured = 0;
         for style in CurveStyle::ALL {
             let first = entries.len();
             // a band has the name of its curve
@@ -35,10 +34,16 @@ impl Legend {
             }
             for curve in figure.curves().filter(|curve| curve.style == style) {
                 if !entries[first..].iter().any(|entry| entry.label == curve.label) {
-                    entries.push(Entry { label: curve.label.clone(), style, index: coloured });
-                    coloured += usize::from(style.is_coloured());
+                    entries.push(Entry { label: curve.label.clone(), style, index: 0 });
                 }
             }
+        }
+        // lines and points share the colours
+        let coloured = || entries.iter().filter(|entry| entry.style.is_coloured());
+        let slots = slots(&coloured().map(|entry| entry.label.as_str()).collect::<Vec<_>>());
+        for (entry, slot) in entries.iter_mut().filter(|entry| entry.style.is_coloured()).zip(slots)
+        {
+            entry.index = slot;
         }
         let measured = figure.curves().filter(|curve| curve.style == CurveStyle::Measured);
         Self { entries, sparse: measured.map(|c| c.points.len()).max() <= Some(MOST_MARKERS) }

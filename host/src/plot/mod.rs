@@ -16,6 +16,7 @@
 
 mod figure;
 mod palette;
+mod slots;
 mod polyline;
 mod axis;
 mod layout;
@@ -40,6 +41,7 @@ pub use map::{MapPicture, map_png, map_svg};
 pub use polar::{PolarPicture, PolarPoint, PolarRow, polar_png, polar_svg};
 pub use render::{png, svg};
 pub use sigma::{AtSigma, shown, sigma_panels};
+pub use slots::{method_in, slots};
 
 #[cfg(test)]
 mod tests;

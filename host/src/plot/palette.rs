@@ -19,6 +19,9 @@ pub(super) fn light(Rgb(r, g, b): Rgb) -> Rgb {
     Rgb(third(r), third(g), third(b))
 }
 
+/// Values of a map in colours that are below its scale.
+pub(super) const BELOW_SCALE: Rgb = Rgb(0xec, 0xe6, 0xf2);
+
 /// What is not part of a picture.
 pub(super) const PAPER: Rgb = Rgb(0xff, 0xff, 0xff);
 /// Points of a map without a value.
@@ -78,27 +81,31 @@ pub(super) struct Stroke {
 /// The broad line under the fits.
 pub(super) const MEASURED: Stroke = Stroke { color: MEASURED_LINE, width: 6.0, dashes: &[] };
 
-/// Colours of Okabe and Ito (2008), distinct under all common colour deficiencies; black and yellow
-/// left out, one for the axes, the other too pale for a line.
-const COLORS: [Rgb; 6] = [
+/// Colours of Okabe and Ito (2008), distinct under all common colour deficiencies; the last two in place of their black and yellow,
+/// one near that of the axes, the other dark enough for a line. The page of a comparison has the same in this order (`report.css`).
+const COLORS: [Rgb; 8] = [
     Rgb(0x00, 0x72, 0xb2), // blue
     Rgb(0xd5, 0x5e, 0x00), // vermilion
     Rgb(0x00, 0x9e, 0x73), // bluish green
     Rgb(0xcc, 0x79, 0xa7), // reddish purple
     Rgb(0xe6, 0x9f, 0x00), // orange
     Rgb(0x56, 0xb4, 0xe9), // sky blue
+    Rgb(0x3a, 0x40, 0x48), // slate
+    Rgb(0x8f, 0x86, 0x00), // olive
 ];
 
-const DASHES: [&[f64]; 6] = [
+const DASHES: [&[f64]; 8] = [
     &[],
     &[12.0, 5.0],
-    &[12.0, 4.0, 2.5, 4.0],
     &[2.5, 4.0],
+    &[12.0, 4.0, 2.5, 4.0],
+    &[6.0, 3.0],
     &[20.0, 5.0],
     &[12.0, 4.0, 2.5, 4.0, 2.5, 4.0],
+    &[2.5, 7.0],
 ];
 
-/// The line of the fit number `index`: 36 different ones, then they repeat.
+/// The line number `index`: 64 different ones, then they repeat.
 pub(super) fn fitted(index: usize) -> Stroke {
     let round = index / COLORS.len();
     Stroke {
@@ -113,8 +120,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn six_fits_differ_in_colour_and_in_dashes() {
-        for i in 0..6 {
+    fn eight_lines_differ_in_colour_and_in_dashes() {
+        for i in 0..8 {
             for j in 0..i {
                 assert_ne!(fitted(i).color, fitted(j).color);
                 assert_ne!(fitted(i).dashes, fitted(j).dashes);
@@ -124,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_colour_that_returns_has_other_dashes() {
-        assert_eq!(fitted(0).color, fitted(6).color);
-        assert_ne!(fitted(0).dashes, fitted(6).dashes);
+        assert_eq!(fitted(0).color, fitted(8).color);
+        assert_ne!(fitted(0).dashes, fitted(8).dashes);
     }
 }

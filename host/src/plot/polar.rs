@@ -6,12 +6,12 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use super::axis::{Axis, Tick};
+use super::axis::{Axis, Tick, common_exponent, superscript};
 use super::canvas::{Anchor, Canvas, Medium};
 use super::figure::PlotError;
 use super::layout::{WIDTH, fitted, size};
 use super::legend::baseline;
-use super::palette::{GRID, INK, MISSING, PAPER, Rgb, Stroke, difference, viridis};
+use super::palette::{BELOW_SCALE, GRID, INK, MISSING, PAPER, Rgb, Stroke, difference, viridis};
 use super::polyline::Frame;
 use super::raster::Raster;
 
@@ -74,10 +74,11 @@ const DECADES: f64 = 4.0;
 const PIXELS: usize = 380;
 /// How far a reading reaches into a gap, pixels: 5 degrees.
 const REACH: u16 = 11;
-/// Colours of values; one more is for gaps, and one for what is outside a disc.
-pub(super) const COLORS: u8 = 253;
-pub(super) const GAP: u8 = COLORS + 1;
-pub(super) const OUTSIDE: u8 = COLORS + 2;
+/// Colours of values; one more is for values below the scale, one for gaps, and one for what is outside a disc.
+pub(super) const COLORS: u8 = 252;
+const BELOW: u8 = COLORS + 1;
+pub(super) const GAP: u8 = COLORS + 2;
+pub(super) const OUTSIDE: u8 = COLORS + 3;
 
 /// A scale of colours.
 pub(super) struct Colors<'a> {
@@ -89,13 +90,14 @@ pub(super) struct Colors<'a> {
 impl Colors<'_> {
     pub(super) fn of(axis: Axis, color: impl Fn(f64) -> Rgb, label: &str) -> Colors<'_> {
         let steps = (0..=COLORS).map(|k| color(f64::from(k) / f64::from(COLORS)));
-        Colors { axis, palette: steps.chain([MISSING, PAPER]).collect(), label }
+        Colors { axis, palette: steps.chain([BELOW_SCALE, MISSING, PAPER]).collect(), label }
     }
 
     pub(super) fn number(&self, value: f64) -> u8 {
-        // below the least of a logarithm is the darkest
-        let place = self.axis.at(value).unwrap_or(0.0).clamp(0.0, 1.0);
-        (place * f64::from(COLORS)).round() as u8
+        match self.axis.at(value) {
+            Some(place) if place >= 0.0 => (place.min(1.0) * f64::from(COLORS)).round() as u8,
+            _ => BELOW,
+        }
     }
 }
 
@@ -129,6 +131,7 @@ fn draw(picture: &PolarPicture, medium: Medium) -> Result<Canvas, PlotError> {
             let raster = Raster { nx: PIXELS, ny: PIXELS, pixels, palette };
             canvas.raster(frame, &raster).map_err(PlotError::Raster)?;
             rings(&mut canvas, frame, |polar_deg| polar_deg / 90.0);
+            ring_labels(&mut canvas, frame, |polar_deg| polar_deg / 90.0);
             let place = (frame.left + 0.5 * DISC, frame.top - 14.0);
             canvas.text(place, name, size::LABEL, Anchor::Middle);
         }
@@ -190,6 +193,23 @@ pub(super) fn rings(canvas: &mut Canvas, frame: Frame, radius: impl Fn(f64) -> f
     }
 }
 
+/// The angles of the circles, towards the lower left, away from the beam; the horizon has none where it would cover the one before.
+pub(super) fn ring_labels(canvas: &mut Canvas, frame: Frame, radius: impl Fn(f64) -> f64) {
+    let centre = (frame.left + 0.5 * frame.width, frame.top + 0.5 * frame.height);
+    let mut before = 0.0;
+    for polar in [30.0, 60.0, 90.0] {
+        let along = 0.5 * frame.width * radius(polar) * std::f64::consts::FRAC_1_SQRT_2;
+        if along - before < f64::from(SMALL) + 2.0 {
+            continue;
+        }
+        before = along;
+        canvas.label((centre.0 - along, centre.1 + along), &format!("{polar}°"), SMALL);
+    }
+}
+
+/// Letters of the angles of circles, and of what is said of the colours.
+pub(super) const SMALL: u32 = 16;
+
 /// The colour bar at the right of a disc.
 pub(super) fn bar(canvas: &mut Canvas, disc: Frame, colors: &Colors<'_>) -> Result<(), PlotError> {
     let frame = Frame { left: disc.right() + 24.0, width: 24.0, ..disc };
@@ -198,13 +218,28 @@ pub(super) fn bar(canvas: &mut Canvas, disc: Frame, colors: &Colors<'_>) -> Resu
         Raster { nx: 1, ny: usize::from(COLORS) + 1, pixels, palette: colors.palette.clone() };
     canvas.raster(frame, &raster).map_err(PlotError::Raster)?;
     canvas.outline(frame, INK, 1.0);
-    for Tick { at, label } in colors.axis.reading_ticks(0) {
+    let exponent = match colors.axis {
+        Axis::Linear { lo, hi } => common_exponent(hi.max(-lo)),
+        Axis::Log { .. } => 0,
+    };
+    for Tick { at, label } in colors.axis.reading_ticks(exponent) {
         let y = (frame.bottom() - at * frame.height).round();
         canvas.fill(Frame { left: frame.right(), top: y, width: 7.0, height: 1.0 }, INK);
         let place = (frame.right() + 11.0, baseline(y, size::TICK));
         canvas.text(place, &label.unwrap_or_default(), size::TICK, Anchor::Start);
     }
-    canvas.text((frame.left, frame.top - 14.0), colors.label, size::TICK, Anchor::Start);
+    let label = match exponent {
+        0 => colors.label.to_owned(),
+        power => format!("{} (×10{})", colors.label, superscript(power)),
+    };
+    canvas.text((frame.left, frame.top - 14.0), &label, size::TICK, Anchor::Start);
+    if matches!(colors.axis, Axis::Log { .. }) {
+        let below = Frame { top: frame.bottom() + 12.0, height: 16.0, ..frame };
+        canvas.fill(below, BELOW_SCALE);
+        canvas.outline(below, INK, 1.0);
+        let place = (below.right() + 8.0, baseline(below.top + 8.0, SMALL));
+        canvas.text(place, "below scale", SMALL, Anchor::Start);
+    }
     Ok(())
 }
 
@@ -239,6 +274,7 @@ mod tests {
         // three discs and two bars a row
         assert_eq!(svg.matches("<image").count(), 10);
         assert!(svg.contains("fitted − measured") && !svg.contains("NaN"));
+        assert!(svg.contains("60°") && svg.contains("below scale"));
         assert_eq!(polar_svg(&picture(0.0)), Err(PlotError::EmptyMap));
     }
 }

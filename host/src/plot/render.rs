@@ -28,7 +28,8 @@ pub fn png(figure: &Figure) -> Result<Vec<u8>, PlotError> {
 fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
     figure.check()?;
     let legend = Legend::of(figure);
-    let layout = Layout::new(figure.panels.len(), &legend.labels(), figure.shared_y);
+    let layout =
+        Layout::new(figure.panels.len(), figure.columns, &legend.labels(), figure.shared_y);
     let mut canvas = Canvas::new(WIDTH, layout.height, medium);
 
     let (title, title_size) = fitted(&figure.title, size::TITLE, 16, WIDTH - 60.0);
@@ -47,13 +48,18 @@ fn draw(figure: &Figure, medium: Medium) -> Result<Canvas, PlotError> {
         Across::Linear | Across::Log => x_axis.reading_ticks(0),
     };
     let shared = y_axis(figure, &figure.panels);
-    let exponent = shared_exponent(figure);
+    let exponent = if figure.shared_y { exponent_of(figure, shared) } else { 0 };
     for (i, (panel, &frame)) in figure.panels.iter().zip(&layout.frames).enumerate() {
         let own = || y_axis(figure, std::slice::from_ref(panel));
         let plot = Plot { frame, x: x_axis, y: if figure.shared_y { shared } else { own() } };
         let labelled = !figure.shared_y || i % layout.columns == 0;
+        let exponent = if figure.shared_y { exponent } else { exponent_of(figure, plot.y) };
         plot.grid(&mut canvas, &x_ticks, exponent, labelled);
         plot.curves(&mut canvas, panel, &legend);
+        if !figure.shared_y && exponent != 0 {
+            let unit = format!("×10{}", superscript(exponent));
+            canvas.text((frame.left + 8.0, frame.top + 24.0), &unit, size::TICK, Anchor::Start);
+        }
         canvas.outline(frame, INK, 1.0);
         let caption = plot.caption(panel);
         let (caption, caption_size) = fitted(&caption, size::CAPTION, 14, frame.width);
@@ -212,9 +218,9 @@ fn y_axis(figure: &Figure, panels: &[Panel]) -> Axis {
     }
 }
 
-/// The exponent of the labels of linear axes.
-fn shared_exponent(figure: &Figure) -> i32 {
-    match (figure.scale, y_axis(figure, &figure.panels)) {
+/// The exponent of the labels of a vertical axis, of a linear one only.
+fn exponent_of(figure: &Figure, axis: Axis) -> i32 {
+    match (figure.scale, axis) {
         (Scale::Linear, Axis::Linear { lo, hi }) => common_exponent(hi.max(-lo)),
         _ => 0,
     }

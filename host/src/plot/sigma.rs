@@ -26,12 +26,13 @@ pub fn sigma_panels(
     };
     Figure {
         title,
-        x_label: "observation angle θ (°)".into(),
+        x_label: "angle of observation θ (°)".into(),
         y_label: "reading".into(),
         x_range: angle_range(measured, scale),
         across: Across::Angle,
         scale,
         shared_y: true,
+        columns: None,
         panels,
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_core::direction::Side;
 
+use super::angle_text;
 use super::figures::FigureError;
 use crate::energy::side_name;
 use crate::output::{AtomicFile, OutputError, finish_all};
@@ -25,8 +26,8 @@ pub fn boundary_csv(values: &[BoundaryValue]) -> String {
             "{},{},{},{},{:e},{std}",
             side_name(v.side),
             lobe_name(v.is_transmitted),
-            v.incidence_deg,
-            v.theta_deg,
+            angle_text(v.incidence_deg),
+            angle_text(v.theta_deg),
             v.f
         );
     }
@@ -47,7 +48,8 @@ pub fn boundary_figure(title: &str, values: &[BoundaryValue]) -> Figure {
         let curves = here
             .chunk_by(|a, b| a.is_transmitted == b.is_transmitted)
             .flat_map(|lobe| curve_and_band(lobe_name(lobe[0].is_transmitted), lobe));
-        Panel { caption: format!("{from}, {}°", here[0].incidence_deg), curves: curves.collect() }
+        let caption = format!("{from}, {}°", angle_text(here[0].incidence_deg));
+        Panel { caption, curves: curves.collect() }
     };
     let bands = if has_band { ", with 95 % bands" } else { "" };
     Figure {
@@ -58,6 +60,7 @@ pub fn boundary_figure(title: &str, values: &[BoundaryValue]) -> Figure {
         across: Across::Angle,
         scale: Scale::LOG,
         shared_y: true,
+        columns: None,
         panels: panels.map(panel).collect(),
     }
 }

@@ -44,6 +44,7 @@ pub fn cuts_figure(title: &str, cuts: &CutErrors) -> Figure {
         across: Across::Log,
         scale: Scale::Log { decades: DECADES },
         shared_y: true,
+        columns: None,
         panels: panels.collect(),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::angle_text;
 use crate::measurement::{Incidence, Measurement, Quantity, Reading};
 use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{
@@ -124,7 +125,9 @@ pub fn hemispheres(title: &str, measurement: &Measurement, entry: &Entry) -> Opt
             PolarPoint { polar_deg, azimuth_deg, values: [r.value, *fitted] }
         };
         let points = incidence.readings.iter().zip(fitted).filter(of_first).map(point).collect();
-        PolarRow { caption: format!("measured, σ = {}°", incidence.sigma_deg), points }
+        PolarRow {
+            caption: format!("measured, σ = {}°", angle_text(incidence.sigma_deg)), points
+        }
     };
     let label = match measurement.quantity() {
         Quantity::Flux => "flux",

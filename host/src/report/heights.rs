@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::FigureError;
+use super::{FigureError, significant};
 use crate::output::{AtomicFile, OutputError, finish_all};
 use crate::plot::{self, Across, Curve, CurveStyle, Figure, MapPicture, Panel, Scale};
 use crate::surface::{HeightMap, Roughness, Spectrum};
@@ -17,6 +17,14 @@ pub struct MapFigures<'a> {
     pub map: &'a HeightMap,
     /// Its spectrum; left out without it.
     pub spectrum: Option<&'a Spectrum>,
+}
+
+impl MapFigures<'_> {
+    /// The title of a map in a file: its name, and Rq.
+    pub fn title(file: &Path, map: &HeightMap) -> String {
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+        format!("{name}, Rq {} µm", significant(Roughness::of(map).rq_um, 4))
+    }
 }
 
 /// The files `STEM-map`, `STEM-histogram` and `STEM-spectrum`, each as SVG and PNG, opened before the work.
@@ -113,6 +121,7 @@ fn histogram(figures: &MapFigures<'_>) -> Figure {
         across: Across::Linear,
         scale: Scale::Linear,
         shared_y: true,
+        columns: None,
         panels: vec![Panel {
             caption: format!("Rsk {:.3}, Rku {:.3}", r.rsk, r.rku).replace('-', "−"),
             curves: vec![
@@ -150,6 +159,7 @@ fn radial(title: &str, spectrum: &Spectrum) -> Option<Figure> {
         across: Across::Log,
         scale: Scale::Log { decades: (highest / lowest).log10().ceil().clamp(1.0, 15.0) as u8 },
         shared_y: true,
+        columns: None,
         panels: vec![Panel {
             caption: "mean over directions".into(),
             curves: vec![Curve { label: "heights".into(), points, style: CurveStyle::Measured }],
@@ -159,6 +169,8 @@ fn radial(title: &str, spectrum: &Spectrum) -> Option<Figure> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::{MapFigureFiles, MapFigures};
     use crate::surface::{Edges, HeightMap, Spectrum};
 
@@ -171,7 +183,9 @@ mod tests {
             let map = HeightMap::new(size, (0.5, 0.5), heights).unwrap();
             let spectrum = Spectrum::of(&map, Edges::Mirrored).unwrap();
             let files = MapFigureFiles::create(&folder.path().join("s")).unwrap();
-            let figures = MapFigures { title: "a map", map: &map, spectrum: Some(&spectrum) };
+            let title = MapFigures::title(Path::new("folder/s.npy"), &map);
+            assert!(title.starts_with("s.npy, Rq ") && title.ends_with(" µm"), "{title}");
+            let figures = MapFigures { title: &title, map: &map, spectrum: Some(&spectrum) };
             let written = files.write(&figures).unwrap();
             assert_eq!(written.len(), if height > 0.0 { 6 } else { 4 }, "{n}");
             assert!(written.iter().all(|path| path.exists()));

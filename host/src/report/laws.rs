@@ -2,6 +2,7 @@
 
 use asperity_core::direction::Side;
 
+use super::angle_text;
 use super::boundary::{BAND, curve_and_band, lobe_name};
 use crate::model::Flux;
 use crate::plot::{
@@ -15,27 +16,32 @@ pub type NamedValues = (String, Vec<BoundaryValue>);
 /// A law by its name, with its balances.
 pub type NamedFluxes = (String, Vec<Flux>);
 
-/// The lobes of several laws, a panel for each side, incidence and lobe, with their bands.
+/// The lobes of several laws, a panel for each side, lobe and incidence, with their bands: a row for each side, or for each lobe of
+/// one side. On a linear scale each panel has its own range.
 pub fn lobes_figure(title: &str, laws: &[NamedValues], scale: Scale) -> Figure {
-    let mut places: Vec<(Side, f64, bool)> = Vec::new();
+    let mut places: Vec<Place> = Vec::new();
     for value in laws.iter().flat_map(|(_, values)| values) {
         let place = (value.side, value.incidence_deg, value.is_transmitted);
         if !places.contains(&place) {
             places.push(place);
         }
     }
-    let is_at = |v: &BoundaryValue, (side, deg, through): (Side, f64, bool)| {
+    // stable: incidences stay as they were asked for
+    places.sort_by_key(|(side, _, through)| (*side == Side::Dielectric, *through));
+    let is_at = |v: &BoundaryValue, (side, deg, through): Place| {
         v.side == side && v.is_transmitted == through && v.incidence_deg.total_cmp(&deg).is_eq()
     };
-    let panel = |place: (Side, f64, bool)| {
+    let panel = |place: Place| {
         let of = |(label, values): &NamedValues| {
             let here: Vec<BoundaryValue> =
                 values.iter().filter(|v| is_at(v, place)).copied().collect();
             curve_and_band(label, &here)
         };
-        let caption = format!("{}, {}°, {}", from(place.0), place.1, lobe_name(place.2));
+        let caption =
+            format!("{}, {}°, {}", from(place.0), angle_text(place.1), lobe_name(place.2));
         Panel { caption, curves: laws.iter().flat_map(of).collect() }
     };
+    let columns = columns(&places);
     let panels: Vec<Panel> = places.into_iter().map(panel).collect();
     Figure {
         title: title.to_owned(),
@@ -45,12 +51,37 @@ pub fn lobes_figure(title: &str, laws: &[NamedValues], scale: Scale) -> Figure {
         across: Across::Angle,
         scale,
         shared_y: scale != Scale::Linear,
+        columns,
         panels: panels.into_iter().filter(|p| !p.curves.is_empty()).collect(),
     }
 }
 
-/// The same as polar diagrams, one for each side and incidence.
-pub fn lobe_diagrams(title: &str, laws: &[NamedValues], scale: Scale) -> DiagramPicture {
+/// The side, incidence and lobe of a panel; light goes through or comes back.
+type Place = (Side, f64, bool);
+
+/// How many panels make a row, where the rows are of one length: sides, or the lobes of one side.
+fn columns(places: &[Place]) -> Option<usize> {
+    let rows = |same: fn(&Place, &Place) -> bool| {
+        let mut rows = places.chunk_by(same).map(<[_]>::len);
+        let first = rows.next()?;
+        let count = 1 + rows.clone().count();
+        (count > 1 && rows.all(|other| other == first)).then_some(first)
+    };
+    let by_side = rows(|a, b| a.0 == b.0);
+    let by_lobe = rows(|a, b| a.2 == b.2);
+    let is_one_side = places.iter().all(|place| place.0 == Side::Air)
+        || places.iter().all(|place| place.0 == Side::Dielectric);
+    let columns = if is_one_side { by_lobe } else { by_side };
+    columns.filter(|columns| *columns > 1)
+}
+
+/// The same as polar diagrams, one for each side and incidence; `below` names what lies below the surface.
+pub fn lobe_diagrams(
+    title: &str,
+    laws: &[NamedValues],
+    scale: Scale,
+    below: &str,
+) -> DiagramPicture {
     let mut places: Vec<(Side, f64)> = Vec::new();
     for value in laws.iter().flat_map(|(_, values)| values) {
         if !places.contains(&(value.side, value.incidence_deg)) {
@@ -71,7 +102,7 @@ pub fn lobe_diagrams(title: &str, laws: &[NamedValues], scale: Scale) -> Diagram
         };
         let lobes = laws.iter().flat_map(of).filter(|lobe| !lobe.points.is_empty());
         Diagram {
-            caption: format!("{}, {incidence_deg}°", from(side)),
+            caption: format!("{}, {}°", from(side), angle_text(incidence_deg)),
             from_inside: side == Side::Dielectric,
             incidence_deg,
             lobes: lobes.collect(),
@@ -80,6 +111,7 @@ pub fn lobe_diagrams(title: &str, laws: &[NamedValues], scale: Scale) -> Diagram
     DiagramPicture {
         title: title.to_owned(),
         label: "BSDF (1/sr)".into(),
+        below: below.to_owned(),
         decades: decades(scale),
         diagrams: places.into_iter().map(diagram).collect(),
     }
@@ -95,7 +127,7 @@ pub fn hemisphere_picture(
         let caption = format!(
             "{}, {}°, {}",
             from(values.side),
-            values.incidence_deg,
+            angle_text(values.incidence_deg),
             lobe_name(values.is_transmitted)
         );
         let caption = if laws.len() > 1 { format!("{label}: {caption}") } else { caption };
@@ -129,9 +161,17 @@ fn lit(panels: &[Panel], scale: Scale) -> (f64, f64) {
         Scale::Linear => 0.005,
         Scale::Log { decades } => 10.0_f64.powi(-i32::from(decades)),
     };
-    let curves = || panels.iter().flat_map(|p| &p.curves).filter(|c| c.style != CurveStyle::Band);
-    let largest = curves().flat_map(|c| &c.points).map(|p| p.1).fold(0.0, f64::max);
-    let seen = curves().flat_map(|c| &c.points).filter(|p| p.1 >= share * largest).map(|p| p.0);
+    let points = |panel: &Panel| -> Vec<(f64, f64)> {
+        let lines = panel.curves.iter().filter(|c| c.style != CurveStyle::Band);
+        lines.flat_map(|c| &c.points).copied().collect()
+    };
+    let panels: Vec<Vec<(f64, f64)>> = panels.iter().map(points).collect();
+    let top = |points: &[(f64, f64)]| points.iter().map(|p| p.1).fold(0.0, f64::max);
+    let largest = panels.iter().map(|points| top(points)).fold(0.0, f64::max);
+    let seen = panels.iter().flat_map(|points| {
+        let largest = if scale == Scale::Linear { top(points) } else { largest };
+        points.iter().filter(move |p| p.1 >= share * largest).map(|p| p.0)
+    });
     let (low, high) =
         seen.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     if low > high {
@@ -181,6 +221,7 @@ pub fn flux_figure(title: &str, laws: &[NamedFluxes]) -> Figure {
         across: Across::Angle,
         scale: Scale::Linear,
         shared_y: true,
+        columns: None,
         panels: panels.filter(|p| !p.curves.is_empty()).collect(),
     }
 }
@@ -189,7 +230,7 @@ pub fn flux_figure(title: &str, laws: &[NamedFluxes]) -> Figure {
 mod tests {
     use asperity_core::direction::Side;
 
-    use super::{flux_figure, lobes_figure};
+    use super::{flux_figure, lobe_diagrams, lobes_figure};
     use crate::model::Flux;
     use crate::plot::{CurveStyle, Scale};
     use crate::reconstruct::BoundaryValue;
@@ -217,6 +258,45 @@ mod tests {
         assert_eq!(figure.x_range, (-20.0, 20.0));
         let styles: Vec<_> = figure.panels[1].curves.iter().map(|c| c.style).collect();
         assert_eq!(styles, [CurveStyle::Band, CurveStyle::Fitted]);
+    }
+
+    #[test]
+    fn each_side_has_a_row_and_each_panel_its_linear_range() {
+        let mut values = Vec::new();
+        for (side, peak) in [(Side::Air, 1.0), (Side::Dielectric, 1e-3)] {
+            for incidence_deg in [0.0, -90.0 + 130.1] {
+                for is_transmitted in [false, true] {
+                    let place = |v: BoundaryValue| BoundaryValue {
+                        side,
+                        incidence_deg,
+                        f: peak * v.f,
+                        std: None,
+                        ..v
+                    };
+                    values.extend(lobe(is_transmitted, 5.0).into_iter().map(place));
+                }
+            }
+        }
+        let laws = [("ggx".to_owned(), values)];
+        let figure = lobes_figure("title", &laws, Scale::Linear);
+        let captions: Vec<&str> = figure.panels.iter().map(|p| p.caption.as_str()).collect();
+        assert_eq!(
+            captions[2..6],
+            [
+                "from the air, 0°, transmission",
+                "from the air, 40.1°, transmission",
+                "from inside, 0°, reflection",
+                "from inside, 40.1°, reflection"
+            ]
+        );
+        assert_eq!((figure.columns, figure.shared_y), (Some(4), false));
+        // the weak lobes count as the strong ones do: 0.005 of the peak at 11.5 degrees
+        assert_eq!(figure.x_range, (-16.0, 16.0));
+        let picture = lobe_diagrams("title", &laws, Scale::Linear, "material");
+        let captions: Vec<&str> = picture.diagrams.iter().map(|d| d.caption.as_str()).collect();
+        assert_eq!(captions[1], "from the air, 40.1°");
+        let one = [("ggx".to_owned(), lobe(false, 5.0)), ("b".to_owned(), lobe(true, 5.0))];
+        assert_eq!(lobes_figure("title", &one, Scale::LOG).columns, None);
     }
 
     #[test]

@@ -21,7 +21,7 @@ pub use heights::{MapFigureFiles, MapFigures};
 pub use laws::{
     NamedFluxes, NamedValues, flux_figure, hemisphere_picture, lobe_diagrams, lobes_figure,
 };
-pub use number::{figure_text, power_text, significant, with_error};
+pub use number::{angle_text, figure_text, power_text, significant, with_error};
 pub use page::{Origin, page, plan_page};
 pub use residuals::{quantile_figure, residual_figure};
 pub use trade::TradeReport;

@@ -59,6 +59,12 @@ pub fn figure_text(x: f64, decimals: usize) -> String {
     }
 }
 
+/// An angle in degrees as people write it: to a millionth, and no digit more than it needs.
+pub fn angle_text(deg: f64) -> String {
+    let rounded = (deg * 1e6).round() / 1e6 + 0.0;
+    format!("{}", if rounded.is_finite() { rounded } else { deg })
+}
+
 /// A small number as a power of ten, to two digits.
 pub fn power_text(x: f64) -> String {
     if x.abs() > 0.0 { format!("{x:.1e}") } else { "0".into() }
@@ -72,7 +78,7 @@ fn exponent(x: f64, digits: i32) -> i32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{figure_text, power_text, significant, with_error};
+    use super::{angle_text, figure_text, power_text, significant, with_error};
 
     #[test]
     fn a_value_has_the_digits_of_its_error() {
@@ -147,6 +153,19 @@ mod tests {
                 (e.parse::<f64>().unwrap() * power - error).abs() <= half,
                 "{value} {error} {text}"
             );
+        }
+    }
+
+    #[test]
+    fn angles_are_written_as_people_do() {
+        for (deg, text) in [
+            (-90.0 + 130.1, "40.1"),
+            (-90.0 + 58.2, "-31.8"),
+            (35.264_389_7, "35.26439"),
+            (-1e-17, "0"),
+            (45.0, "45"),
+        ] {
+            assert_eq!(angle_text(deg), text);
         }
     }
 

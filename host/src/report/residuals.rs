@@ -76,6 +76,7 @@ pub fn quantile_figure(
         across: Across::Linear,
         scale: Scale::Linear,
         shared_y: true,
+        columns: None,
         panels: vec![Panel {
             caption: "all readings".into(),
             curves: std::iter::once(line).chain(fits.iter().map(of)).collect(),

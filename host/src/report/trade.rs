@@ -158,6 +158,7 @@ impl TradeReport {
             across: Across::Log,
             scale: Scale::Log { decades },
             shared_y: true,
+            columns: None,
             panels,
         }
     }

@@ -319,7 +319,8 @@ impl Work<'_> {
 /// The end of a part: its tables are made of all parts together.
 fn end_part(shard: Shard, failures: Vec<Failure>) -> Result<(), Failure> {
     say::note(format_args!(
-        "part {shard} is done; `asperity merge` puts the parts together, and the same command without --shard makes the tables"
+        "part {shard} is done; `asperity merge` puts the parts together, and the same command without --shard makes the tables, \
+         the pictures and what --render and --rigorous ask for"
     ));
     let stopped = interrupt::asked().then(|| {
         Err(Failure::No("interrupted; what was finished is kept, the same command goes on".into()))

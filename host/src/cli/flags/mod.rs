@@ -1,5 +1,6 @@
 //! Flags that several verbs share, one file for each group of them.
 
+pub(in crate::cli) mod stem;
 pub(in crate::cli) mod scan;
 pub(in crate::cli) mod method;
 pub(in crate::cli) mod nuisance;

@@ -21,10 +21,12 @@ use crate::watch::Watch;
 
 /// Incidences of the lobes where none are given, degrees; with one lobe less, two of them.
 const INCIDENCES: [f64; 2] = [0.0, 45.0];
-/// Incidences of the balances, degrees.
+/// Incidences of the balances, degrees: in steps to the last one, then two near the horizon, where the law has values there.
 const BALANCES: u32 = 18;
 const STEP_DEG: f64 = 5.0;
-/// A law in a file.
+const GRAZING: [f64; 2] = [87.5, 89.0];
+
+/// A law in a file, by the name of the file, and of its method where that does not say it.
 pub(super) struct Law {
     pub(super) name: String,
     pub(super) boundary: Boundary,
@@ -36,7 +38,8 @@ fn told_apart(mut laws: Vec<Law>, files: &[PathBuf]) -> Vec<Law> {
     let names: Vec<String> = laws.iter().map(|law| law.name.clone()).collect();
     for (law, path) in laws.iter_mut().zip(files) {
         if names.iter().filter(|name| **name == law.name).count() > 1 {
-            law.name = path.display().to_string();
+            // with the method behind it, if there is one
+            law.name.replace_range(..name_of(path).len(), &path.display().to_string());
         }
     }
     laws
@@ -54,8 +57,10 @@ impl Job<'_> {
         let figure = match self.view {
             None | Some(ViewFlag::Lobes) => self.lobes(&laws)?,
             Some(ViewFlag::Polar) => {
-                let picture =
-                    lobe_diagrams(&self.title("BSDF"), &self.values(&laws)?, self.scale());
+                let is_sheet = laws.iter().all(|law| law.boundary.is_sheet());
+                let below = if is_sheet { "air behind" } else { "material" };
+                let values = self.values(&laws)?;
+                let picture = lobe_diagrams(&self.title("BSDF"), &values, self.scale(), below);
                 fits(picture.diagrams.len())?;
                 return self.put(|| Ok((diagram_svg(&picture)?, diagram_png(&picture)?)));
             }
@@ -129,7 +134,7 @@ impl Job<'_> {
             let has_inside = law.boundary.eta().is_some() && !law.boundary.is_sheet();
             let sides: &[Side] =
                 if has_inside { &[Side::Air, Side::Dielectric] } else { &[Side::Air] };
-            let angles = (0..BALANCES).map(|k| STEP_DEG * f64::from(k));
+            let angles = (0..BALANCES).map(|k| STEP_DEG * f64::from(k)).chain(GRAZING);
             let beams: Vec<(Side, f64)> = angles
                 .flat_map(|deg| sides.iter().map(move |side| (*side, deg)))
                 .filter(|(side, _)| self.is_wanted(*side))
@@ -137,7 +142,9 @@ impl Job<'_> {
             let bar = progress::bar(0, "balancing");
             let found = bar.watch(|watch| balances(&law.boundary, &beams, self.rays(), watch));
             let found = found.ok_or_else(|| Failure::No("interrupted; nothing is drawn".into()))?;
-            let fluxes: Vec<Flux> = found.into_iter().map(Flux::from).collect();
+            let has_values =
+                |f: &Flux| [f.reflected, f.transmitted, f.lost].iter().all(|x| x.is_finite());
+            let fluxes: Vec<Flux> = found.into_iter().map(Flux::from).filter(has_values).collect();
             all.push((law.name.clone(), fluxes));
         }
         Ok(flux_figure(&self.title("Where the light goes"), &all))
@@ -176,9 +183,14 @@ pub(super) fn law(path: &Path) -> Result<Law, Failure> {
     if let Some(notice) = kind.notice() {
         say::note(format_args!("{}: {notice}", path.display()));
     }
+    let (name, method) = (name_of(path), kind.method());
+    let name = match plot::method_in(&name) {
+        Some(known) if known == method => name,
+        _ => format!("{name} ({method})"),
+    };
     let spread = match kind {
         Kind::Model(model) => Spread::of(&model, path.parent()).ok(),
         Kind::Table(_) => None,
     };
-    Ok(Law { name: name_of(path), boundary, spread })
+    Ok(Law { name, boundary, spread })
 }

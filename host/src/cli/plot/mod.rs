@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::error::{Failure, without_effect};
 use super::flags::map::MapFlags;
 use super::flags::scan::{ReadFlags, SetupFlags, number, parse_rays};
+use super::flags::stem::stem;
 use super::{progress, say};
 use crate::forward::{Angles, Effort, Rays, Setup, simulate};
 use crate::law_file;
@@ -47,7 +48,7 @@ pub(super) struct Args {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Stem of the pictures
-    #[arg(short, long, value_name = "STEM")]
+    #[arg(short, long, value_name = "STEM", value_parser = stem())]
     output: PathBuf,
     /// What to draw [default: lobes of models, readings of a scan]
     #[arg(long, value_enum)]
@@ -254,7 +255,8 @@ impl Job<'_> {
         let files = MapFigureFiles::create(&self.output)?;
         let prepared = self.map.load(&self.files[0], Purpose::Figures)?;
         let spectrum = Spectrum::of(&prepared.map, prepared.edges).ok();
-        let title = self.title.clone().unwrap_or_else(|| name_of(&self.files[0]));
+        let title = self.title.clone();
+        let title = title.unwrap_or_else(|| MapFigures::title(&self.files[0], &prepared.map));
         let figures = MapFigures { title: &title, map: &prepared.map, spectrum: spectrum.as_ref() };
         for path in files.write(&figures).map_err(Failure::bad)? {
             say::note(format_args!("wrote {}", path.display()));

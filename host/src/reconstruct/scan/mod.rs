@@ -236,7 +236,7 @@ impl ScanRequest {
         mut meta: Metadata,
         watch: Watch<'_>,
     ) -> Result<VirtualScan, NoScan> {
-        let angles: Vec<f64> = (0..grid.count).map(|k| grid.degrees(k)).collect();
+        let angles: Vec<f64> = (0..grid.count).map(|k| as_written(grid.degrees(k))).collect();
         let raw = match rays {
             None => self.summed(boundary, setup, &angles, watch)?,
             Some(rays) => self.traced_until(boundary, setup, &angles, *rays, watch),
@@ -315,6 +315,11 @@ impl ScanRequest {
             meta.noise_floor_percent = Some(noise);
         }
     }
+}
+
+/// An angle without what binary fractions leave of it: 40.1, not 40.099999999999994.
+fn as_written(deg: f64) -> f64 {
+    (deg * 1e9).round() / 1e9
 }
 
 /// A request that can be carried out.

@@ -7,7 +7,7 @@ use crate::energy::side_name;
 use crate::model::Flux;
 use crate::reconstruct::{Cell, Comparison, SampleResult};
 
-use super::super::number::with_error;
+use super::super::number::{angle_text, with_error};
 
 /// The incidence from inside that is answered, degrees.
 const ASKED: f64 = 30.0;
@@ -65,7 +65,7 @@ fn sentence(sample: &SampleResult) -> String {
     let inside = from_inside(best).map(|flux| {
         format!(
             "; from inside at {}° the rough boundary lets {} of the light through, reflects {} and loses {}",
-            flux.incidence_deg,
+            angle_text(flux.incidence_deg),
             share(flux.transmitted, flux.std_transmitted),
             share(flux.reflected, flux.std_reflected),
             share(flux.lost, None)

@@ -27,6 +27,7 @@ use crate::plot::{self, Scale};
 use crate::provenance::InputFile;
 use crate::reconstruct::{Attempt, Comparison, CutErrors, SampleResult};
 
+use super::angle_text;
 use super::boundary::boundary_figure;
 use super::cuts_figure;
 use super::figures::{Drawn, figure_at};
@@ -239,7 +240,7 @@ fn readings(sample: &SampleResult, scan: &Measurement) -> Option<String> {
         .collect();
     let first = thinned.scan.by_incidence().next()?.sigma_deg;
     let figure = figure_at(first, &sample.title, &thinned.scan, &fits, Scale::Linear);
-    let label = format!("{}: readings and fits at {first} degrees", sample.title);
+    let label = format!("{}: readings and fits at {} degrees", sample.title, angle_text(first));
     Some(labelled(&plot::svg(&figure).ok()?, &label))
 }
 

@@ -7,7 +7,7 @@ use crate::energy::side_name;
 use crate::reconstruct::{Attempt, Cell, Comparison, CutErrors, LobeErrors, SampleResult};
 
 use super::super::grid::{Field, Grid};
-use super::super::number::{significant, with_error};
+use super::super::number::{angle_text, significant, with_error};
 
 /// Method by method.
 pub(super) fn methods(sample: &SampleResult, timing: bool) -> Markup {
@@ -33,7 +33,7 @@ pub(super) fn inside(sample: &SampleResult) -> Option<Markup> {
     let rows: Vec<Vec<Field>> = inside
         .map(|f| {
             let cells = [
-                format!("{}°", f.incidence_deg),
+                format!("{}°", angle_text(f.incidence_deg)),
                 share(f.reflected, f.std_reflected),
                 share(f.transmitted, f.std_transmitted),
                 share(f.lost, None),
@@ -52,7 +52,7 @@ pub(super) fn accuracy(title: &str, errors: &CutErrors) -> Markup {
         let measured = if lobe.is_measured { " (measured)" } else { "" };
         let cells = [
             format!("{}{measured}", lobe.name()),
-            format!("{}°", lobe.incidence_deg),
+            format!("{}°", angle_text(lobe.incidence_deg)),
             lobe.waves.text(),
             lobe.rays.text(),
             lobe.facets.text(),
