@@ -40,7 +40,7 @@ fn laws_are_drawn_from_both_sides_over_each_other() {
     // a table is a law too
     folder.run("tabulate ggx.json --bytes 8192 -o t.bsdft").ok();
     folder.run("plot ggx.json t.bsdft -o table").ok();
-    assert!(folder.text("table.svg").contains(">t<"));
+    assert!(folder.text("table.svg").contains(">t (ggx)<"));
     assert!(folder.path("table.png").exists());
 }
 

@@ -186,6 +186,7 @@ fn pixels(disc: &HemisphereDisc, colors: &Colors<'_>) -> Vec<u8> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::polar::COLORS;
     use super::*;
 
     fn disc(value: impl Fn(f64, f64) -> f64) -> HemisphereDisc {
