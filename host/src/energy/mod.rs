@@ -1,124 +1,31 @@
 //! Flux balance: reflected, transmitted and lost fractions, and reciprocity.
+//!
+//! | module | concept |
+//! |---|---|
+//! | `shares` | the balance of one incidence |
+//! | `reciprocity` | how far a law is from being reciprocal |
+
+mod shares;
+mod reciprocity;
+
+pub use reciprocity::reciprocity_error;
+pub use shares::{Energy, losses, side_name};
 
 use asperity_core::bsdf::{
-    AllBounces, Bsdf, FirstBounce, Lobe, LobeSet, MixShares, Scattered, ShiftInvariant,
+    AllBounces, Bsdf, FirstBounce, Lobe, MixShares, Scattered, ShiftInvariant,
 };
 use asperity_core::direction::{Direction, Side};
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::boundary::{Boundary, Mixed, with_boundary};
 use crate::forward::{Rays, count_flux_until};
 use crate::kirchhoff::{
-    Beam, CoherentFlux, Loss, Speckle, Validity, ValidityError, WaveBoundary, orders,
+    Beam, CoherentFlux, Speckle, Validity, ValidityError, WaveBoundary, orders,
 };
-use crate::model::Flux;
 use crate::parallel;
 use crate::shard::Piece;
 use crate::watch::Watch;
-
-/// Flux balance of one incidence, as fractions of the incident flux.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Energy {
-    /// Angle of incidence in the medium the light comes from, degrees.
-    pub incidence_deg: f64,
-    /// `air` or `dielectric`.
-    pub side: &'static str,
-    /// Reflected.
-    pub reflected: f64,
-    /// Transmitted.
-    pub transmitted: f64,
-    /// Neither: facets sent it where the model does not follow.
-    pub lost: f64,
-    /// Part of `reflected` that is specular; 0 for ray methods.
-    pub coherent_reflected: f64,
-    /// Part of `transmitted` that goes straight on by Snell's law; 0 for ray methods.
-    pub coherent_transmitted: f64,
-    /// Evanescent share of the light diffracted in reflection; waves only.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub evanescent_reflected: Option<f64>,
-    /// The same in transmission.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub evanescent_transmitted: Option<f64>,
-}
-
-impl Energy {
-    /// As numbers; none of what is not known.
-    fn numbers(&self) -> Vec<f64> {
-        let known = [self.reflected, self.transmitted, self.lost];
-        let coherent = [self.coherent_reflected, self.coherent_transmitted];
-        let evanescent = [self.evanescent_reflected, self.evanescent_transmitted];
-        known.into_iter().chain(coherent).chain(evanescent.into_iter().flatten()).collect()
-    }
-
-    /// From such numbers; `None` if there are too few.
-    fn of_numbers(side: Side, incidence_deg: f64, numbers: &[f64]) -> Option<Self> {
-        let &[reflected, transmitted, lost, coherent_reflected, coherent_transmitted, ..] = numbers
-        else {
-            return None;
-        };
-        Some(Self {
-            incidence_deg,
-            side: side_name(side),
-            reflected,
-            transmitted,
-            lost,
-            coherent_reflected,
-            coherent_transmitted,
-            evanescent_reflected: numbers.get(5).copied(),
-            evanescent_transmitted: numbers.get(6).copied(),
-        })
-    }
-
-    /// The balance of light of which these shares are known; the rest is lost, and none is evanescent.
-    fn of(
-        side: Side,
-        incidence_deg: f64,
-        [reflected, transmitted]: [f64; 2],
-        coherent: CoherentFlux,
-    ) -> Self {
-        Self {
-            incidence_deg,
-            side: side_name(side),
-            reflected,
-            transmitted,
-            lost: 1.0 - reflected - transmitted,
-            coherent_reflected: coherent.reflected,
-            coherent_transmitted: coherent.transmitted,
-            evanescent_reflected: None,
-            evanescent_transmitted: None,
-        }
-    }
-}
-
-impl From<Energy> for Flux {
-    /// Without uncertainties.
-    fn from(e: Energy) -> Self {
-        Self {
-            side: e.side.into(),
-            incidence_deg: e.incidence_deg,
-            reflected: e.reflected,
-            transmitted: e.transmitted,
-            lost: e.lost,
-            std_reflected: None,
-            std_transmitted: None,
-        }
-    }
-}
-
-/// Name of a side in files.
-pub fn side_name(side: Side) -> &'static str {
-    match side {
-        Side::Air => "air",
-        Side::Dielectric => "dielectric",
-    }
-}
-
-/// The direction that light comes from, for an angle of incidence in degrees.
-fn incidence(side: Side, incidence_deg: f64) -> Direction<f64> {
-    let (s, c) = incidence_deg.to_radians().sin_cos();
-    Direction::from_unit(-s, 0.0, if side == Side::Air { c } else { -c })
-}
+use shares::incidence;
 
 /// Points of the Fibonacci lattice that integrates over the facets.
 const POINTS: u32 = 46_368;
@@ -165,16 +72,6 @@ pub fn verdict(
     }
     let found = of_waves(wave, &asked, watch);
     Ok(found.map(|found| validity.balanced(&losses(&found))))
-}
-
-/// The lost light of each balance.
-pub fn losses(energy: &[Energy]) -> Vec<Loss> {
-    let loss = |e: &Energy| Loss {
-        side: if e.side == side_name(Side::Air) { Side::Air } else { Side::Dielectric },
-        incidence_deg: e.incidence_deg,
-        lost: e.lost,
-    };
-    energy.iter().map(loss).collect()
 }
 
 fn one_by_one(
@@ -376,43 +273,6 @@ fn mean_weight(draw: impl Fn([f64; 2]) -> Option<Scattered<f64>> + Sync) -> f64 
     };
     let blocks = parallel::map(POINTS.div_ceil(BLOCK) as usize, &block);
     blocks.iter().sum::<f64>() / n
-}
-
-/// Largest relative difference of `f(i,o)/n_o^2` and `f(o,i)/n_i^2` over pairs of directions that the
-/// boundary itself connects, from the given incidence; 0 for a reciprocal law, `None` for a boundary that
-/// cannot be evaluated, or not the other way: a table without all lobes.
-pub fn reciprocity_error(boundary: &Boundary, side: Side, incidence_deg: f64) -> Option<f64> {
-    let wi = incidence(side, incidence_deg);
-    let n = boundary.eta().unwrap_or(1.0);
-    // the other way light may need a lobe that is not there
-    if let Boundary::Table(table) = boundary
-        && table.missing(LobeSet::ALL).is_some()
-    {
-        return None;
-    }
-    with_boundary!(boundary, b => Some(asymmetry(b, wi, n)), traced _t => None)
-}
-
-fn asymmetry<B: Bsdf<f64>>(boundary: &B, wi: Direction<f64>, n: f64) -> f64 {
-    let index2 = |w: Direction<f64>| if w.z() > 0.0 { 1.0 } else { n * n };
-    let mut worst = 0.0_f64;
-    for lobe in [Lobe::Reflection, Lobe::Transmission] {
-        for k in 0..512_u32 {
-            let u = [f64::from(k * 233 % 512) / 512.0, (f64::from(k) + 0.5) / 512.0];
-            let Some(ray) = boundary.sample_lobe(wi, lobe, u) else { continue };
-            let (a, b) = (
-                boundary.eval(wi, ray.wo) / index2(ray.wo),
-                boundary.eval(ray.wo, wi) / index2(wi),
-            );
-            if !(a.is_finite() && b.is_finite()) {
-                return f64::INFINITY;
-            }
-            if a > 0.0 || b > 0.0 {
-                worst = worst.max((a - b).abs() / a.max(b));
-            }
-        }
-    }
-    worst
 }
 
 #[cfg(test)]
