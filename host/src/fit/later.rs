@@ -66,15 +66,13 @@ pub(super) fn minimise(
     start: &[f64],
     tolerance: f64,
 ) -> Result<End, Stopped> {
-    let mut values = start.to_vec();
-    for _ in 0..ROUNDS {
-        let Some(round) = round(search, problem, &values, tolerance)? else { break };
-        if round.stays || !round.end.converged {
-            return Ok(round.end);
+    match rounds(search, problem, start, (tolerance, f64::INFINITY))? {
+        Some(last) if last.is_done() => Ok(last.end),
+        last => {
+            let from = last.map_or_else(|| start.to_vec(), |last| last.end.values);
+            search.minimise(problem, &from, Effort::Full, tolerance)
         }
-        values = round.end.values;
     }
-    search.minimise(problem, &values, Effort::Full, tolerance)
 }
 
 /// The same for a quick fit: where the values do not come to rest the last round counts. `None` if the cost stays above `most`.
@@ -87,16 +85,25 @@ pub(super) fn estimate(
     tolerance: f64,
     most: f64,
 ) -> Result<Option<End>, Stopped> {
-    let mut values = start.to_vec();
-    let mut last = None;
+    Ok(rounds(search, problem, start, (tolerance, most))?.map(|last| last.end))
+}
+
+/// The last of the rounds from a start; `None` if the cost stays above `most`, or if there is no later light.
+fn rounds(
+    search: &mut Search<'_>,
+    problem: &Problem<'_>,
+    start: &[f64],
+    (tolerance, most): (f64, f64),
+) -> Result<Option<Round>, Stopped> {
+    let mut last: Option<Round> = None;
     for slack in SLACK {
-        let Some(round) = round(search, problem, &values, tolerance)? else { break };
-        if round.end.cost > slack * most {
+        let from = last.as_ref().map_or(start, |last| &last.end.values);
+        let Some(next) = round(search, problem, from, tolerance)? else { break };
+        if next.end.cost > slack * most {
             return Ok(None);
         }
-        values.clone_from(&round.end.values);
-        let is_done = round.stays || !round.end.converged;
-        last = Some(round.end);
+        let is_done = next.is_done();
+        last = Some(next);
         if is_done {
             break;
         }
@@ -109,6 +116,13 @@ struct Round {
     end: End,
     /// Whether it ended where it began.
     stays: bool,
+}
+
+impl Round {
+    /// Whether another one would lead no further.
+    fn is_done(&self) -> bool {
+        self.stays || !self.end.converged
+    }
 }
 
 /// `None` if there is no later light to be told apart.
