@@ -21,22 +21,21 @@ impl MapRecord {
     /// Reads the map again and checks that it is the same: the first file of its name that is.
     pub(super) fn load(&self, folder: Option<&Path>) -> Result<Prepared, String> {
         let given = PathBuf::from(&self.file.path);
-        let mut another = None;
+        let mut unfit: Option<String> = None;
         for path in places(&given, folder).into_iter().filter(|path| path.is_file()) {
-            let prepared = self.preparation.load(&path, Purpose::Light);
-            match prepared {
+            let why = match self.preparation.load(&path, Purpose::Light) {
                 Ok(prepared) if prepared.input.sha256 == self.file.sha256 => return Ok(prepared),
-                Ok(_) => another = another.or(Some(Err(path))),
-                Err(why) => another = another.or(Some(Ok(why))),
-            }
+                Ok(_) => format!(
+                    "{} is not the map this model was made with (its SHA-256 differs); restore it, or \
+                     make the model again",
+                    path.display()
+                ),
+                Err(why) => why,
+            };
+            unfit.get_or_insert(why);
         }
-        match another {
-            Some(Ok(why)) => Err(why),
-            Some(Err(path)) => Err(format!(
-                "{} is not the map this model was made with (its SHA-256 differs); restore it, or \
-                 make the model again",
-                path.display()
-            )),
+        match unfit {
+            Some(why) => Err(why),
             None if given.is_absolute() || folder.is_none() => {
                 self.preparation.load(&given, Purpose::Light)
             }
