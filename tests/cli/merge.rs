@@ -114,8 +114,7 @@ fn wrong_parts_are_refused() {
         (format!("merge {good} -o p2-1"), "p2-1 holds part 1/2"),
         ("merge -o out".into(), "PART"),
     ] {
-        let done = folder.run(&line).with_code(2);
-        assert!(done.err.contains(says), "{line}: {}", done.err);
+        is_refused(&folder, &line, says);
         assert!(!folder.path("out").exists(), "{line} has left a folder");
     }
     for (line, says) in [
@@ -125,45 +124,38 @@ fn wrong_parts_are_refused() {
         (format!("{LINE} --shard 1/2 -o p2-2"), "p2-2 holds part 2/2"),
         (format!("{LINE} -o p2-2"), "p2-2 holds part 2/2"),
     ] {
-        let done = folder.run(&line).with_code(2);
-        assert!(done.err.contains(says), "{line}: {}", done.err);
+        is_refused(&folder, &line, says);
     }
     folder.run(&format!("merge {good} -o out")).ok();
 }
 
-#[test]
-fn parts_of_a_scan_give_the_bytes_of_one_run() {
-    let folder = Folder::new();
-    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
-    let line = "scan m.json --sigma 0,10,20,30,40 --step 2 --aperture 4";
-    for (name, rays) in [("summed", ""), ("traced", " --rays 3e4 --seed 5")] {
-        folder.run(&format!("{line}{rays} -o {name}.csv")).ok();
-        let whole = folder.text(&format!("{name}.csv"));
-        for of in [1, 2, 3, 7, 64] {
-            let make = |part: usize| {
-                let file = format!("{name}{of}-{part}.csv");
-                folder.run(&format!("{line}{rays} --shard {part}/{of} -o {file}")).ok();
-                file
-            };
-            let parts = (1..=of).rev().map(make).collect::<Vec<_>>().join(" ");
-            folder.run(&format!("merge {parts} -o {name}{of}.csv")).ok();
-            assert!(
-                whole == folder.text(&format!("{name}{of}.csv")),
-                "{of} parts of {name} differ"
-            );
-        }
-    }
-    // a part is a scan by itself, but no whole one
-    let done = folder.run("fit traced2-1.csv --method ggx --ior 1.49 -o fit.json").with_code(0);
-    assert!(done.err.contains("traced2-1.csv is part 1/2 of a scan"), "{}", done.err);
+/// The line is refused, and it is said why.
+fn is_refused(folder: &Folder, line: &str, says: &str) {
+    let done = folder.run(line).with_code(2);
+    assert!(done.err.contains(says), "{line}: {}", done.err);
 }
 
-#[test]
-fn wrong_parts_of_a_scan_are_refused() {
-    let folder = Folder::new();
-    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
-    folder.run("model ggx --set alpha=0.3 --ior 1.49 -o n.json").ok();
-    let line = "scan m.json --sigma 0,10,20 --step 4 --aperture 4 --rays 1e4";
+/// Makes a work whole, and in parts that `merge` puts together; both are the same bytes. What each part prints begins with `said`
+/// and its number.
+fn parts_are_the_whole(folder: &Folder, line: &str, said: &str, numbers: &[usize]) {
+    folder.run(&format!("{line} -o whole")).ok();
+    let whole = folder.bytes("whole");
+    for &of in numbers {
+        let make = |part: usize| {
+            let file = format!("part{of}-{part}");
+            let done = folder.run(&format!("{line} --shard {part}/{of} -o {file}")).with_code(0);
+            let is_said = said.is_empty() || done.out.contains(&format!("{said} {part}/{of}, "));
+            assert!(is_said, "{}", done.out);
+            file
+        };
+        let parts = (1..=of).rev().map(make).collect::<Vec<_>>().join(" ");
+        folder.run(&format!("merge {parts} -o out")).ok();
+        assert!(whole == folder.bytes("out"), "{of} parts of {line} differ");
+    }
+}
+
+/// The whole of a work, its two parts, the second again and cut off, and parts of others: another seed, number of parts and model.
+fn parts_and_others(folder: &Folder, line: &str) {
     for (name, line) in [
         ("whole", line.to_owned()),
         ("a", format!("{line} --shard 1/2")),
@@ -172,39 +164,68 @@ fn wrong_parts_of_a_scan_are_refused() {
         ("third", format!("{line} --shard 1/3")),
         ("other", format!("{} --shard 2/2", line.replace("m.json", "n.json"))),
     ] {
-        folder.run(&format!("{line} -o {name}.csv")).ok();
+        folder.run(&format!("{line} -o {name}")).ok();
     }
-    let text = folder.text("a.csv");
+    fs::copy(folder.path("b"), folder.path("again")).unwrap();
+    let cut = folder.text("b");
+    fs::write(folder.path("cut"), &cut[..cut.len() - 2]).unwrap();
+    fs::write(folder.path("empty"), "").unwrap();
+    // a part has a file
+    folder.run(&format!("{line} --shard 1/2")).with_code(2);
+}
+
+/// `merge` refuses wrong parts and leaves no file; those of [`parts_and_others`], of works that are `different`, and `more`.
+fn refuses_wrong_parts(folder: &Folder, different: &str, more: &[(&str, &str)]) {
+    let usual = [
+        ("a", "parts are missing: 2/2"),
+        ("a b again", "are both part 2/2"),
+        ("a third", "different numbers of parts"),
+        ("a seed", different),
+        ("a other", different),
+        ("a whole", "whole: this is no part"),
+        ("a m.json", "m.json: this is no part"),
+        ("a empty", "empty: this is no part"),
+        ("a none", "none: "),
+        ("a cut", "cut: it was cut off or changed"),
+        ("a .", "this is a folder beside files of parts"),
+    ];
+    for (parts, says) in usual.iter().chain(more) {
+        is_refused(folder, &format!("merge {parts} -o out"), says);
+        assert!(!folder.path("out").exists(), "{parts} has left a file");
+    }
+}
+
+#[test]
+fn parts_of_a_scan_give_the_bytes_of_one_run() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    let line = "scan m.json --sigma 0,10,20,30,40 --step 2 --aperture 4";
+    for rays in ["", " --rays 3e4 --seed 5"] {
+        parts_are_the_whole(&folder, &format!("{line}{rays}"), "", &[1, 2, 3, 7, 64]);
+    }
+    // a part is a scan by itself, but no whole one
+    let done = folder.run("fit part2-1 --method ggx --ior 1.49 -o fit.json").with_code(0);
+    assert!(done.err.contains("part2-1 is part 1/2 of a scan"), "{}", done.err);
+}
+
+#[test]
+fn wrong_parts_of_a_scan_are_refused() {
+    let folder = Folder::new();
+    folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
+    folder.run("model ggx --set alpha=0.3 --ior 1.49 -o n.json").ok();
+    parts_and_others(&folder, "scan m.json --sigma 0,10,20 --step 4 --aperture 4 --rays 1e4");
+    let text = folder.text("a");
     let without =
         |what: &str| text.lines().filter(|l| !l.starts_with(what)).collect::<Vec<_>>().join("\n");
-    fs::copy(folder.path("b.csv"), folder.path("again.csv")).unwrap();
-    fs::write(folder.path("torn.csv"), without("20,")).unwrap();
-    fs::write(folder.path("noise.csv"), text.replacen("# part_noise: ", "# part_noise: 1e-9, ", 1))
+    fs::write(folder.path("torn"), without("20,")).unwrap();
+    fs::write(folder.path("noise"), text.replacen("# part_noise: ", "# part_noise: 1e-9, ", 1))
         .unwrap();
-    fs::write(folder.path("empty.csv"), "").unwrap();
-    let cut = folder.text("b.csv");
-    fs::write(folder.path("cut.csv"), &cut[..cut.len() - 2]).unwrap();
-    for (parts, says) in [
-        ("a.csv", "parts are missing: 2/2"),
-        ("a.csv b.csv again.csv", "are both part 2/2"),
-        ("a.csv third.csv", "different numbers of parts"),
-        ("a.csv seed.csv", "different scans"),
-        ("a.csv other.csv", "different scans"),
-        ("a.csv whole.csv", "whole.csv: this is no part"),
-        ("a.csv m.json", "m.json: this is no part"),
-        ("a.csv empty.csv", "empty.csv: this is no part"),
-        ("a.csv none.csv", "none.csv: "),
-        ("torn.csv b.csv", "torn.csv: it was cut off or changed"),
-        ("noise.csv b.csv", "noise.csv: it was cut off or changed"),
-        ("a.csv cut.csv", "cut.csv: it was cut off or changed"),
-        ("a.csv .", "this is a folder beside files of parts"),
-    ] {
-        let done = folder.run(&format!("merge {parts} -o out.csv")).with_code(2);
-        assert!(done.err.contains(says), "{parts}: {}", done.err);
-        assert!(!folder.path("out.csv").exists(), "{parts} has left a file");
-    }
-    folder.run(&format!("{line} --shard 1/2")).with_code(2);
-    folder.run("merge b.csv a.csv -o out.csv").ok();
+    let changed = [
+        ("torn b", "torn: it was cut off or changed"),
+        ("noise b", "noise: it was cut off or changed"),
+    ];
+    refuses_wrong_parts(&folder, "different scans", &changed);
+    folder.run("merge b a -o out").ok();
 }
 
 #[test]
@@ -240,29 +261,12 @@ fn a_scan_ends_where_its_noise_is_small_enough() {
     folder.run(&format!("{line} 1e6 --until 1% --shard 1/2 -o s.csv")).with_code(2);
 }
 
-/// Makes a work whole, and in parts that `merge` puts together; both are the same bytes.
-fn parts_are_the_whole(folder: &Folder, line: &str, numbers: &[usize]) {
-    folder.run(&format!("{line} -o whole")).ok();
-    let whole = fs::read(folder.path("whole")).unwrap();
-    for &of in numbers {
-        let make = |part: usize| {
-            let file = format!("part{of}-{part}");
-            let done = folder.run(&format!("{line} --shard {part}/{of} -o {file}")).with_code(0);
-            assert!(done.out.contains(&format!("part {part}/{of}, ")), "{}", done.out);
-            file
-        };
-        let parts = (1..=of).rev().map(make).collect::<Vec<_>>().join(" ");
-        folder.run(&format!("merge {parts} -o out")).ok();
-        assert!(whole == fs::read(folder.path("out")).unwrap(), "{of} parts of {line} differ");
-    }
-}
-
 #[test]
 fn parts_of_a_balance_give_the_bytes_of_one_run() {
     let folder = Folder::new();
     folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
-    parts_are_the_whole(&folder, "check m.json --rays 3000 --json", &[1, 2, 3, 7, 64]);
-    // what no part has made is not made again: the rays were counted by the parts
+    parts_are_the_whole(&folder, "check m.json --rays 3000 --json", "part", &[1, 2, 3, 7, 64]);
+    // a number that was changed is noticed
     let text = folder.text("part2-1").replace("air 0: ", "air 0: 0.25 0.5 0.25 0 0 #");
     assert!(text.contains("air 0: 0.25"), "{text}");
     fs::write(folder.path("part2-1"), text).unwrap();
@@ -275,7 +279,7 @@ fn parts_of_a_table_give_the_bytes_of_one_run() {
     let folder = Folder::new();
     folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
     let line = "tabulate m.json --lobes air-T --bytes 3000 --rays 3000";
-    parts_are_the_whole(&folder, line, &[1, 3, 20]);
+    parts_are_the_whole(&folder, line, "part", &[1, 3, 20]);
 }
 
 #[test]
@@ -284,7 +288,7 @@ fn parts_of_a_bootstrap_give_the_model_of_one_run() {
     folder.run("model ggx --set alpha=0.2 --ior 1.49 -o m.json").ok();
     folder.run("scan m.json --sigma 0,30 --step 2 --aperture 4 --rays 1e5 -o s.csv").ok();
     let line = "fit s.csv --method ggx --bootstrap 10 --no-timing";
-    parts_are_the_whole(&folder, line, &[1, 3, 16]);
+    parts_are_the_whole(&folder, line, "part", &[1, 3, 16]);
 }
 
 #[test]
@@ -292,40 +296,11 @@ fn wrong_parts_of_a_balance_are_refused() {
     let folder = Folder::new();
     folder.run("model heights --set delta=0.1 --ior 1.49 -o m.json").ok();
     folder.run("model heights --set delta=0.2 --ior 1.49 -o n.json").ok();
-    let line = "check m.json --rays 1000";
-    for (name, line) in [
-        ("whole", line.to_owned()),
-        ("a", format!("{line} --shard 1/2")),
-        ("b", format!("{line} --shard 2/2")),
-        ("seed", format!("{line} --shard 2/2 --seed 2")),
-        ("third", format!("{line} --shard 1/3")),
-        ("other", format!("{} --shard 2/2", line.replace("m.json", "n.json"))),
-        ("table", "tabulate m.json --lobes air-T --bytes 3000 --rays 1000 --shard 2/2".to_owned()),
-    ] {
-        folder.run(&format!("{line} -o {name}")).ok();
-    }
-    fs::copy(folder.path("b"), folder.path("again")).unwrap();
-    let cut = folder.text("b");
-    fs::write(folder.path("cut"), &cut[..cut.len() - 2]).unwrap();
-    for (parts, says) in [
-        ("a", "parts are missing: 2/2"),
-        ("a b again", "are both part 2/2"),
-        ("a third", "different numbers of parts"),
-        ("a seed", "different commands"),
-        ("a other", "different commands"),
-        ("a table", "different commands"),
-        ("a whole", "whole: this is no part"),
-        ("a m.json", "m.json: this is no part"),
-        ("a none", "none: "),
-        ("a cut", "cut: it was cut off or changed"),
-        ("a .", "this is a folder beside files of parts"),
-    ] {
-        let done = folder.run(&format!("merge {parts} -o out")).with_code(2);
-        assert!(done.err.contains(says), "{parts}: {}", done.err);
-        assert!(!folder.path("out").exists(), "{parts} has left a file");
-    }
+    parts_and_others(&folder, "check m.json --rays 1000");
+    let line = "tabulate m.json --lobes air-T --bytes 3000 --rays 1000 --shard 2/2 -o table";
+    folder.run(line).ok();
+    refuses_wrong_parts(&folder, "different commands", &[("a table", "different commands")]);
     // and what has no parts
-    folder.run(&format!("{line} --shard 1/2")).with_code(2);
     folder.run("model ggx --set alpha=0.2 --ior 1.49 -o g.json").ok();
     for line in ["check g.json", "tabulate g.json", "tabulate m.json --max-error 1"] {
         let done = folder.run(&format!("{line} --shard 1/2 -o part")).with_code(2);
