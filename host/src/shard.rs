@@ -47,11 +47,11 @@ impl std::str::FromStr for Shard {
 /// What the pieces of a work are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Piece {
-    /// The balance of an incidence.
+    /// Fluxes, one piece per incidence.
     Balance,
-    /// The rays of a table, of an incidence.
+    /// Rays that fill a table, one piece per incidence.
     TableRays,
-    /// A replica of a bootstrap.
+    /// Replicas of a bootstrap, one piece each.
     Replica,
 }
 
@@ -103,10 +103,9 @@ impl Pieces {
         work: impl FnOnce() -> Option<Vec<f64>>,
     ) -> Option<Vec<f64>> {
         let key = format!("{name} {number}");
-        let lock =
-            |of: &Mutex<Results>| of.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
-        if let Some(known) = lock(&self.known) {
-            return Some(known);
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).remove(&key);
+        if known.is_some() {
+            return known;
         }
         if self.shard.is_some_and(|shard| !shard.holds(number)) {
             return None;

@@ -11,7 +11,7 @@ use super::flags::rays::RayFlags;
 use super::flags::subject::{SubjectFlags, lacking};
 use super::flags::waves;
 use super::grooves::{Light, ProfileFlags};
-use super::{print, progress};
+use super::{progress, put};
 use crate::boundary::Boundary;
 use crate::energy::side_name;
 use crate::kirchhoff::Speckle;
@@ -101,18 +101,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     };
     request.check_angles().map_err(|e| failed(args, Path::new(""), e))?;
     let subject = args.subject.read(&[Speckle::Averaged])?;
-    args.rays.noted(subject.boundary.is_traced());
     let is_traced = subject.boundary.is_traced();
+    args.rays.noted(is_traced);
     args.part.need_pieces(is_traced, "a model without rays is balanced in a moment")?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let bar = progress::bar(0, "checking");
     let check =
         bar.watch(|watch| request.run(&subject.boundary, watch.sharing(args.part.pieces())));
-    let is_heard = matches!(&check, Ok(_) | Err(NoBalance::Interrupted));
-    let output = match output {
-        Some(output) if args.part.is_part() && is_heard => return args.part.finish(output),
-        output => output,
-    };
+    // what others have to do is left out, as if it was interrupted
+    if args.part.is_part() && matches!(&check, Ok(_) | Err(NoBalance::Interrupted)) {
+        return args.part.finish(output);
+    }
     let check = check.map_err(|e| failed(args, &subject.path, e))?;
     let text = if args.json {
         check.json(&subject).map_err(Failure::bad)? + "\n"
@@ -128,10 +127,7 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         }
         text
     };
-    match output {
-        Some(output) => output.finish(text.as_bytes())?,
-        None => print(&text)?,
-    }
+    put(output, &text)?;
     if check.conserves_energy {
         Ok(())
     } else {
@@ -161,10 +157,7 @@ impl Args {
         };
         let found = waves::solved_cuts(&request, &prepared.map)?;
         let text = if self.json { format!("{:#}\n", found.json()) } else { found.text() };
-        match &self.output {
-            Some(path) => Ok(AtomicFile::create(path)?.finish(text.as_bytes())?),
-            None => print(&text),
-        }
+        put(self.output.as_ref().map(AtomicFile::create).transpose()?, &text)
     }
 }
 

@@ -220,10 +220,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         let work = |watch: Watch<'_>| task.fit(&trials, watch.sharing(pieces));
         progress::counter("").watch(work).map(|found| (String::new(), found))
     };
-    let output = match output {
-        Some(output) if args.part.is_part() && found.is_ok() => return args.part.finish(output),
-        output => output,
-    };
+    if args.part.is_part() && found.is_ok() {
+        return args.part.finish(output);
+    }
     let (table, Found { entry, mut model, failed }) = found.map_err(|e| match e {
         FitError::Interrupted => Failure::No(format!("{e}; no fit was written")),
         e => Failure::Bad(of_scan(&e)),

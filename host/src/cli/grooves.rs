@@ -6,7 +6,7 @@ use asperity_core::direction::Side;
 
 use super::error::{Failure, without_effect};
 use super::flags::scan::number;
-use super::{print, progress};
+use super::{progress, put};
 use crate::input;
 use crate::output::AtomicFile;
 use crate::provenance::InputFile;
@@ -104,10 +104,7 @@ impl ProfileFlags {
         } else {
             summary(&problem, &solution)
         };
-        match output {
-            Some(file) => Ok(file.finish(answer.as_bytes())?),
-            None => print(&answer),
-        }
+        put(output, &answer)
     }
 
     /// Every order from the side asked for; from both where none is, as far as the order travels there.

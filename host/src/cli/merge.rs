@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use super::error::Failure;
-use super::parts::in_order;
+use super::parts::{Claim, of_one_work};
 use super::print;
 use super::rendering::{Folder, merge_images};
 use super::scan_part::merge_scans;
@@ -67,12 +67,19 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     let parts = args.parts.iter().map(|p| read(p)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
     let of = first.shard.of;
+    let claims: Vec<Claim<'_>> = parts
+        .iter()
+        .map(|Part { folder, index, shard }| Claim {
+            path: folder,
+            shard: *shard,
+            whole: &index.comparison,
+        })
+        .collect();
+    let order = of_one_work(&claims, "comparisons: other data, options or version", OF_ONE)?;
     for part in &parts {
-        same_work(first, part)?;
+        same_methods(first, part)?;
     }
-    let shards: Vec<(&Path, Shard)> = parts.iter().map(|part| (part.folder, part.shard)).collect();
-    let owners: Vec<&Part<'_>> =
-        in_order(&shards, of)?.into_iter().map(|place| &parts[place]).collect();
+    let owners: Vec<&Part<'_>> = order.into_iter().map(|place| &parts[place]).collect();
     let mut whole = Index { shard: None, ..first.index.clone() };
     whole.check(&args.output).map_err(Failure::bad)?;
     let cells = cells(&first.index, &owners)?;
@@ -122,19 +129,19 @@ fn read(folder: &Path) -> Result<Part<'_>, Failure> {
     Ok(Part { folder, index, shard })
 }
 
-/// Refuses a part that is not of the same comparison, methods and number of parts.
-fn same_work(first: &Part<'_>, part: &Part<'_>) -> Result<(), Failure> {
-    let two = format!("{} and {}", first.folder.display(), part.folder.display());
-    let differ = if part.index.comparison != first.index.comparison {
-        "are parts of different comparisons: other data, options or version"
-    } else if part.shard.of != first.shard.of {
-        "are parts of different numbers of parts"
-    } else if !part.index.fits().eq(first.index.fits()) {
-        "are parts of comparisons with different methods"
-    } else {
+/// What parts are to be given.
+const OF_ONE: &str = "of one comparison";
+
+/// Refuses a part whose list of fits is another one.
+fn same_methods(first: &Part<'_>, part: &Part<'_>) -> Result<(), Failure> {
+    if part.index.fits().eq(first.index.fits()) {
         return Ok(());
-    };
-    Err(Failure::bad(format!("{two} {differ}; give the parts of one comparison")))
+    }
+    Err(Failure::bad(format!(
+        "{} and {} are parts of comparisons with different methods; give the parts {OF_ONE}",
+        first.folder.display(),
+        part.folder.display()
+    )))
 }
 
 /// Every fit from the part that has to hold it.

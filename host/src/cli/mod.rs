@@ -59,6 +59,7 @@ use flags::part::PartFlags;
 
 use crate::custody;
 use crate::message::brief;
+use crate::output::AtomicFile;
 use crate::shard::{Piece, Results};
 
 /// Reconstructs the BSDF of rough optical surfaces from goniophotometer scans.
@@ -201,7 +202,7 @@ fn done_of_parts(command: &[String], found: Results) -> Result<(), Failure> {
 }
 
 impl Verb {
-    /// Which part of the work is asked for, of a verb whose pieces are numbers.
+    /// The part that is asked for and what its pieces are, if this verb has such parts.
     fn part(&mut self) -> Option<(Piece, &mut PartFlags)> {
         match self {
             Self::Check(a) => Some((Piece::Balance, &mut a.part)),
@@ -267,6 +268,14 @@ fn usage(e: &clap::Error) -> ExitCode {
         drop(e.print());
     }
     ExitCode::from(u8::from(e.use_stderr()) * 2)
+}
+
+/// Writes a result to its file, or prints it if there is none.
+fn put(output: Option<AtomicFile>, text: &str) -> Result<(), Failure> {
+    match output {
+        Some(file) => Ok(file.finish(text.as_bytes())?),
+        None => print(text),
+    }
 }
 
 /// Prints a result to stdout; a reader that has gone away is no failure.

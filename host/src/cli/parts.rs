@@ -1,13 +1,18 @@
 //! Parts of work that were done apart: whether they are of one work, their order, and files that say so and are whole.
 
+use std::io::Read;
 use std::path::Path;
 
 use super::error::Failure;
-use crate::input::{InputFile, read_file};
+use crate::input::{InputFile, open, read_all, read_file};
 use crate::shard::Shard;
 
 /// The SHA-256 of all other lines of a part, its first line.
 const SUM: &str = "part_sha256";
+
+/// Most bytes of a part and of an input, and of the header that tells what a part is of.
+pub(super) const MOST_BYTES: u64 = 4 << 30;
+const HEAD_BYTES: u64 = 1 << 16;
 
 /// What a part says of itself.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +24,7 @@ pub(super) struct Claim<'a> {
 }
 
 /// Places of the parts in their order, 1 to `of`; all of them are of one work. `differ` says what two are parts of otherwise, as
-/// in "scans: another subject", `one` what to give, as in "of one scan".
+/// in "scans: another subject", `one` what to give, as in "of one scan". Files and folders are claimed alike.
 ///
 /// # Errors
 /// Parts of other work or of another number of parts, a part that is there twice, or is missing.
@@ -53,17 +58,12 @@ pub(super) fn sealed(text: &str) -> String {
 ///
 /// # Errors
 /// A file that cannot be read, is no part, or is damaged.
-pub(super) fn opened(
-    path: &Path,
-    most_bytes: u64,
-    no_part: &str,
-    again: &str,
-) -> Result<String, Failure> {
+pub(super) fn opened(path: &Path, no_part: &str, again: &str) -> Result<String, Failure> {
     let bad = |what: &str| Failure::bad(format!("{}: {what}", path.display()));
     if path.is_dir() {
         return Err(bad("this is a folder beside files of parts; give files of `--shard` alone"));
     }
-    let bytes = read_file(path, most_bytes)
+    let bytes = read_file(path, MOST_BYTES)
         .map_err(|e| bad(&format!("{e}; give the files of all parts")))?;
     let text = String::from_utf8_lossy(&bytes);
     if header(&text, SUM).is_none() {
@@ -73,6 +73,13 @@ pub(super) fn opened(
         Some((_, rest)) => Ok(rest.to_owned()),
         None => Err(bad(&format!("it was cut off or changed since it was written; {again}"))),
     }
+}
+
+/// Whether the header of a file has a key.
+pub(super) fn has_header(path: &Path, key: &str) -> bool {
+    let head = || read_all(open(path)?.take(HEAD_BYTES), HEAD_BYTES);
+    path.is_file()
+        && head().is_ok_and(|head| header(&String::from_utf8_lossy(&head), key).is_some())
 }
 
 /// The value of a header line.
@@ -88,7 +95,7 @@ pub(super) fn header<'a>(text: &'a str, key: &str) -> Option<&'a str> {
 ///
 /// # Errors
 /// A part that is there twice, or is missing.
-pub(super) fn in_order(parts: &[(&Path, Shard)], of: usize) -> Result<Vec<usize>, Failure> {
+fn in_order(parts: &[(&Path, Shard)], of: usize) -> Result<Vec<usize>, Failure> {
     let mut owners: Vec<Option<usize>> = vec![None; of];
     for (place, (folder, shard)) in parts.iter().enumerate() {
         if let Some(other) = owners[shard.part - 1].replace(place) {

@@ -6,7 +6,7 @@ use super::error::Failure;
 use super::flags::rays::RayFlags;
 use super::flags::scan::noise_share;
 use super::rendering::{Job, Output, Pictures, read_regions, region_text};
-use super::{print, progress, say};
+use super::{print, progress, put, say};
 use crate::output::{AtomicFile, ResultFolder, write_text};
 use crate::render::Renderer;
 use crate::render::tracer::image::{Effort, Share};
@@ -205,10 +205,7 @@ fn regions(args: &Args, path: &Path, job: &Job) -> Result<(), Failure> {
         }
     }
     let text = region_text(&regions, &found, args.json);
-    match output {
-        Some(file) => file.finish(text.as_bytes())?,
-        None => print(&text)?,
-    }
+    put(output, &text)?;
     if interrupted {
         return Err(Failure::No("interrupted; the means are as exact as they say".into()));
     }

@@ -5,15 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::error::Failure;
 use super::flags::subject::SubjectFlags;
-use super::parts::{Claim, header, of_one_work, opened, sealed};
+use super::parts::{Claim, MOST_BYTES, header, of_one_work, opened, sealed};
 use super::print;
 use crate::input::{InputFile, read_file};
 use crate::measurement::{Measurement, Metadata, Reading, csv, write};
 use crate::output::AtomicFile;
 use crate::reconstruct::{RayNoise, ScanRequest};
 use crate::shard::Shard;
-
-const MOST_BYTES: u64 = 4 << 30;
 
 /// Header keys of a part: which one it is, of what, and the noise of its incidences.
 const PART: &str = "part";
@@ -128,7 +126,7 @@ const AGAIN: &str = "run `scan --shard` of this part again";
 
 fn read(path: &Path) -> Result<Found<'_>, Failure> {
     let bad = |what: &str| Failure::bad(format!("{}: {what}", path.display()));
-    let rest = &opened(path, MOST_BYTES, NO_PART, AGAIN)?;
+    let rest = &opened(path, NO_PART, AGAIN)?;
     let part = part_of(rest).ok_or_else(|| bad(NO_PART))?;
     let unfinished = || bad(&format!("it is not finished; {AGAIN}"));
     if part.held() == 0 {

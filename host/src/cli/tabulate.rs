@@ -207,17 +207,17 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     args.need_pieces(&boundary)?;
     let open = |path: &PathBuf| AtomicFile::create(path);
     let output = open(&args.output)?;
+    let bytes_asked = args.bytes.unwrap_or(USUAL_BYTES);
     if args.part.is_part() {
-        let made = args.table(&boundary, args.bytes.unwrap_or(USUAL_BYTES));
-        return match made {
-            Ok(_) | Err(NoTable::Stopped) => args.part.finish(output),
+        return match args.table(&boundary, bytes_asked) {
+            Ok(_) | Err(NoTable::Stopped) => args.part.finish(Some(output)),
             Err(e) => Err(no_table(e)),
         };
     }
     let rust = args.rust.as_ref().map(open).transpose()?;
     let c = args.c.as_ref().map(open).transpose()?;
     let (table, distance) = match args.max_error {
-        None => made(args, &boundary, args.bytes.unwrap_or(USUAL_BYTES))?,
+        None => made(args, &boundary, bytes_asked)?,
         Some(most) => smallest(args, &boundary, most)?,
     };
     let method = model.method;

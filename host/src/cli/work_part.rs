@@ -7,11 +7,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::error::Failure;
-use super::parts::{Claim, header, of_one_work, opened, sealed};
+use super::parts::{Claim, MOST_BYTES, has_header, header, of_one_work, opened, sealed};
 use crate::input::{InputFile, read_file};
 use crate::shard::{Results, Shard};
-
-const MOST_BYTES: u64 = 4 << 30;
 
 /// Header keys: which part, of what, and the command.
 const PART: &str = "work_part";
@@ -55,11 +53,10 @@ impl WorkPart {
 
     fn read(path: &Path) -> Result<Self, Failure> {
         let again = "run the same command with --shard again";
-        let text = opened(path, MOST_BYTES, "this is no part; give files of `--shard`", again)?;
+        let text = opened(path, "this is no part; give files of `--shard`", again)?;
         let no_part =
             || Failure::bad(format!("{}: this is no part of such a work", path.display()));
-        let found = Self::parsed(&text).ok_or_else(no_part)?;
-        Ok(found)
+        Self::parsed(&text).ok_or_else(no_part)
     }
 
     fn parsed(text: &str) -> Option<Self> {
@@ -78,8 +75,7 @@ impl WorkPart {
 
 /// Whether a file is a part of such a work.
 pub(super) fn is_work_part(path: &Path) -> bool {
-    let bytes = read_file(path, MOST_BYTES).unwrap_or_default();
-    header(&String::from_utf8_lossy(&bytes), PART).is_some()
+    has_header(path, PART)
 }
 
 /// The command that makes the whole, and what all parts have found.

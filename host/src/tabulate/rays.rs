@@ -94,7 +94,7 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
         let sizes = views.map(|view| view.map_or(0, plane_size));
         let work = || gather(boundary, views, (side, cos), (salted(rays, side, 11), watch));
         let found = Gathered::shared(watch, ("nodes", side, j), sizes, work);
-        // counted between nodes whoever has those
+        // the fluxes between are pieces of their own
         let mut between = Vec::new();
         if j + 1 < usize::from(count) {
             let cosines = any.cosines();
@@ -107,10 +107,8 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
                 between.extend(counted.map(|counted| counted.flux.map(|f| f / counted.rays)));
             }
         }
-        let Some(found) = found else {
-            watch.more(1);
-            continue;
-        };
+        watch.more(1);
+        let Some(found) = found else { continue };
         fluxes.push(found.flux.map(|f| f / found.rays));
         fluxes.extend(between);
         let grids = [&mut reflection, &mut transmission];
@@ -120,7 +118,6 @@ pub(super) fn fill<S: Scatter<f64> + Sync>(
                 lit.push(sharpen(grid, j, &wanted, found.rays));
             }
         }
-        watch.more(1);
     }
     if watch.is_stopped() || watch.is_part_of(Piece::TableRays) {
         return None;

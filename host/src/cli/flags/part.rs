@@ -1,6 +1,5 @@
 //! The flag of a part of a work, for verbs whose pieces are numbers: balances, rays of a table, replicas.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use crate::cli::error::Failure;
@@ -17,7 +16,7 @@ pub(in crate::cli) struct PartFlags {
     shard: Option<Shard>,
     /// The whole command line.
     #[arg(skip)]
-    pub(in crate::cli) command: Vec<String>,
+    command: Vec<String>,
     #[arg(skip)]
     pieces: Option<Arc<Pieces>>,
 }
@@ -57,12 +56,14 @@ impl PartFlags {
         Ok(())
     }
 
-    /// Writes what the part has found.
+    /// Writes what the part has found to its output, without which there is no part.
     ///
     /// # Errors
     /// An interrupt, and trouble with files.
-    pub(in crate::cli) fn finish(&self, output: AtomicFile) -> Result<(), Failure> {
-        let (Some(shard), Some(pieces)) = (self.shard, &self.pieces) else { return Ok(()) };
+    pub(in crate::cli) fn finish(&self, output: Option<AtomicFile>) -> Result<(), Failure> {
+        let (Some(shard), Some(pieces), Some(output)) = (self.shard, &self.pieces, output) else {
+            return Ok(());
+        };
         if interrupt::asked() {
             let why = format!("interrupted; part {shard} is not finished, and nothing was written");
             return Err(Failure::No(why));
@@ -70,13 +71,9 @@ impl PartFlags {
         let part = WorkPart::new(shard, &self.command, pieces.take_made())?;
         let (path, count) = (output.path().to_owned(), part.pieces.len());
         output.finish(part.text().as_bytes())?;
-        print(&said(shard, count, &path))
+        print(&format!(
+            "part {shard}, {count} pieces, is in {}; `asperity merge` makes the whole of all parts\n",
+            path.display()
+        ))
     }
-}
-
-fn said(shard: Shard, count: usize, path: &Path) -> String {
-    format!(
-        "part {shard}, {count} pieces, is in {}; `asperity merge` makes the whole of all parts\n",
-        path.display()
-    )
 }

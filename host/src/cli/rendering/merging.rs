@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::output::{Folder, RenderIndex};
 use crate::cli::error::Failure;
-use crate::cli::parts::in_order;
+use crate::cli::parts::{Claim, of_one_work};
 use crate::cli::print;
 use crate::output::{AtomicFile, ResultFolder, internal, write_text};
 use crate::render::tracer::image::{Effort, Image};
@@ -21,23 +21,18 @@ struct Part {
 pub(in crate::cli) fn merge_images(parts: &[PathBuf], output: &Path) -> Result<(), Failure> {
     let parts = parts.iter().map(|folder| read(folder)).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = parts.first() else { return Err(Failure::bad("give the parts")) };
+    let wholes: Vec<String> =
+        parts.iter().map(|p| format!("{} {}", p.index.key, p.index.models.join("/"))).collect();
+    let claims: Vec<Claim<'_>> = parts
+        .iter()
+        .zip(&wholes)
+        .map(|(part, whole)| Claim { path: &part.folder.0, shard: part.shard, whole })
+        .collect();
+    let differ = "images: another scene, other models, pixels or seed";
+    let order = of_one_work(&claims, differ, "of the same images")?;
     for part in &parts {
-        let two = format!("{} and {}", first.folder.0.display(), part.folder.0.display());
-        let (a, b) = (&first.index, &part.index);
-        let differ = if a.key != b.key || a.models != b.models {
-            "are of different images: another scene, other models, pixels or seed"
-        } else if a.paths != b.paths || a.until != b.until {
-            "are rendered with different --paths or --until"
-        } else if first.shard.of != part.shard.of {
-            "are parts of different numbers of parts"
-        } else {
-            continue;
-        };
-        return Err(Failure::bad(format!("{two} {differ}; give the parts of the same images")));
+        same_effort(first, part)?;
     }
-    let shards: Vec<(&Path, Shard)> =
-        parts.iter().map(|part| (part.folder.0.as_path(), part.shard)).collect();
-    let order = in_order(&shards, first.shard.of)?;
     let whole = RenderIndex { shard: None, ..first.index.clone() };
     let into = Folder(output.to_owned());
     into.check(&whole)?;
@@ -57,6 +52,19 @@ pub(in crate::cli) fn merge_images(parts: &[PathBuf], output: &Path) -> Result<(
         output.display(),
         output.display()
     ))
+}
+
+/// Refuses a part that is rendered to another end.
+fn same_effort(first: &Part, part: &Part) -> Result<(), Failure> {
+    let (a, b) = (&first.index, &part.index);
+    if a.paths == b.paths && a.until == b.until {
+        return Ok(());
+    }
+    Err(Failure::bad(format!(
+        "{} and {} are rendered with different --paths or --until; give the parts of the same images",
+        first.folder.0.display(),
+        part.folder.0.display()
+    )))
 }
 
 fn read(folder: &Path) -> Result<Part, Failure> {
