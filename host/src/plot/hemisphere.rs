@@ -69,7 +69,7 @@ const BETWEEN: f64 = 108.0;
 /// What a bar of colours takes.
 const BAR: f64 = 150.0;
 
-/// The places of so many discs: an even number of them stands in two or four columns, sides and lobes below each other.
+/// The places of so many discs: four stand two by two, eight in two rows, or in four if each has its bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Places {
     columns: usize,
@@ -85,6 +85,7 @@ impl Places {
         let columns = match discs {
             0 | 1 => 1,
             2 | 4 => 2,
+            6 | 8 if own => 2,
             7 | 8 => 4,
             _ => 3,
         };

@@ -8,6 +8,8 @@ pub(super) struct Rgb(pub(super) u8, pub(super) u8, pub(super) u8);
 pub(super) const INK: Rgb = Rgb(0x26, 0x26, 0x26);
 /// Grid lines.
 pub(super) const GRID: Rgb = Rgb(0xe6, 0xe6, 0xe6);
+/// Circles on a map in colours, seen on its darkest and on [`BELOW_SCALE`].
+pub(super) const RING: Rgb = Rgb(0x96, 0x96, 0x96);
 /// The broad line of a densely measured curve: light enough for any fit to show on it.
 pub(super) const MEASURED_LINE: Rgb = Rgb(0xb4, 0xb4, 0xb4);
 /// The rim of a sparsely measured point.

@@ -11,7 +11,7 @@ use super::canvas::{Anchor, Canvas, Medium};
 use super::figure::PlotError;
 use super::layout::{WIDTH, fitted, size};
 use super::legend::baseline;
-use super::palette::{BELOW_SCALE, GRID, INK, MISSING, PAPER, Rgb, Stroke, difference, viridis};
+use super::palette::{BELOW_SCALE, INK, MISSING, PAPER, RING, Rgb, Stroke, difference, viridis};
 use super::polyline::Frame;
 use super::raster::Raster;
 
@@ -182,7 +182,7 @@ fn pixels<'a>(points: impl Iterator<Item = (&'a PolarPoint, u8)>) -> Vec<u8> {
 pub(super) fn rings(canvas: &mut Canvas, frame: Frame, radius: impl Fn(f64) -> f64) {
     let centre = (frame.left + 0.5 * frame.width, frame.top + 0.5 * frame.height);
     let half = 0.5 * frame.width;
-    for (polar, color) in [(30.0, GRID), (60.0, GRID), (90.0, INK)] {
+    for (polar, color) in [(30.0, RING), (60.0, RING), (90.0, INK)] {
         let radius = radius(polar) * half;
         let point = |k: u32| {
             let (sin, cos) = (f64::from(k) / 120.0 * TAU).sin_cos();
@@ -193,12 +193,15 @@ pub(super) fn rings(canvas: &mut Canvas, frame: Frame, radius: impl Fn(f64) -> f
     }
 }
 
-/// The angles of the circles, towards the lower left, away from the beam; the horizon has none where it would cover the one before.
+/// The angles of the circles, towards the lower left, away from the beam; that of the horizon outside of it, and none
+/// where it would cover the one before.
 pub(super) fn ring_labels(canvas: &mut Canvas, frame: Frame, radius: impl Fn(f64) -> f64) {
     let centre = (frame.left + 0.5 * frame.width, frame.top + 0.5 * frame.height);
     let mut before = 0.0;
     for polar in [30.0, 60.0, 90.0] {
-        let along = 0.5 * frame.width * radius(polar) * std::f64::consts::FRAC_1_SQRT_2;
+        let outside = if polar < 90.0 { 0.0 } else { 26.0 };
+        let along = 0.5 * frame.width * radius(polar) + outside;
+        let along = along * std::f64::consts::FRAC_1_SQRT_2;
         if along - before < f64::from(SMALL) + 2.0 {
             continue;
         }
