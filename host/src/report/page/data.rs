@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::measurement::{Measurement, Quantity, Reading};
 use crate::model::Flux;
+use crate::plot::slots;
 use crate::reconstruct::{Attempt, BoundaryValue, Cell, Comparison, SampleResult};
 
 /// Numbers of readings and of the boundary in a page: with more curves each has fewer points.
@@ -97,11 +98,26 @@ pub(super) fn json(comparison: &Comparison, scans: &[&Measurement]) -> Value {
     let cells: usize = comparison.samples.iter().map(|s| s.attempts.len()).sum();
     let of_boundary = BOUNDARY / (12 * cells.max(1));
     let clamp = |points: usize| points.clamp(POINTS.0, POINTS.1);
+    let lines = lines(comparison);
     let one = |(sample, scan): (&SampleResult, &&Measurement)| {
-        self::sample(sample, scan, [clamp(of_readings), clamp(of_boundary)], comparison.timing)
+        let points = [clamp(of_readings), clamp(of_boundary)];
+        self::sample(sample, scan, points, comparison.timing, &lines)
     };
     let samples: Vec<Value> = comparison.samples.iter().zip(scans).map(one).collect();
     json!({ "samples": samples })
+}
+
+/// The labels of all fits, each with the number of its line, which is that of its method in other pictures.
+fn lines(comparison: &Comparison) -> Vec<(&str, usize)> {
+    let cells = comparison.samples.iter().flat_map(|s| &s.attempts).filter_map(Attempt::cell);
+    let mut labels: Vec<&str> = Vec::new();
+    for cell in cells {
+        if !labels.contains(&&*cell.label) {
+            labels.push(&cell.label);
+        }
+    }
+    let slots = slots(&labels);
+    labels.into_iter().zip(slots).collect()
 }
 
 fn sample(
@@ -109,6 +125,7 @@ fn sample(
     scan: &Measurement,
     [readings, boundary]: [usize; 2],
     timing: bool,
+    lines: &[(&str, usize)],
 ) -> Value {
     let fitted: Vec<&Attempt> = sample.attempts.iter().filter(|a| a.cell().is_some()).collect();
     let cells: Vec<&Cell> = fitted.iter().filter_map(|a| a.cell()).collect();
@@ -117,6 +134,7 @@ fn sample(
         .map(|cell| {
             json!({
                 "label": cell.label,
+                "line": lines.iter().find(|(label, _)| *label == cell.label).map(|(_, line)| line),
                 "error_percent": few(cell.rmsd_percent(), 4),
                 "seconds": cell.seconds().filter(|_| timing).map(|s| few(s, 3)),
                 "accepted": cell.is_accepted(),

@@ -5,9 +5,11 @@
   const source = document.getElementById('report-data');
   if (!source || !window.uPlot) return;
   const samples = JSON.parse(source.textContent).samples;
-  // A method keeps its colour and dash on the whole page: the index of its label in order of appearance.
-  const labels = [...new Set(samples.flatMap(s => s.methods.map(m => m.label)))];
-  const styleOf = label => labels.indexOf(label) % 8;
+  // A method keeps its colour and dash on the whole page, and in the pictures beside it: the number of its line.
+  const lines = new Map(samples.flatMap(s => s.methods.map(m => [m.label, m.line])));
+  const labels = [...lines.keys()];
+  const styleOf = label => lines.get(label) ?? labels.indexOf(label);
+  const colorOf = style => style % 8, dashOf = style => (style + Math.floor(style / 8)) % 8;
   const Z95 = 1.96, DECADES = 5;
 
   // ---------------------------------------------------------------- small helpers
@@ -44,8 +46,8 @@
     const get = name => css.getPropertyValue('--' + name).trim();
     return {
       get,
-      method: k => get('m' + k),
-      dash: k => get('d' + k) === 'none' ? undefined : get('d' + k).split(/\s+/).map(Number),
+      method: k => get('m' + colorOf(k)),
+      dash: k => get('d' + dashOf(k)) === 'none' ? undefined : get('d' + dashOf(k)).split(/\s+/).map(Number),
       font: size => `${size}px ${getComputedStyle(document.body).fontFamily}`,
     };
   }
@@ -75,10 +77,11 @@
   function swatch(curve) {
     if (curve.kind === 'marks') {
       const points = SHAPES[curve.shape].map(([x, y]) => `${(6 + 5 * x).toFixed(1)},${(6 + 5 * y).toFixed(1)}`).join(' ');
-      return el('svg', { class: 'swatch mark', 'aria-hidden': 'true' }, el('polygon', { points, class: `m${curve.style} fill mark` }));
+      return el('svg', { class: 'swatch mark', 'aria-hidden': 'true' }, el('polygon', { points, class: `m${colorOf(curve.style)} fill mark` }));
     }
-    const name = curve.kind === 'measured' ? 'measured' : 'm' + curve.style;
-    return el('svg', { class: 'swatch', 'aria-hidden': 'true' }, el('line', { x1: 0, x2: 30, y1: 6, y2: 6, class: name }));
+    const line = curve.kind === 'measured' ? { class: 'measured' }
+      : { class: 'm' + colorOf(curve.style), style: `stroke-dasharray: var(--d${dashOf(curve.style)})` };
+    return el('svg', { class: 'swatch', 'aria-hidden': 'true' }, el('line', { x1: 0, x2: 30, y1: 6, y2: 6, ...line }));
   }
 
   // ---------------------------------------------------------------- one chart
@@ -570,7 +573,7 @@
   function pareto(figure) {
     const model = new Model('pareto', 'All samples', { sample: samples.length > 1 ? -1 : 0, methods: new Set(labels) });
     const s = model.state;
-    const curveOf = label => ({ name: label, style: styleOf(label), shape: styleOf(label), kind: 'marks' });
+    const curveOf = label => ({ name: label, style: styleOf(label), shape: dashOf(styleOf(label)), kind: 'marks' });
     const spec = () => {
       const chosen = samples.filter((_, i) => s.sample < 0 || s.sample === i), seen = new Set();
       const points = chosen.flatMap(sample => sample.methods.filter(m => isNumber(m.error_percent) && isNumber(m.seconds) && m.error_percent > 0).map(m => {
