@@ -42,6 +42,9 @@ fn laws_are_drawn_from_both_sides_over_each_other() {
     folder.run("plot ggx.json t.bsdft -o table").ok();
     assert!(folder.text("table.svg").contains(">t (ggx)<"));
     assert!(folder.path("table.png").exists());
+    // the ending of a picture is no part of the stem
+    folder.run("plot ggx.json -o named.png").ok();
+    assert!(folder.path("named.png").exists() && !folder.path("named.png.png").exists());
 }
 
 #[test]
@@ -51,7 +54,15 @@ fn laws_are_drawn_as_polar_diagrams_and_over_the_hemisphere() {
     is_plot(&folder, "polar.svg");
     let svg = folder.text("polar.svg");
     is_balanced("polar.svg", &svg);
-    for word in ["from the air, 30°", "from inside, 30°", ">ggx<", ">normals<", ">air<"] {
+    for word in [
+        "from the air, 30°",
+        "from inside, 30°",
+        ">ggx<",
+        ">normals<",
+        ">air<",
+        ">material<",
+        "−60°",
+    ] {
         assert!(svg.contains(word), "{word} is not in the picture");
     }
     let line = "plot ggx.json --view hemisphere --incidence 30 --decades 3 -o h";
@@ -60,8 +71,13 @@ fn laws_are_drawn_as_polar_diagrams_and_over_the_hemisphere() {
     is_balanced("h.svg", &svg);
     // two sides with two lobes each, in two rows with a bar of colours each
     assert_eq!(svg.matches("<image").count(), 4 + 2);
-    for word in ["from the air, 30°, reflection", "from inside, 30°, transmission", "BSDF (1/sr)"]
-    {
+    for word in [
+        "from the air, 30°, reflection",
+        "from inside, 30°, transmission",
+        "BSDF (1/sr)",
+        "below scale",
+        ">60°<",
+    ] {
         assert!(svg.contains(word), "{word} is not in the picture");
     }
     assert!(folder.text("h.svg").len() < 500_000 && folder.path("h.png").exists());
@@ -96,6 +112,12 @@ fn readings_are_drawn_with_what_models_give_in_their_place() {
     assert!(folder.text("residuals.svg").contains("fitted less measured"));
     folder.run("plot scan.csv normals.json --view quantiles -o quantiles").ok();
     assert!(folder.text("quantiles.svg").contains("normal noise"));
+    folder.run("scan ggx.json --sigma 40.1 --step 0.1 --aperture 1 -o fine.csv").ok();
+    let fine = folder.text("fine.csv");
+    let angles = fine.lines().filter_map(|line| line.strip_prefix("40.1,")?.split(',').next());
+    let angles: Vec<&str> = angles.collect();
+    // 40.1, not 40.099999999999994
+    assert!(angles.len() == 1801 && angles.iter().all(|angle| angle.len() <= 5), "{angles:?}");
     folder.run("plot scan.csv -o alone").ok();
     is_plot(&folder, "alone.svg");
 }
@@ -108,6 +130,7 @@ fn maps_are_drawn_and_what_cannot_be_is_refused() {
     for name in ["m-map.svg", "m-histogram.svg", "m-spectrum.svg"] {
         is_plot(&folder, name);
         assert!(folder.text(name).contains("µm") && !folder.text(name).contains("(um"), "{name}");
+        assert!(folder.text(name).contains(">map.txt, Rq "), "{name}");
     }
     let model = crate::refusal::MODEL;
     let with_model = |line: &str, says: &[&'static str]| case(line, says).file("m.json", model);
