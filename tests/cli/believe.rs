@@ -118,6 +118,51 @@ fn faults_of_a_file_are_named_and_their_flags_mend_them() {
     }
 }
 
+/// The level of each incidence is lost where readings are divided by their own peaks; the shape of the law is not.
+#[test]
+fn a_law_is_found_where_each_incidence_is_normalised_to_its_peak() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "");
+    changed(&folder, "plate", "sound", |row| row);
+    let mut peaks: Vec<(f64, f64)> = Vec::new();
+    let rows = || -> Vec<[f64; 3]> {
+        let numbers = |line: &str| -> Option<[f64; 3]> {
+            let cells: Vec<f64> = line.split(',').filter_map(|c| c.parse().ok()).collect();
+            cells.get(..3)?.try_into().ok()
+        };
+        folder.text("sound.csv").lines().filter_map(numbers).collect()
+    };
+    for [sigma, _, value] in rows() {
+        match peaks.iter_mut().find(|(s, _)| s.total_cmp(&sigma).is_eq()) {
+            Some((_, peak)) => *peak = peak.max(value),
+            None => peaks.push((sigma, value)),
+        }
+    }
+    let head: String = folder
+        .text("sound.csv")
+        .lines()
+        .filter(|l| !l.contains(','))
+        .fold(String::new(), |s, l| s + l + "\n");
+    let own =
+        rows().into_iter().fold(head + "sigma_deg,theta_deg,reading\n", |mut text, [s, t, v]| {
+            let (_, peak) = peaks.iter().find(|(sigma, _)| sigma.total_cmp(&s).is_eq()).unwrap();
+            let _ = writeln!(text, "{s},{t},{}", v / peak);
+            text
+        });
+    folder.write("own.csv", own);
+    let wrong = folder.run("fit own.csv --method ggx --accept --json").json();
+    assert!(causes(&wrong).contains("--fit-gains=free"), "{}", causes(&wrong));
+    let found = folder.run("fit own.csv --method ggx --fit-gains=free --json").json();
+    let alpha = value(&found, "alpha");
+    assert!((alpha - 0.2).abs() < 2e-3, "{alpha} {}", causes(&found));
+    let verdict = (&found["verdict"]["grade"], causes(&found));
+    assert_eq!(verdict, (&"within-noise".into(), String::new()));
+    let line = "fit own.csv --method ggx --opaque --geometry reflection --fit-gains=free";
+    assert!(folder.run(line).with_code(2).err.contains("--fit-gains=PERCENT"));
+    let line = "fit own.csv --method ggx --fit-gains=free --fit-gain --gain-prior 1";
+    assert!(folder.run(line).with_code(2).err.contains("--gain-prior"));
+}
+
 #[test]
 fn what_the_readings_do_not_tell_is_refused() {
     let folder = Folder::new();

@@ -10,9 +10,9 @@ use super::flags::sample::{Loaded, SampleFlags, methods};
 use super::flags::scan::number;
 use super::model::BouncesFlag;
 use super::planned::PlanFlag;
-use super::{auto, print};
+use super::print;
 use crate::method::Kind;
-use crate::reconstruct::{NoCutsOf, SampleResult, Task, usually_asked};
+use crate::reconstruct::{NoCutsOf, Task, usually_asked};
 use crate::shard::Shard;
 use crate::surface::Roughness;
 
@@ -109,6 +109,9 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     }
     let walks = args.bounces == Some(BouncesFlag::Walk);
     args.sample.check(&methods, !args.maps.is_empty(), walks)?;
+    if args.rank {
+        args.sample.need_no_nuisance()?;
+    }
     for (flag, given) in [("--map", args.maps.len()), ("--lit", args.lit.len())] {
         if given > 0 && given != args.scans.len() {
             return Err(Failure::bad(format!(
@@ -166,8 +169,10 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         print(&if args.json {
             format!("{:#}\n", comparison.json())
         } else {
-            let text = comparison.text() + &rankings(&comparison.samples);
-            format!("{text}\nTables, models, plots and report.html are in {folder}\n")
+            format!(
+                "{}\nTables, models, plots and report.html are in {folder}\n",
+                comparison.text()
+            )
         })
     })
 }
@@ -199,14 +204,6 @@ fn not_solvable(name: &str, why: NoCutsOf) -> Failure {
         NoCutsOf::Wavelength => "give one, --wavelength-nm NM",
     };
     Failure::bad(format!("--rigorous, {name}: {why}; {remedy}"))
-}
-
-/// The methods of each sample in the order of what the data support, if they were ranked.
-fn rankings(samples: &[SampleResult]) -> String {
-    let ranked = samples.iter().filter(|sample| !sample.ranking.is_empty());
-    let one =
-        |s: &SampleResult| format!("\n{}\n{}", s.title, auto::table(s.ranking.iter(), s.grounds));
-    ranked.map(one).collect()
 }
 
 /// What the samples are, by their files and what these say.

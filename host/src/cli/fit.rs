@@ -12,6 +12,7 @@ use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
 use super::flags::nuisance::NuisanceFlags;
 use super::flags::part::PartFlags;
+use super::flags::sample::RANKED_FOR;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::flags::stem::stem;
 use super::model::{BouncesFlag, ProfileFlag};
@@ -42,9 +43,10 @@ use crate::watch::Watch;
 /// described significantly better with it. Standard errors are checked by moving each value by two
 /// of them; where the error of the fit rises less than they say they are enlarged, and it is said.
 ///
-/// With --method auto every law in closed form is fitted (of the rough face; with --body sheet, of the sheet as measured), and
-/// has to predict incidences that it was not fitted to. A table gives the errors in and out of sample, in the tails, and
-/// what the data do not determine. Of the laws that predict as well as the best, the one with the fewest parameters is kept.
+/// With --method auto every law in closed form is fitted (of the rough face; with --body sheet, of
+/// the sheet as measured), and has to predict incidences that it was not fitted to. A table gives
+/// the errors in and out of sample, in the tails, and what the data do not determine. Of the laws
+/// that predict as well as the best, the one with the fewest parameters is kept.
 ///
 /// --shard I/N fits a part of the replicas of --bootstrap, on as many machines as there are parts.
 ///
@@ -107,20 +109,17 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Do not filter the map: fit its vertical scale only
-    #[arg(long, requires = "map")]
+    #[arg(long, hide_short_help = true, requires = "map")]
     no_cutoff: bool,
-    /// Fit the refractive index too; --ior or the header gives the start
-    #[arg(long)]
-    fit_ior: bool,
-    /// Fit a calibration factor on all readings too (an opaque body always has one)
-    #[arg(long)]
-    fit_gain: bool,
     /// Write the fit as a model file
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write plots of the readings, STEM-linear, -log (svg, png), and the law from both sides, -boundary (svg, png, csv)
     #[arg(long, value_name = "STEM", value_parser = stem())]
     plot: Option<PathBuf>,
+    /// Fit N scans that the fitted law would have given, with its noise and the doubts of --uncertainty
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=100_000))]
+    bootstrap: Option<u32>,
     /// Exit 0 whatever the verdict
     #[arg(long, hide_short_help = true)]
     accept: bool,
@@ -166,28 +165,16 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
     if !matches!(body, Body::Dielectric { .. }) && args.anisotropic {
         return Err(Failure::bad("--anisotropic is for a plate; leave it out for other bodies"));
     }
-    if !matches!(body, Body::Dielectric { .. }) && (args.fit_ior || args.fit_gain) {
-        return Err(Failure::bad(
-            "--fit-ior and --fit-gain are for a plate; laws of an opaque body or a sheet have a level anyway and no index",
-        ));
-    }
     let map = match &args.map {
         Some(path) => Some(args.map_flags.load_for_light(path)?),
         None => None,
     };
+    let options = args.nuisance.apply(&args.effort.options(body), &measurement, &setup)?;
     let of_scan = |what: &dyn Display| format!("{}: {what}", args.scan.display());
     let task = Task {
         measurement: &measurement,
         setup,
-        options: FitOptions {
-            fit_ior: args.fit_ior,
-            fit_gain: args.fit_gain || measurement.is_relative(),
-            nuisance: args.nuisance.nuisance(&measurement)?,
-            signature: args.nuisance.signature(setup.aperture_deg)?,
-            doubts: args.nuisance.doubts(),
-            replicas: args.nuisance.replicas(),
-            ..args.effort.options(body)
-        },
+        options: FitOptions { replicas: args.bootstrap.unwrap_or(0), ..options },
         max_misfit: args.effort.max_misfit,
         map: map.as_ref(),
         light: args.light.light(Some(&measurement.meta))?,
@@ -197,18 +184,12 @@ pub(super) fn run(args: &Args) -> Result<(), Failure> {
         in_plate: args.setup.in_plate(),
         diagnose: !is_model,
     };
-    args.nuisance.check(&task)?;
     let trials = args.trials(&task).map_err(|what| Failure::Bad(of_scan(&what)))?;
-    if args.nuisance.replicas() > 0 && trials.iter().any(|trial| trial.is_traced()) {
+    if args.bootstrap.is_some() && trials.iter().any(|trial| trial.is_traced()) {
         return Err(Failure::bad("--bootstrap is for methods without rays of their own noise"));
     }
-    if args.nuisance.has_response() && trials.iter().any(|t| t.is_traced() || t.wave().is_some()) {
-        return Err(Failure::bad(
-            "--signature, --beam-width and --slit-height are for laws in closed form",
-        ));
-    }
-    let has_replicas = args.nuisance.replicas() > 0;
-    args.part.need_pieces(has_replicas, "the replicas of --bootstrap alone are divided")?;
+    args.part
+        .need_pieces(args.bootstrap.is_some(), "the replicas of --bootstrap alone are divided")?;
     let output = args.output.as_ref().map(AtomicFile::create).transpose()?;
     let is_closed = trials.iter().all(|t| !t.is_traced() && t.wave().is_none());
     let plots = args.plot.as_deref();
@@ -333,7 +314,8 @@ fn check_auto(args: &Args) -> Result<(), Failure> {
         ("--map", args.map.is_some()),
     ];
     without_effect(&flags, "the data choose among all laws in closed form")?;
-    without_effect(&args.nuisance.given(), "laws are ranked for an instrument that is known")?;
+    without_effect(&args.nuisance.given(), RANKED_FOR)?;
+    without_effect(&[("--bootstrap", args.bootstrap.is_some())], RANKED_FOR)?;
     if args.setup.in_plate() {
         return Err(Failure::bad(
             "--method auto ranks laws of the rough face, with --body sheet those of a sheet; leave --body plate out",

@@ -23,6 +23,9 @@ pub(super) fn trials(
         Unusable::RaysNeedAperture | Unusable::CoherentNeedsAperture => {
             format!("{why}; give --aperture above 0")
         }
+        Unusable::NeedsRoundAperture => {
+            format!("{why}; leave --signature, --beam-width and --slit-height out")
+        }
     })
 }
 

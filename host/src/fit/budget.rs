@@ -72,10 +72,11 @@ impl Doubts {
                 add("zero of sigma", "deg", by, part.into_iter().collect());
             }
         }
-        if let Some(by) = self.gain.filter(|_| !fitted(GAIN) || is_opaque(problem)) {
+        let is_free = problem.has_free_levels();
+        if let Some(by) = self.gain.filter(|_| !is_free && (!fitted(GAIN) || is_opaque(problem))) {
             add("gain", "", by, vec![simulated.iter().map(|s| by * s).collect()]);
         }
-        if let Some(by) = self.gains.filter(|_| !has_gains(problem)) {
+        if let Some(by) = self.gains.filter(|_| !is_free && !has_gains(problem)) {
             add("gain of an incidence", "", by, lines.levels(by));
         }
         if let Some(by) = self.drift {

@@ -26,6 +26,9 @@ pub struct Nuisance {
     pub gain: Option<f64>,
     /// The factor of each incidence beside that of all, relative.
     pub gains: Option<f64>,
+    /// The level of each incidence means nothing: each set of readings is brought to the measured ones by a factor of its own. For laws
+    /// without a level.
+    pub free_levels: bool,
 }
 
 /// Names of the parameters.
@@ -176,6 +179,7 @@ mod tests {
             aperture: Some(0.05),
             gain: Some(0.1),
             gains: Some(0.02),
+            ..Nuisance::default()
         };
         let known = all.parameters(&scan);
         let names: Vec<&str> = known.iter().map(|k| k.parameter.name).collect();

@@ -15,6 +15,11 @@ pub enum Objective {
     Log,
 }
 
+/// What is added to both readings before their logarithms are compared, as a share of the largest.
+const LIFT: f64 = 1e-4;
+/// Steps to the factor that brings logarithms nearest.
+const LEVEL_STEPS: usize = 6;
+
 impl Objective {
     /// Residuals whose mean square the fit minimises, dimensionless; `largest` is the largest reading.
     pub fn residual(self, measured: f64, simulated: f64, largest: f64) -> f64 {
@@ -23,7 +28,7 @@ impl Objective {
             Self::Relative => (simulated - measured) / measured.max(1e-3 * largest),
             Self::Log => {
                 // a measured reading may be negative by noise
-                let lift = 1e-4 * largest;
+                let lift = LIFT * largest;
                 ((simulated.max(0.0) + lift) / (measured.max(0.0) + lift)).ln()
             }
         }
@@ -38,12 +43,39 @@ impl Objective {
         }
     }
 
+    /// The factor by which simulated readings come nearest to measured ones; 1 where there is none.
+    pub fn level(self, measured: &[f64], simulated: &[f64], largest: f64) -> f64 {
+        let pairs = || measured.iter().zip(simulated);
+        let mut product = 0.0;
+        let mut square = 0.0;
+        for (&m, s) in pairs() {
+            let weight = self.weight2(m, largest);
+            product += weight * m * s;
+            square += weight * s * s;
+        }
+        let mut level = product / square;
+        if self == Self::Log && level > 0.0 {
+            // steps of Gauss and Newton in its logarithm
+            for _ in 0..LEVEL_STEPS {
+                let (mut fall, mut curvature) = (0.0, 0.0);
+                for (&m, s) in pairs() {
+                    let seen = (level * s).max(0.0);
+                    let slope = seen / (seen + LIFT * largest);
+                    fall += slope * self.residual(m, level * s, largest);
+                    curvature += slope * slope;
+                }
+                level *= (-fall / curvature).exp();
+            }
+        }
+        if level.is_finite() && level > 0.0 { level } else { 1.0 }
+    }
+
     /// Square of the weight of a reading in a linear problem.
     pub fn weight2(self, measured: f64, largest: f64) -> f64 {
         let w = match self {
             Self::Rmsd => largest,
             Self::Relative => measured.max(1e-3 * largest),
-            Self::Log => measured.max(0.0) + 1e-4 * largest,
+            Self::Log => measured.max(0.0) + LIFT * largest,
         };
         1.0 / (w * w)
     }
@@ -91,6 +123,20 @@ impl FromStr for Objective {
 #[cfg(test)]
 mod tests {
     use super::Objective;
+
+    #[test]
+    fn a_level_is_found_whatever_is_minimised() {
+        let measured = [0.5, 1.0, 0.25, 1e-3];
+        let simulated = measured.map(|m| m / 3.0);
+        for objective in [Objective::Rmsd, Objective::Relative, Objective::Log] {
+            let found = objective.level(&measured, &simulated, 1.0);
+            assert!((found - 3.0).abs() < 1e-6, "{objective}: {found}");
+            assert!((objective.level(&measured, &[0.0; 4], 1.0) - 1.0).abs() < 1e-15);
+        }
+        // the least squares of two readings that no factor brings together
+        let found = Objective::Rmsd.level(&[1.0, 3.0], &[1.0, 1.0], 3.0);
+        assert!((found - 2.0).abs() < 1e-12, "{found}");
+    }
 
     #[test]
     fn residuals_are_what_their_names_say() {

@@ -89,12 +89,13 @@ impl<'a> Problem<'a> {
         if options.fit_ior && matches!(options.body, Body::Dielectric { .. }) {
             parameters.push(IOR);
         }
-        if options.fit_gain && matches!(options.body, Body::Dielectric { .. }) {
+        let nuisance = &options.nuisance;
+        let fit_gain = options.fit_gain && !nuisance.free_levels;
+        if fit_gain && matches!(options.body, Body::Dielectric { .. }) {
             parameters.push(GAIN);
         }
-        let nuisance = &options.nuisance;
         let mut priors: BTreeMap<&'static str, (f64, f64)> = BTreeMap::new();
-        if let Some(width) = nuisance.gain.filter(|_| options.fit_gain) {
+        if let Some(width) = nuisance.gain.filter(|_| fit_gain) {
             priors.insert(GAIN_NAME, (1.0, width));
         }
         for known in nuisance.parameters(measurement) {
@@ -160,6 +161,11 @@ impl<'a> Problem<'a> {
 
     pub(super) fn parameters(&self) -> &[Parameter] {
         &self.parameters
+    }
+
+    /// Whether the level of each incidence means nothing.
+    pub(super) fn has_free_levels(&self) -> bool {
+        self.options.nuisance.free_levels
     }
 
     pub(super) fn objective(&self) -> Objective {
@@ -237,6 +243,25 @@ impl<'a> Problem<'a> {
         Ok(Ready { boundary, setup, angles, instrument, gain, cones: cones.unwrap_or_default() })
     }
 
+    /// Readings with each incidence at the level of the measured one, if levels mean nothing.
+    pub(super) fn levelled(&self, mut readings: Readings) -> Readings {
+        if !self.has_free_levels() {
+            return readings;
+        }
+        let mut from = 0;
+        for incidence in &self.angles.incidences {
+            let of = from..from + incidence.theta_deg.len();
+            from = of.end;
+            let measured = &self.measured[of.clone()];
+            let level =
+                self.objective().level(measured, &readings.values[of.clone()], self.largest);
+            let halves = readings.halves.iter_mut().flatten();
+            let series = halves.chain(&mut readings.std_errors).chain([&mut readings.values]);
+            series.for_each(|all| all[of.clone()].iter_mut().for_each(|r| *r *= level));
+        }
+        readings
+    }
+
     /// Rays per incidence in full effort.
     pub(super) fn full_rays(&self) -> u64 {
         self.full_rays
@@ -256,8 +281,17 @@ impl<'a> Problem<'a> {
         Rays { count, seed: self.options.rays.seed }
     }
 
-    /// Readings for values; `None` if the user stopped them.
+    /// Readings for values, at the level of the measured ones if that is free; `None` if the user stopped them.
     pub(super) fn simulate(
+        &self,
+        values: &[f64],
+        effort: Effort,
+    ) -> Result<Option<Readings>, BuildError> {
+        Ok(self.unlevelled(values, effort)?.map(|readings| self.levelled(readings)))
+    }
+
+    /// The same at the level of the law.
+    pub(super) fn unlevelled(
         &self,
         values: &[f64],
         effort: Effort,
@@ -295,6 +329,7 @@ impl<'a> Problem<'a> {
             return Ok(Some(known.readings.clone()));
         }
         let found = self.ready(values, Effort::Full)?.readings(Effort::Full, rays, watch);
+        let found = found.map(|readings| self.levelled(readings));
         if let Some(readings) = &found {
             let mut judged = judged();
             if judged.len() > 1 {

@@ -18,10 +18,36 @@ const ALONG_DEG: f64 = 89.5;
 
 /// Suspicions, each with its remedy.
 pub fn signs(scan: &Measurement) -> Vec<String> {
-    [radians(scan), normalised(scan), saturated(scan), dropped_out(scan), one_sided(scan)]
+    [radians(scan), saturated(scan), dropped_out(scan), one_sided(scan)]
         .into_iter()
         .flatten()
         .collect()
+}
+
+/// A level that is lost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Normalised {
+    /// Of all readings together: the largest is exactly this.
+    Together(f64),
+    /// Of each incidence: every largest is exactly this.
+    Each(f64),
+}
+
+impl std::fmt::Display for Normalised {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Each(to) => write!(
+                f,
+                "the largest reading of every incidence is exactly {to}: they are normalised to their own peaks, and their levels \
+                 are lost; --fit-gains=free"
+            ),
+            Self::Together(to) => write!(
+                f,
+                "the largest reading is exactly {to}: the readings are normalised to their peak, and the level is lost; \
+                 --fit-gain, or --quantity counts"
+            ),
+        }
+    }
 }
 
 fn radians(scan: &Measurement) -> Option<String> {
@@ -33,7 +59,8 @@ fn radians(scan: &Measurement) -> Option<String> {
     (many && most > 0.5 && most <= RADIANS && tilt <= RADIANS).then(|| says.into())
 }
 
-fn normalised(scan: &Measurement) -> Option<String> {
+/// Whether the readings have lost their level.
+pub fn normalised(scan: &Measurement) -> Option<Normalised> {
     let largest = |plane: Plane<'_>| {
         let values = plane.readings.iter().map(|r| r.value);
         (plane.readings.len() >= MANY).then(|| values.fold(0.0, f64::max))
@@ -42,14 +69,11 @@ fn normalised(scan: &Measurement) -> Option<String> {
     let is_at = |to: f64| peaks.iter().all(|p| (p / to - 1.0).abs() < 1e-9);
     let is_one = |to: f64| (scan.largest_reading() / to - 1.0).abs() < 1e-9;
     let to = [1.0, 100.0].into_iter().find(|&to| is_one(to))?;
-    if peaks.len() > 1 && is_at(to) {
-        return Some(format!(
-            "the largest reading of every incidence is exactly {to}: they are normalised to their own peaks, and their levels \
-             are lost; --fit-gains"
-        ));
-    }
-    (!peaks.is_empty()).then(|| {
-        format!("the largest reading is exactly {to}: the readings are normalised to their peak, and the level is lost; --fit-gain")
+    let each = peaks.len() > 1 && is_at(to);
+    (!peaks.is_empty()).then_some(if each {
+        Normalised::Each(to)
+    } else {
+        Normalised::Together(to)
     })
 }
 
@@ -148,7 +172,7 @@ fn one_sided(scan: &Measurement) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::Metadata;
-    use super::{Measurement, Reading};
+    use super::{Measurement, Normalised, Reading};
     use super::{signs, zeros_in_light};
 
     fn scan(value: impl Fn(f64, f64) -> f64) -> Measurement {
@@ -183,7 +207,12 @@ mod tests {
         let one = |text: Vec<String>, word: &str| {
             assert!(text.len() == 1 && text[0].contains(word), "{word}: {text:?}");
         };
-        one(said(|s, t| lobe(s, t) / lobe(s, s)), "normalised to their own peaks");
+        let normalised = |value: &dyn Fn(f64, f64) -> f64| super::normalised(&scan(value));
+        assert_eq!(normalised(&|s, t| lobe(s, t) / lobe(s, s)), Some(Normalised::Each(1.0)));
+        let top = lobe(0.0, 0.0);
+        let one_lobe = |s: f64, t: f64| 100.0 * lobe(s, t) / top * (1.0 - 0.01 * s);
+        assert_eq!(normalised(&one_lobe), Some(Normalised::Together(100.0)));
+        assert_eq!(normalised(&lobe), None);
         one(said(|s, t| lobe(s, t).min(0.01)), "saturated");
         one(said(|s, t| lobe(-s, t)), "--theta-sign");
         one(said(|s, t| if (t - s - 10.0).abs() < 5.0 { 0.0 } else { lobe(s, t) }), "--drop zeros");

@@ -56,6 +56,11 @@ pub enum Unusable {
     /// Coherent light without an aperture.
     #[error("coherent light needs a detector to fall into")]
     CoherentNeedsAperture,
+    /// Rays or waves into a detector that is no round cone.
+    #[error(
+        "rays and waves are counted in a round aperture, not in a slit or the response of an instrument"
+    )]
+    NeedsRoundAperture,
 }
 
 /// The optional parameters that are fitted unless the user says otherwise.
@@ -137,6 +142,10 @@ impl<'a> Task<'a> {
         let variants =
             profiles.iter().flat_map(|profile| waves.iter().map(|w| (*profile, w.as_ref())));
         let methods = variants.map(with).collect::<Result<Vec<_>, _>>()?;
+        let has_response = self.options.signature.is_some() || self.setup.slit_height_deg.is_some();
+        if has_response && methods.iter().any(|m| m.is_traced() || m.wave().is_some()) {
+            return Err(Unusable::NeedsRoundAperture);
+        }
         if self.setup.aperture_deg <= 0.0 {
             if methods.iter().any(|m| m.is_traced()) {
                 return Err(Unusable::RaysNeedAperture);

@@ -1,18 +1,24 @@
-//! What the instrument may be wrong about: the flags of `fit`.
+//! What the instrument may be wrong about, and the index of the body: the flags of `fit`, `compare` and `trade`.
 
 use std::path::PathBuf;
 
 use super::scan::number;
 use crate::cli::error::Failure;
-use crate::fit::{Doubts, MOST_GAINS, Nuisance, Signature};
+use crate::fit::{Doubts, FitOptions, MOST_GAINS, Nuisance, Signature};
 use crate::forward::Setup;
 use crate::measurement::{Measurement, csv};
-use crate::reconstruct::Task;
+use crate::method::Body;
 
-/// Numbers of the instrument that are fitted too, each with the standard deviation of its prior.
+/// Numbers beside the law that are fitted too; those of the instrument have the standard deviation of their prior.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Instrument (fitted too, within what is known of it)")]
+#[command(next_help_heading = "Index and instrument (fitted too, within what is known of them)")]
 pub(in crate::cli) struct NuisanceFlags {
+    /// Fit the refractive index too; --ior or the header gives the start
+    #[arg(long)]
+    fit_ior: bool,
+    /// Fit a calibration factor on all readings too (an opaque body always has one)
+    #[arg(long)]
+    fit_gain: bool,
     /// Fit the zeros of theta and sigma too, known to DEG [default: 0.3]
     #[arg(long, hide_short_help = true, value_name = "DEG", num_args = 0..=1, require_equals = true, default_missing_value = "0.3", value_parser = number)]
     fit_offset: Option<f64>,
@@ -22,9 +28,10 @@ pub(in crate::cli) struct NuisanceFlags {
     /// Fit the detector's aperture too, known to PERCENT [default: 10]
     #[arg(long, hide_short_help = true, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "10", value_parser = number)]
     fit_aperture: Option<f64>,
-    /// Fit a factor of each incidence too, known to PERCENT [default: 5]
-    #[arg(long, hide_short_help = true, value_name = "PERCENT", num_args = 0..=1, require_equals = true, default_missing_value = "5", value_parser = number)]
-    fit_gains: Option<f64>,
+    /// Fit a factor of each incidence too, known to PERCENT [default: 5]; free: the levels of the incidences mean nothing, as where
+    /// each is normalised to its own peak
+    #[arg(long, hide_short_help = true, value_name = "PERCENT|free", num_args = 0..=1, require_equals = true, default_missing_value = "5", value_parser = Gains::parse)]
+    fit_gains: Option<Gains>,
     /// The factor of --fit-gain is 1 to PERCENT; without it nothing is known of it
     #[arg(long, hide_short_help = true, value_name = "PERCENT", requires = "fit_gain", value_parser = number)]
     gain_prior: Option<f64>,
@@ -41,9 +48,28 @@ pub(in crate::cli) struct NuisanceFlags {
     /// gains, stray, aperture (percent), ior; they enter the errors, and a budget is printed
     #[arg(long, hide_short_help = true, value_name = "KEY=VALUE,...", value_parser = doubts)]
     uncertainty: Option<Doubts>,
-    /// Fit N scans that the fitted law would have given, with its noise and the doubts of --uncertainty
-    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(10..=100_000))]
-    bootstrap: Option<u32>,
+}
+
+/// What is known of the factor of each incidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Gains {
+    /// Nothing.
+    Free,
+    /// That it is 1 to so many percent.
+    Known(f64),
+}
+
+impl Gains {
+    fn parse(text: &str) -> Result<Self, String> {
+        if text == "free" { Ok(Self::Free) } else { number(text).map(Self::Known) }
+    }
+
+    fn percent(self) -> Option<f64> {
+        match self {
+            Self::Free => None,
+            Self::Known(percent) => Some(percent),
+        }
+    }
 }
 
 /// Doubts as text: angles in degrees, the index as it is, all others in percent.
@@ -77,12 +103,11 @@ fn doubts(text: &str) -> Result<Doubts, String> {
 
 impl NuisanceFlags {
     /// The flags with whether they are given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 8] {
+    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 7] {
         [
             ("--slit-height", self.slit_height.is_some()),
             ("--signature", self.signature.is_some()),
             ("--beam-width", self.beam_width.is_some()),
-            ("--bootstrap", self.bootstrap.is_some()),
             ("--fit-offset", self.fit_offset.is_some()),
             ("--fit-stray", self.fit_stray.is_some()),
             ("--fit-aperture", self.fit_aperture.is_some()),
@@ -90,15 +115,64 @@ impl NuisanceFlags {
         ]
     }
 
-    /// The numbers, checked.
-    pub(in crate::cli) fn nuisance(&self, scan: &Measurement) -> Result<Nuisance, Failure> {
-        let widths =
-            [self.fit_offset, self.fit_stray, self.fit_aperture, self.fit_gains, self.gain_prior];
+    /// All of them with whether they are given.
+    pub(in crate::cli) fn all_given(&self) -> impl Iterator<Item = (&'static str, bool)> {
+        let others = [
+            ("--fit-ior", self.fit_ior),
+            ("--fit-gain", self.fit_gain),
+            ("--uncertainty", self.uncertainty.is_some()),
+        ];
+        self.given().into_iter().chain(others)
+    }
+
+    /// Options of a fit with what is fitted too, checked against the scan and the instrument that is known.
+    pub(in crate::cli) fn apply(
+        &self,
+        usual: &FitOptions,
+        scan: &Measurement,
+        setup: &Setup,
+    ) -> Result<FitOptions, Failure> {
+        if !matches!(usual.body, Body::Dielectric { .. }) && (self.fit_ior || self.fit_gain) {
+            return Err(Failure::bad(
+                "--fit-ior and --fit-gain are for a plate; laws of an opaque body or a sheet have a level anyway and no index",
+            ));
+        }
+        let is_free = self.fit_gains == Some(Gains::Free);
+        if is_free && !matches!(usual.body, Body::Dielectric { .. }) {
+            return Err(Failure::bad(
+                "--fit-gains=free is for a plate: of other bodies the level of the law is free already; say what is known of the \
+                 incidences beside each other, --fit-gains=PERCENT",
+            ));
+        }
+        if is_free && self.gain_prior.is_some() {
+            return Err(Failure::bad(
+                "--gain-prior says nothing where --fit-gains=free; leave one of them out",
+            ));
+        }
+        if self.fit_aperture.is_some() && setup.aperture_deg <= 0.0 {
+            return Err(Failure::bad(
+                "--fit-aperture is for readings in an aperture; values of a BSDF have none",
+            ));
+        }
+        Ok(FitOptions {
+            fit_ior: self.fit_ior,
+            fit_gain: self.fit_gain || scan.is_relative(),
+            nuisance: self.nuisance(scan)?,
+            signature: self.signature(setup.aperture_deg)?,
+            doubts: self.uncertainty.unwrap_or_default(),
+            ..*usual
+        })
+    }
+
+    /// The widths of the priors, checked.
+    fn nuisance(&self, scan: &Measurement) -> Result<Nuisance, Failure> {
+        let gains = self.fit_gains.and_then(Gains::percent);
+        let widths = [self.fit_offset, self.fit_stray, self.fit_aperture, gains, self.gain_prior];
         if widths.into_iter().flatten().any(|w| !(w > 0.0 && w.is_finite())) {
             return Err(Failure::bad("what is known of the instrument must be above 0"));
         }
         let tilts = scan.incidences();
-        if self.fit_gains.is_some() && tilts.len() > MOST_GAINS {
+        if gains.is_some() && tilts.len() > MOST_GAINS {
             return Err(Failure::bad(format!(
                 "--fit-gains is for at most {MOST_GAINS} incidences, and there are {}; choose some with --sigma-range",
                 tilts.len()
@@ -113,15 +187,13 @@ impl NuisanceFlags {
             stray: share(self.fit_stray),
             aperture: share(self.fit_aperture),
             gain: share(self.gain_prior),
-            gains: share(self.fit_gains),
+            gains: share(gains),
+            free_levels: self.fit_gains == Some(Gains::Free),
         })
     }
 
     /// The response of the instrument, where it is no ideal cone.
-    pub(in crate::cli) fn signature(
-        &self,
-        aperture_deg: f64,
-    ) -> Result<Option<Signature>, Failure> {
+    fn signature(&self, aperture_deg: f64) -> Result<Option<Signature>, Failure> {
         if let Some(path) = &self.signature {
             let scan = csv::parse(&csv::load(path)?, path)?;
             let found = Signature::of_scan(&scan);
@@ -145,31 +217,6 @@ impl NuisanceFlags {
             ));
         }
         Ok(Setup { slit_height_deg: Some(height), ..setup })
-    }
-
-    /// Whether the response is other than a cone.
-    pub(in crate::cli) fn has_response(&self) -> bool {
-        self.slit_height.is_some() || self.signature.is_some() || self.beam_width.is_some()
-    }
-
-    /// The doubts that are not fitted.
-    pub(in crate::cli) fn doubts(&self) -> Doubts {
-        self.uncertainty.unwrap_or_default()
-    }
-
-    /// Replicas of the bootstrap.
-    pub(in crate::cli) fn replicas(&self) -> u32 {
-        self.bootstrap.unwrap_or(0)
-    }
-
-    /// Refuses an aperture of readings that have none.
-    pub(in crate::cli) fn check(&self, task: &Task<'_>) -> Result<(), Failure> {
-        if self.fit_aperture.is_some() && task.setup.aperture_deg <= 0.0 {
-            return Err(Failure::bad(
-                "--fit-aperture is for readings in an aperture; values of a BSDF have none",
-            ));
-        }
-        Ok(())
     }
 }
 

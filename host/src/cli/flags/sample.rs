@@ -6,6 +6,7 @@ use super::clean::CleanFlags;
 use super::effort::EffortFlags;
 use super::light::LightFlags;
 use super::map::MapFlags;
+use super::nuisance::NuisanceFlags;
 use super::scan::{ReadFlags, SetupFlags};
 use crate::cli::error::{Failure, without_effect};
 use crate::fit::FitOptions;
@@ -16,11 +17,16 @@ use crate::provenance::InputFile;
 use crate::reconstruct::{Light, Task};
 use crate::surface::Prepared;
 
+/// Why nothing of the instrument is fitted where laws are ranked.
+pub(in crate::cli) const RANKED_FOR: &str = "laws are ranked for an instrument that is known";
+
 /// All flags of a sample.
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct SampleFlags {
     #[command(flatten)]
     pub(in crate::cli) effort: EffortFlags,
+    #[command(flatten)]
+    nuisance: NuisanceFlags,
     #[command(flatten)]
     setup: SetupFlags,
     #[command(flatten)]
@@ -64,12 +70,18 @@ impl SampleFlags {
         self.light.need_waves(has_maps && any(Kind::is_wave), "no method sends waves on a map")
     }
 
+    /// Refuses to rank laws where something of the instrument is fitted.
+    pub(in crate::cli) fn need_no_nuisance(&self) -> Result<(), Failure> {
+        without_effect(&self.nuisance.given(), RANKED_FOR)
+    }
+
     /// Refuses all of them where there is no scan.
     pub(in crate::cli) fn need_scan(&self) -> Result<(), Failure> {
         let why = "models know their own sample";
         let given: Vec<_> = self.setup.given().into_iter().chain(self.read.given()).collect();
         without_effect(&self.clean.given(), why)?;
         without_effect(&given, why)?;
+        without_effect(&self.nuisance.all_given().collect::<Vec<_>>(), why)?;
         self.light.need_waves(false, why)?;
         self.map_flags.need_map(false)?;
         self.effort.need_rays(false)
@@ -84,10 +96,10 @@ impl SampleFlags {
         let (measurement, input) = self.read.read(scan, &self.setup)?;
         let measurement = self.clean.apply(&measurement, scan, self.effort.objective())?;
         let (body, setup) = self.setup.resolve(&measurement, scan, false)?;
+        let setup = self.nuisance.opening(setup)?;
         let map = map.map(|path| self.map_flags.load_for_light(path)).transpose()?;
         let light = self.light.light(Some(&measurement.meta))?;
-        let fit_gain = measurement.is_relative();
-        let options = FitOptions { fit_gain, ..self.effort.options(body) };
+        let options = self.nuisance.apply(&self.effort.options(body), &measurement, &setup)?;
         let max_misfit = self.effort.max_misfit;
         let in_plate = self.setup.in_plate();
         Ok(Loaded { measurement, input, setup, map, options, light, max_misfit, in_plate })

@@ -12,6 +12,7 @@ mod diagnosis;
 
 use crate::fit::{Fit, tail_score};
 use crate::measurement::isotropy::Isotropy;
+use crate::measurement::signs::{self, Normalised};
 use crate::measurement::{Incidence, Measurement, noise};
 use crate::method::Method;
 use crate::model::{Flux, Grade, Verdict};
@@ -58,7 +59,8 @@ pub(super) fn judge(
         undetermined.extend(identity::index_astray(fit, &task.options, is_noise));
         undetermined.extend(identity::too_few(fit, task.measurement.readings().len()));
     }
-    let has_level = !task.measurement.is_relative();
+    let is_free = task.options.nuisance.free_levels;
+    let has_level = !(task.measurement.is_relative() || is_free);
     let gain = identity::gain_astray(fit, &task.options, is_noise).filter(|_| has_level);
     let others = identity::instrument_astray(fit, &task.options, is_noise);
     for astray in gain.into_iter().chain(others).filter(|_| task.diagnose) {
@@ -77,13 +79,14 @@ pub(super) fn judge(
     }
     let excess = gate::excess(fit, fluxes).filter(|_| has_level || fit.ior.is_some());
     // a gain takes up the unit of a plate's readings
-    let is_absolute = !(task.options.fit_gain && fit.ior.is_some());
+    let is_absolute = !(is_free || task.options.fit_gain && fit.ior.is_some());
     let of_readings = gate::excess_of_readings(task.measurement).filter(|_| is_absolute);
     if let Some(why) = of_readings.or(excess) {
         grade = Grade::Unphysical;
         causes.insert(0, why);
     }
-    let signs = crate::measurement::signs::signs(task.measurement);
+    let mut signs = signs::signs(task.measurement);
+    signs.extend(lost_level(task));
     if !is_noise && task.diagnose {
         // what the readings say of themselves needs no fit to be named
         let noise = fit.noise_floor_percent.filter(|_| is_told).unwrap_or(UNKNOWN_NOISE);
@@ -105,6 +108,18 @@ pub(super) fn judge(
         peak_off_deg: worst.and_then(|sigma| peak_off(task.measurement, &fit.readings, sigma)),
         tail_score: tail_score(task.measurement, &fit.readings),
     }
+}
+
+/// Readings that have lost their level, if the fit takes it for one.
+fn lost_level(task: &Task<'_>) -> Option<String> {
+    let lost = signs::normalised(task.measurement)?;
+    let is_known = match lost {
+        Normalised::Each(_) => task.options.nuisance.free_levels,
+        Normalised::Together(_) => {
+            task.options.nuisance.free_levels || task.measurement.is_relative()
+        }
+    };
+    (!is_known).then(|| lost.to_string())
 }
 
 /// The incidence whose lobe alone lies beside where the law has it.
