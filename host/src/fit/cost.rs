@@ -93,9 +93,14 @@ impl Problem<'_> {
     }
 
     /// The objective for values and their simulated readings, with what is known beforehand.
-    fn cost_at(&self, values: &[f64], simulated: &[f64]) -> f64 {
+    pub(super) fn cost_at(&self, values: &[f64], simulated: &[f64]) -> f64 {
         let sum: f64 = self.residuals(values, simulated).iter().map(|r| r * r).sum();
         self.objective().of_mean_square(sum / self.measured.len() as f64)
+    }
+
+    /// The same of readings at the level of the law.
+    pub(super) fn cost_of_simulated(&self, values: &[f64], readings: Readings) -> f64 {
+        self.cost_at(values, &self.levelled(readings).values)
     }
 
     /// By how much the residuals of a law change where the instrument makes readings `after` of `before`.

@@ -71,7 +71,7 @@ pub use nuisance::{MOST_GAINS, Nuisance, is_of_instrument};
 pub use objective::Objective;
 pub use outcome::{Fit, FitError, IncidenceError, Termination};
 pub use profile::{Profile, Side};
-pub use quick::{Quick, quick};
+pub use quick::{Quick, Rival, quick};
 pub use rays::FitRays;
 pub use signature::{NoSignature, Signature};
 pub use tail::tail_score;
@@ -360,6 +360,7 @@ fn choose_rays(
         let Some(readings) = ready.readings(Effort::Part, rays, problem.watch()) else {
             return Ok(());
         };
+        let readings = problem.levelled(readings);
         let noise = noise_percent(&readings, measurement).unwrap_or(0.0);
         let (least, most) = FitRays::IN_FIT;
         let count = FitRays::for_noise(draft, noise, FitRays::FIT_NOISE_PERCENT);

@@ -5,7 +5,7 @@ use asperity_core::gonio::Geometry;
 use asperity_core::plate::RoughSide;
 use rayon::prelude::*;
 
-use crate::fit::{FitOptions, Nuisance, Quick, quick};
+use crate::fit::{FitOptions, Nuisance, Quick, Rival, quick};
 use crate::forward::{Sample, Setup};
 use crate::measurement::{Measurement, Quantity, Reading};
 use crate::method::{Body, Method};
@@ -54,30 +54,37 @@ pub(super) fn diagnose(
     if method.is_traced() || method.wave().is_some() || method.is_free_form() {
         return None;
     }
-    let fit = |scan: &Measurement, setup: &Setup, options: &FitOptions, beside: Option<&Quick>| {
-        quick(method, scan, setup, options, beside, watch)
-    };
-    let base = fit(task.measurement, &task.setup, &task.options, None)?;
+    let base = quick(method, task.measurement, &task.setup, &task.options, None, watch)?;
     let mut best: Option<(f64, String)> = None;
-    let all = alternatives(task);
-    let found: Vec<Option<Quick>> = all
-        .par_iter()
-        .map(|alternative| {
-            let scan = alternative.scan.as_ref().unwrap_or(task.measurement);
-            fit(scan, &alternative.setup, &alternative.options, Some(&base))
-        })
-        .collect();
-    for (alternative, found) in all.iter().zip(found) {
-        let Some(found) = found else { continue };
-        let error = found.rmsd_percent / SIMPLER.powi(alternative.numbers);
-        let limit = best.as_ref().map_or(EXPLAINS * base.rmsd_percent, |(least, _)| *least);
-        if error < limit
-            && let Some(cause) = (alternative.says)(&found)
-        {
-            let [now, before] = [found.rmsd_percent, base.rmsd_percent];
-            let is_rough = now > FITS.max(FITS_NOISE * noise_percent);
-            let cause = if is_rough { cause.replace("it fits", "it fits better") } else { cause };
-            best = Some((error, format!("{cause} (error {now:.2} % instead of {before:.2} %)")));
+    // of those without a further number first: where one explains most, little is left for the others
+    let (others, simple): (Vec<_>, Vec<_>) =
+        alternatives(task).into_iter().partition(|alternative| alternative.numbers > 0);
+    for part in [simple, others] {
+        let least = best.as_ref().map_or(EXPLAINS, |(least, _)| least / base.rmsd_percent);
+        let found: Vec<Option<Quick>> = part
+            .par_iter()
+            .map(|alternative| {
+                let scan = alternative.scan.as_ref().unwrap_or(task.measurement);
+                let useful = least * SIMPLER.powi(alternative.numbers);
+                let beside = Rival { fit: &base, soon: least / EXPLAINS, useful };
+                let (setup, options) = (&alternative.setup, &alternative.options);
+                quick(method, scan, setup, options, Some(beside), watch)
+            })
+            .collect();
+        for (alternative, found) in part.iter().zip(found) {
+            let Some(found) = found else { continue };
+            let error = found.rmsd_percent / SIMPLER.powi(alternative.numbers);
+            let limit = best.as_ref().map_or(EXPLAINS * base.rmsd_percent, |(least, _)| *least);
+            if error < limit
+                && let Some(cause) = (alternative.says)(&found)
+            {
+                let [now, before] = [found.rmsd_percent, base.rmsd_percent];
+                let is_rough = now > FITS.max(FITS_NOISE * noise_percent);
+                let cause =
+                    if is_rough { cause.replace("it fits", "it fits better") } else { cause };
+                best =
+                    Some((error, format!("{cause} (error {now:.2} % instead of {before:.2} %)")));
+            }
         }
     }
     best.map(|(_, cause)| cause)
@@ -280,7 +287,7 @@ impl Plain<'_> {
         if (2..=8).contains(&tilts.len()) {
             let numbers = tilts.len() as i32;
             let each = self.with_nuisance(Nuisance { gains: Some(ANY_FACTOR), ..given }, |_| {
-                Some("with a factor of its own for every incidence it fits: the incidences are not in one unit; --fit-gains".into())
+                Some("with a factor of its own for every incidence it fits: the incidences are not in one unit; --fit-gains=free".into())
             });
             all.push(Alternative { numbers, ..each });
         }
