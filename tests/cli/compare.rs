@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::believe::{changed, scan, value};
 use crate::happy::{is_balanced, is_plot, without_nan, without_scripts};
 use crate::map_verbs::{SCAN, waves};
 use crate::program::Folder;
@@ -112,6 +113,54 @@ fn what_cannot_be_used_is_listed_with_the_reason_and_the_others_run() {
     assert!(samples[0]["results"][1]["error_percent"].as_f64().unwrap() < 0.1);
     assert!(!folder.path("r/scan/measured-ray.json").exists());
     assert!(folder.path("r/scan/ggx.json").exists() && folder.path("r/exact/ggx.json").exists());
+}
+
+/// What mends a fit mends a comparison: the index, and what the instrument has wrong.
+#[test]
+fn the_index_and_the_instrument_are_fitted_with_every_method() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "");
+    changed(&folder, "plate", "turned", |[s, t, v]| [s, t + 1.0, 1.1 * v]);
+    let flags = "--methods ggx,beckmann --fit-offset=2 --fit-gain";
+    let json = folder.run(&format!("compare turned.csv {flags} -o r --json")).json();
+    assert_eq!(json["samples"][0]["best"], "ggx", "{json:#}");
+    let model = folder.json("r/turned/ggx.json");
+    for (name, truth, within) in
+        [("alpha", 0.2, 2e-3), ("theta_zero", 1.0, 0.02), ("gain", 1.1, 0.02)]
+    {
+        assert!((value(&model, name) - truth).abs() < within, "{name}: {}", value(&model, name));
+    }
+    folder.run("compare plate.csv --methods ggx --ior 1.45 --fit-ior -o i").with_code(0);
+    let ior = value(&folder.json("i/plate/ggx.json"), "ior");
+    assert!((ior - 1.49).abs() < 1e-3, "{ior}");
+    // other options, another comparison
+    let other = folder.run("compare turned.csv --methods ggx,beckmann --fit-offset=1 -o r");
+    assert!(other.with_code(2).err.contains("another"));
+
+    let response = "0,-1,0\n0,-0.4,1\n0,-0.2,1\n0,0,1\n0,0.2,1\n0,0.4,1\n0,1,0\n";
+    folder.write("scan0.csv", format!("sigma_deg,theta_deg,reading\n{response}"));
+    folder.write("map.txt", waves(0.6));
+    let line = "compare plate.csv --map map.txt --pixel-um 1 --methods ggx,measured-ray --signature scan0.csv -o s";
+    folder.run(line).with_code(0);
+    let notes = folder.json("s/compare.json")["samples"][0]["results"][1]["notes"][0].to_string();
+    assert!(notes.contains("--signature"), "{notes}");
+}
+
+#[test]
+fn a_ranking_stands_in_the_tables_and_on_the_page() {
+    let folder = Folder::new();
+    scan(&folder, "plate", "ggx --set alpha=0.2", "");
+    changed(&folder, "plate", "sound", |row| row);
+    let out = folder.run("compare sound.csv --methods ggx,beckmann --rank -o r").with_code(0).out;
+    let (markdown, page) = (folder.text("r/compare.md"), folder.text("r/report.html"));
+    assert!(out.contains("unseen %") && out.contains("ggx *"), "{out}");
+    assert!(
+        markdown.contains("| law | parameters |") && markdown.contains("| **ggx** | 1 |"),
+        "{markdown}"
+    );
+    assert!(page.contains("What the data support") && page.contains("groups left out in turn"));
+    let refused = folder.run("compare sound.csv --methods ggx --rank --fit-offset -o t");
+    assert!(refused.with_code(2).err.contains("--fit-offset"));
 }
 
 #[test]

@@ -5,7 +5,8 @@ use super::progress;
 use crate::fit::FitError;
 use crate::method::{Body, KINDS, Kind};
 use crate::model::Rank;
-use crate::reconstruct::{Found, Grounds, Task, Trials, usually_asked};
+use crate::reconstruct::{Found, Task, Trials, usually_asked};
+use crate::report;
 
 /// The name that stands for all laws in closed form.
 pub(super) const AUTO: &str = "auto";
@@ -43,13 +44,13 @@ pub(super) fn laws(task: &Task<'_>, of_sheet: bool) -> Result<Trials, String> {
 pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), FitError> {
     use std::fmt::Write;
     let ranking = progress::counter("").watch(|watch| task.rank(laws, watch))?;
-    let mut text = table(ranking.laws.iter().map(|law| &law.rank), ranking.grounds);
+    let ranks: Vec<Rank> = ranking.laws.iter().map(|law| law.rank.clone()).collect();
+    let mut text = report::ranking_text(&ranks, ranking.grounds);
     for (label, why) in &ranking.failed {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{label}: {why}");
     }
     text.push('\n');
-    let ranks: Vec<Rank> = ranking.laws.iter().map(|law| law.rank.clone()).collect();
     let chosen = ranking.laws.into_iter().next().ok_or(FitError::NoStart)?;
     let mut found = chosen.found;
     found.model.ranking = ranks;
@@ -58,43 +59,4 @@ pub(super) fn choose(task: &Task<'_>, laws: &Trials) -> Result<(String, Found), 
         found.entry.cut_short(why);
     }
     Ok((text, found))
-}
-
-/// The ranking as a table, the chosen law first.
-pub(super) fn table<'a>(ranks: impl Iterator<Item = &'a Rank>, grounds: Grounds) -> String {
-    use std::fmt::Write;
-    let mut text = String::new();
-    // Writing to a string cannot fail.
-    let _ = writeln!(
-        text,
-        "law                     parameters   RMSD %   unseen %   tail log10   criterion   not determined"
-    );
-    let number = |x: Option<f64>, digits: usize| {
-        x.map_or_else(|| "-".to_owned(), |x| format!("{x:.digits$}"))
-    };
-    for rank in ranks {
-        let Rank { law, parameters, rmsd_percent, undetermined, refused, .. } = rank;
-        let weak = if undetermined.is_empty() { "-".to_owned() } else { undetermined.join(", ") };
-        let refused = if *refused { "   refused" } else { "" };
-        let _ = writeln!(
-            text,
-            "{law:24}{parameters:>10}{rmsd_percent:>9.3}{:>11}{:>13}{:>12.1}   {weak}{refused}",
-            number(rank.out_of_sample_percent, 3),
-            number(rank.tail_log10, 3),
-            rank.criterion,
-        );
-    }
-    let _ = match grounds.folds {
-        0 => writeln!(
-            text,
-            "chosen by the criterion of Schwarz with {:.0} independent readings: not every law could predict incidences it was not fitted to",
-            grounds.effective
-        ),
-        folds => writeln!(
-            text,
-            "chosen: of the laws that predict incidences they were not fitted to ({folds} groups left out in turn) as well as the best \
-             within one standard error, the one with the fewest parameters"
-        ),
-    };
-    text
 }

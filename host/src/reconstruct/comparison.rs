@@ -96,12 +96,16 @@ impl Attempt {
         self.cell().map_or(&self.method, |cell| &cell.label)
     }
 
-    /// The notes: the warnings of the fit word for word, or why there is no fit.
-    pub fn notes(&self) -> &[String] {
-        match &self.result {
-            Ok(cell) => &cell.model.validity,
-            Err(why) => std::slice::from_ref(why),
-        }
+    /// The notes: what would explain a misfit and the warnings of the fit word for word, or why there is no fit.
+    pub fn notes(&self) -> Vec<&str> {
+        let cell = match &self.result {
+            Ok(cell) => cell,
+            Err(why) => return vec![why],
+        };
+        // a refusal is the first of the warnings, and holds its causes
+        let accepted = cell.verdict().filter(|verdict| verdict.grade.is_accepted());
+        let causes = accepted.map(|verdict| &verdict.causes[..]).unwrap_or_default();
+        causes.iter().chain(&cell.model.validity).map(String::as_str).collect()
     }
 }
 
@@ -143,16 +147,17 @@ impl SampleResult {
             // writing to a String cannot fail
             let _ = write!(text, " Its physics is off by {} on this surface.", error.text());
         }
-        if self.attempts.iter().any(|a| !self.is_best(a) && !a.notes().is_empty()) {
-            text += " What is known of why others are worse, or were not tried:";
+        if self.attempts.iter().any(|a| !a.notes().is_empty()) {
+            text += " What is known of the methods:";
         }
         text
     }
 
     /// The notes of all methods, numbered from 1: number, method, text.
     pub fn notes(&self) -> impl Iterator<Item = (usize, &str, &str)> {
-        let all = self.attempts.iter().flat_map(|a| a.notes().iter().map(move |n| (a.label(), n)));
-        all.enumerate().map(|(k, (label, note))| (k + 1, label, note.as_str()))
+        let all = self.attempts.iter();
+        let all = all.flat_map(|a| a.notes().into_iter().map(move |note| (a.label(), note)));
+        all.enumerate().map(|(k, (label, note))| (k + 1, label, note))
     }
 
     /// What is known of the accuracy of waves and rays on the measured map, each line with where it is from: rigorous solutions on cuts of

@@ -7,7 +7,9 @@ impl Comparison {
     /// For a terminal.
     pub fn text(&self) -> String {
         let of_sample = |s: &SampleResult| {
-            format!("\n{}\n{}{}\n{}", s.title, s.details().text(), s.verdict(), numbered(s))
+            let ranked = s.ranked().map(|(grid, why)| format!("{}{why}\n", grid.text()));
+            let (table, ranked) = (s.details().text(), ranked.unwrap_or_default());
+            format!("\n{}\n{table}{}\n{ranked}{}", s.title, s.verdict(), numbered(s))
         };
         let samples: String = self.samples.iter().map(of_sample).collect();
         let times = self.times().map(|t| format!("\n{}", t.text())).unwrap_or_default();
@@ -18,7 +20,9 @@ impl Comparison {
     pub fn markdown(&self) -> String {
         let of_sample = |s: &SampleResult| {
             let (table, verdict) = (s.details().markdown(), s.verdict());
-            format!("\n## {}\n\n{table}\n{verdict}\n\n{}", s.title, numbered(s))
+            let ranked = s.ranked().map(|(grid, why)| format!("{}\n{why}\n\n", grid.markdown()));
+            let ranked = ranked.unwrap_or_default();
+            format!("\n## {}\n\n{table}\n{verdict}\n\n{ranked}{}", s.title, numbered(s))
         };
         let samples: String = self.samples.iter().map(of_sample).collect();
         let legend = self.legend();

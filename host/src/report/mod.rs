@@ -10,6 +10,7 @@ mod laws;
 mod residuals;
 mod heights;
 mod cuts;
+mod ranking;
 mod page;
 mod trade;
 mod trade_csv;
@@ -23,6 +24,7 @@ pub use laws::{
 };
 pub use number::{angle_text, figure_text, power_text, significant, with_error};
 pub use page::{Origin, page, plan_page};
+pub use ranking::ranking_text;
 pub use residuals::{quantile_figure, residual_figure};
 pub use trade::TradeReport;
 pub use trade_csv::NoTrade;

@@ -117,7 +117,7 @@ fn warnings(comparison: &Comparison) -> Markup {
         let Some(best) = sample.best() else {
             return vec![format!("{}: no method describes this sample.", sample.title)];
         };
-        let notes = best.notes().iter();
+        let notes = best.notes().into_iter();
         notes.map(|note| format!("{}, {}: {note}", sample.title, best.label())).collect()
     };
     let all: Vec<String> = comparison.samples.iter().flat_map(of).collect();
@@ -156,6 +156,7 @@ fn section(k: usize, sample: &SampleResult, scan: Option<&Measurement>, timing: 
                 (tables::methods(sample, timing))
                 @if let Some(inside) = tables::inside(sample) { (inside) }
             }
+            @if let Some(ranking) = tables::ranking(sample) { (ranking) }
             @let notes: Vec<_> = sample.notes().collect();
             @if !notes.is_empty() {
                 details { summary { "Notes: " (notes.len()) } ol {
@@ -269,9 +270,14 @@ fn labelled(svg: &str, label: &str) -> String {
 /// The program, the command, the data and the seeds.
 fn provenance(comparison: &Comparison, scans: &[&Measurement], origin: &Origin) -> Markup {
     let of = |sample: &SampleResult| -> Vec<InputFile> {
-        let cell = sample.attempts.iter().find_map(Attempt::cell);
-        let known = cell.and_then(|cell| cell.model.provenance.as_ref());
-        known.map(|p| p.inputs.clone()).unwrap_or_default()
+        let mut all: Vec<InputFile> = Vec::new();
+        let cells = sample.attempts.iter().chain(&sample.lit).filter_map(Attempt::cell);
+        for known in cells.filter_map(|cell| cell.model.provenance.as_ref()) {
+            let new = |file: &&InputFile| all.iter().all(|a| a.sha256 != file.sha256);
+            let new: Vec<InputFile> = known.inputs.iter().filter(new).cloned().collect();
+            all.extend(new);
+        }
+        all
     };
     let mut seeds: Vec<u64> = comparison
         .samples

@@ -1,7 +1,7 @@
 //! The tables of the page.
 
 use asperity_core::direction::Side;
-use maud::Markup;
+use maud::{Markup, html};
 
 use crate::energy::side_name;
 use crate::reconstruct::{Attempt, Cell, Comparison, CutErrors, LobeErrors, SampleResult};
@@ -20,6 +20,12 @@ pub(super) fn methods(sample: &SampleResult, timing: bool) -> Markup {
         }
     }
     grid.html(&format!("Methods, {}", sample.title))
+}
+
+/// The methods in the order of what the data support, if they were ranked.
+pub(super) fn ranking(sample: &SampleResult) -> Option<Markup> {
+    let (grid, why) = sample.ranked()?;
+    Some(html! { (grid.html(&format!("What the data support, {}", sample.title))) p { (why) } })
 }
 
 /// Where the light goes from inside, by the best method.
