@@ -2,6 +2,7 @@
 
 use asperity_core::bsdf::Bsdf;
 use asperity_core::direction::{Direction, Side};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::binned::Asked;
@@ -66,7 +67,7 @@ pub fn boundary_values_at(
         };
         Some(BoundaryValue { f, std, ..*place })
     };
-    places.iter().filter_map(value).collect()
+    places.par_iter().filter_map(value).collect()
 }
 
 /// The places of the values, with the directions of the light.
