@@ -15,12 +15,14 @@ use crate::shard::Shard;
 
 /// Put the parts of a comparison, of images, of a scan or of other work together
 ///
-/// `compare --shard I/N` makes a part of the fits, each part into a folder of its own, on as many machines as there are. All
-/// N parts are put into one folder here; the same `compare` without --shard into that folder then takes every fit as it is and
-/// writes the tables, plots and the report that one machine would have written. So it is with `render --shard I/N`: the same
-/// `render` without --shard then writes the images. The files of `scan --shard I/N` become one file, that of a single run. Of
-/// `check`, `tabulate` and `fit --bootstrap` the same command is run here, in the folder where it was given, with what all parts
-/// have found: it writes and prints what it would have without --shard.
+/// `compare --shard I/N` makes a part of the fits, each part into a folder of its own, on as many
+/// machines as there are. All N parts are put into one folder here; the same `compare` without
+/// --shard into that folder then takes every fit as it is and writes the tables, plots and the
+/// report that one machine would have written. So it is with `render --shard I/N`: the same
+/// `render` without --shard then writes the images. The files of `scan --shard I/N` become one
+/// file, that of a single run. Of `check`, `tabulate` and `fit --bootstrap` the same command is run
+/// here, in the folder where it was given, with what all parts have found: it writes and prints
+/// what it would have without --shard.
 ///
 /// Refused are parts that are missing, doubled, unfinished, or of other work.
 ///

@@ -9,16 +9,18 @@ use crate::plan::scene::{EXAMPLES, example};
 use crate::plan::{Actual, Costs, NoPlan, Plan, Scene, carry_out, plan};
 use crate::report::plan_page;
 
-/// Say what a scene requires of a model: what to measure, fit, tabulate and export, and what to leave out
+/// Say what a scene requires: what to measure, fit, tabulate, export and leave out
 ///
-/// A scene (TOML) says the body with the rough face, what is known of that face, the light, what is wanted and how exactly, and the
-/// program or device that evaluates it; --example prints one to begin with. Printed is one line a choice with the number it
-/// rests on, what is left out with what it would have added, the predicted error, and what plan and everything cost. Predicted is
-/// the error of the quantity against the same computed with everything on: all lobes and bounces, double precision, the whole
-/// band. The law of the surface is taken as true; how far it is from the sample is for `fit` to say.
+/// A scene (TOML) says the body with the rough face, what is known of that face, the light, what is
+/// wanted and how exactly, and the program or device that evaluates it; --example prints one to
+/// begin with. Printed is one line a choice with the number it rests on, what is left out with what
+/// it would have added, the predicted error, and what plan and everything cost. Predicted is the
+/// error of the quantity against the same computed with everything on: all lobes and bounces,
+/// double precision, the whole band. The law of the surface is taken as true; how far it is from
+/// the sample is for `fit` to say.
 ///
-/// With -o the plan is written as JSON; fit, tabulate, export, acquire and compare do what it says with --plan. --check carries
-/// plan and everything out and compares.
+/// With -o the plan is written as JSON; fit, tabulate, export, acquire and compare do what it says
+/// with --plan. --check carries plan and everything out and compares.
 ///
 /// Exit 1 if the scene asks for what cannot be done: the nearest that can, and what is in the way.
 ///

@@ -17,17 +17,19 @@ use crate::shard::Shard;
 
 /// Render a scene with models, to see what a small error of a law does
 ///
-/// The built-in scene is a light booth: a plate, a sphere and a torus of rough glass under two tubes. Light is followed through
-/// the solid bodies, into them and out of them, by the law of the model from both sides; maps are traced themselves, waves by
-/// their mean law. Bodies are as bright as the law says: what a law loses is missing in the image.
+/// The built-in scene is a light booth: a plate, a sphere and a torus of rough glass under two
+/// tubes. Light is followed through the solid bodies, into them and out of them, by the law of the
+/// model from both sides; maps are traced themselves, waves by their mean law. Bodies are as bright
+/// as the law says: what a law loses is missing in the image.
 ///
-/// With -o FILE.png or FILE.exr one model is one image. With -o DIR there are NAME.png (sRGB, with the same white for all),
-/// NAME.exr (linear, with noise, albedo and normals as layers), sheet.png with all models side by side, differences.png from
-/// the reference, numbers.json, and NAME.tiles, with which the same command goes on where it ended: with more paths, or after
-/// Ctrl-C. With --regions the mean radiances of rectangles of the image are found to 0.2 %.
+/// With -o FILE.png or FILE.exr one model is one image. With -o DIR there are NAME.png (sRGB, with
+/// the same white for all), NAME.exr (linear, with noise, albedo and normals as layers), sheet.png
+/// with all models side by side, differences.png from the reference, numbers.json, and NAME.tiles,
+/// with which the same command goes on where it ended: with more paths, or after Ctrl-C. With
+/// --regions the mean radiances of rectangles of the image are found to 0.2 %.
 ///
-/// The same bits with any number of threads. --shard I/N renders a share of the tiles into a folder of its own; `merge` puts
-/// them together, and the same command without --shard writes the images.
+/// The same bits with any number of threads. --shard I/N renders a share of the tiles into a folder
+/// of its own; `merge` puts them together, and the same command without --shard writes the images.
 ///
 /// Examples:
 ///   asperity render fit.json -o fit.png

@@ -26,16 +26,17 @@ enum Verb {
     Make(MakeArgs),
 }
 
-/// Make the eight samples of the paper anew: height maps with the figures of its Table 1, and their scans
+/// Make the eight samples of the paper anew: height maps with the figures of its Table 1, and scans
 ///
-/// Of each sample two patches of one random surface are made. Light meets the one (lit.gsf), and the scan (scan.csv) is
-/// what a GP-200 reads then, with shot noise and a drift of the lamp. A profilometer with noise and a finite resolution
-/// measures the other (map.gsf): its size, pixel, Rq, Rsk, Rku, Rv and Rp are those printed. So the map that a method is
-/// given is not of the spot that was lit, as with real samples; `compare --lit` shows beside it what the map of the same spot
-/// would have made of it.
+/// Of each sample two patches of one random surface are made. Light meets the one (lit.gsf), and
+/// the scan (scan.csv) is what a GP-200 reads then, with shot noise and a drift of the lamp. A
+/// profilometer with noise and a finite resolution measures the other (map.gsf): its size, pixel,
+/// Rq, Rsk, Rku, Rv and Rp are those printed. So the map that a method is given is not of the spot
+/// that was lit, as with real samples; `compare --lit` shows beside it what the map of the same
+/// spot would have made of it.
 ///
-/// The scan is by waves where the phase of the rms height, 2 pi (n - 1) Rq / wavelength, is below 3, by rays from 6 on, and by
-/// the hybrid between.
+/// The scan is by waves where the phase of the rms height, 2 pi (n - 1) Rq / wavelength, is below
+/// 3, by rays from 6 on, and by the hybrid between.
 ///
 /// Examples:
 ///   asperity samples make -o samples

@@ -34,19 +34,19 @@ use crate::surface::{Areal, Edges, Prepared, Purpose, Roughness, Spectrum};
 /// height Rz JIS of JIS B 0601 (five peaks and valleys of each sampling length, a fifth of a row or
 /// column), rms slopes between neighbours, and the lag at which the autocorrelation falls to 1/e.
 /// Beside them are the parameters of ISO 25178-2, of the map as it is after --form: Sa, Sq, Sp, Sv,
-/// Sz, Ssk, Sku, the gradient Sdq and the developed area Sdr of the triangles between points, and of
-/// the autocorrelation Sal, the lag of its fastest decay to 0.2, and Str, Sal over that of its slowest.
-/// The anisotropy is 0 where slopes have no preferred direction and 1 for parallel grooves; it
-/// needs a map without missing points. A periodic map is taken with its tilt there, in the spectrum
-/// and for waves: to subtract it would tear the borders open.
+/// Sz, Ssk, Sku, the gradient Sdq and the developed area Sdr of the triangles between points, and
+/// of the autocorrelation Sal, the lag of its fastest decay to 0.2, and Str, Sal over that of its
+/// slowest. The anisotropy is 0 where slopes have no preferred direction and 1 for parallel
+/// grooves; it needs a map without missing points. A periodic map is taken with its tilt there, in
+/// the spectrum and for waves: to subtract it would tear the borders open.
 ///
 /// With --ior and --wavelength-nm it also says where waves on this map may be trusted, for light
 /// from both sides: the reading with the specular light, and the diffuse light alone, each to 1 %
 /// of its peak. It looks at the facets, at the pixel, and at R + T as `check --engine wave` finds
-/// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside. So is what waves,
-/// rays and single facets err by on grooves of this Rq and slope, of rigorous solutions: it does not
-/// enter the verdict. --rigorous solves Maxwell's equations on cuts of this very map and prints what waves, rays
-/// and single facets are off by there, for every side, lobe and incidence.
+/// it; failures are warnings. The figures of the paper's eqs 9-11 are given beside. So is what
+/// waves, rays and single facets err by on grooves of this Rq and slope, of rigorous solutions: it
+/// does not enter the verdict. --rigorous solves Maxwell's equations on cuts of this very map and
+/// prints what waves, rays and single facets are off by there, for every side, lobe and incidence.
 ///
 /// Examples:
 ///   asperity stats map.x3p

@@ -22,12 +22,14 @@ use crate::surface::{Purpose, Spectrum};
 
 /// Draw what files hold: models, tables, a scan, a scan with models, a height map, a trade
 ///
-/// Of models and tables the BSDF itself is drawn, the law of the rough boundary: reflection and transmission, from the air and
-/// from inside, one over the other, with 95 % bands where a fit knows its errors; with --view polar as polar diagrams, with
+/// Of models and tables the BSDF itself is drawn, the law of the rough boundary: reflection and
+/// transmission, from the air and from inside, one over the other, with 95 % bands where a fit
+/// knows its errors; with --view polar as polar diagrams, with
 /// --view hemisphere over all directions; with --view flux the shares of light that are reflected, transmitted and lost, over
-/// the incidence. The folder of a sample in a comparison stands for its models. Of a scan its readings are drawn; with models after it what these
-/// give in its place, with --view residuals the differences in units of the noise, with --view quantiles their
-/// distribution. Of a height map STEM-map, STEM-histogram and STEM-spectrum are drawn; of the CSV of a trade the error of each
+/// the incidence. The folder of a sample in a comparison stands for its models. Of a scan its
+/// readings are drawn; with models after it what these give in its place, with --view residuals the
+/// differences in units of the noise, with --view quantiles their distribution. Of a height map
+/// STEM-map, STEM-histogram and STEM-spectrum are drawn; of the CSV of a trade the error of each
 /// evaluator against its cost.
 ///
 /// Each picture is written twice, STEM.svg and STEM.png. Axes end where the light does.
