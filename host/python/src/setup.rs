@@ -116,7 +116,7 @@ pub(crate) fn unusable(why: &Unusable) -> PyErr {
         }
         Unusable::Lack(Lack::Map(_)) => bad(format!("{why}; give map=read_map(FILE)")),
         Unusable::Lack(Lack::Wavelength(_)) => bad(format!("{why}; give wavelength_nm")),
-        Unusable::Lack(_) => bad(why),
+        Unusable::Lack(_) | Unusable::NeedsRoundAperture => bad(why),
     }
 }
 
