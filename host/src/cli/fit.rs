@@ -10,9 +10,8 @@ use super::flags::effort::EffortFlags;
 use super::flags::light::LightFlags;
 use super::flags::map::MapFlags;
 use super::flags::method::MethodName;
-use super::flags::nuisance::NuisanceFlags;
+use super::flags::nuisance::{NuisanceFlags, RANKED_FOR};
 use super::flags::part::PartFlags;
-use super::flags::sample::RANKED_FOR;
 use super::flags::scan::{BodyFlag, ReadFlags, SetupFlags};
 use super::flags::stem::stem;
 use super::model::{BouncesFlag, ProfileFlag};
@@ -314,7 +313,7 @@ fn check_auto(args: &Args) -> Result<(), Failure> {
         ("--map", args.map.is_some()),
     ];
     without_effect(&flags, "the data choose among all laws in closed form")?;
-    without_effect(&args.nuisance.given(), RANKED_FOR)?;
+    args.nuisance.need_none()?;
     without_effect(&[("--bootstrap", args.bootstrap.is_some())], RANKED_FOR)?;
     if args.setup.in_plate() {
         return Err(Failure::bad(

@@ -202,7 +202,7 @@ fn done_of_parts(command: &[String], found: Results) -> Result<(), Failure> {
 }
 
 impl Verb {
-    /// The part that is asked for and what its pieces are, if this verb has such parts.
+    /// The flags of `--shard` and what the pieces are; `None` of a verb whose work is not divided so.
     fn part(&mut self) -> Option<(Piece, &mut PartFlags)> {
         match self {
             Self::Check(a) => Some((Piece::Balance, &mut a.part)),

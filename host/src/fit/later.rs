@@ -36,14 +36,11 @@ pub(super) fn about(
     values: &[f64],
     count: impl Fn(),
 ) -> Result<Option<Later>, BuildError> {
-    if !problem.has_later_hits() {
-        return Ok(None);
-    }
     let Some(here) = parts(problem, values, &count)? else { return Ok(None) };
     slopes(problem, values, here, &count)
 }
 
-/// A full simulation, and the part of later hits in it.
+/// A full simulation, and the part of later hits in it; `None` as of [`about`].
 struct Parts {
     full: Readings,
     part: Vec<f64>,
@@ -54,6 +51,9 @@ fn parts(
     values: &[f64],
     count: &impl Fn(),
 ) -> Result<Option<Parts>, BuildError> {
+    if !problem.has_later_hits() {
+        return Ok(None);
+    }
     count();
     if problem.watch().is_stopped() {
         return Ok(None);
@@ -91,7 +91,7 @@ pub(super) fn minimise(
     start: &[f64],
     tolerance: f64,
 ) -> Result<End, Stopped> {
-    match rounds(search, problem, start, &Aim { tolerance, beside: None })? {
+    match rounds(search, problem, start, (tolerance, None))? {
         Outcome::Done(end) => Ok(end),
         Outcome::Moves(from) => search.minimise(problem, &from, Effort::Full, tolerance),
         Outcome::Useless => search.minimise(problem, start, Effort::Full, tolerance),
@@ -117,17 +117,11 @@ pub(super) fn estimate(
     tolerance: f64,
     beside: Option<Beside>,
 ) -> Result<Option<Vec<f64>>, Stopped> {
-    Ok(match rounds(search, problem, start, &Aim { tolerance, beside })? {
+    Ok(match rounds(search, problem, start, (tolerance, beside))? {
         Outcome::Done(end) => Some(end.values),
         Outcome::Moves(values) => Some(values),
         Outcome::Useless => None,
     })
-}
-
-/// When rounds end.
-struct Aim {
-    tolerance: f64,
-    beside: Option<Beside>,
 }
 
 /// How rounds ended.
@@ -152,7 +146,7 @@ fn rounds(
     search: &mut Search<'_>,
     problem: &Problem<'_>,
     start: &[f64],
-    aim: &Aim,
+    (tolerance, beside): (f64, Option<Beside>),
 ) -> Result<Outcome, Stopped> {
     let Some(mut here) = place(search, problem, start, f64::INFINITY)? else {
         return Ok(Outcome::Useless);
@@ -161,19 +155,19 @@ fn rounds(
     for number in 0..ROUNDS {
         let Place { values, later, cost } = here;
         let linear = problem.with_later(later);
-        let end = search.minimise(&linear, &values, Effort::Full, aim.tolerance)?;
+        let end = search.minimise(&linear, &values, Effort::Full, tolerance)?;
         let slack = SLACK.get(number).copied().unwrap_or(1.0);
-        if aim.beside.is_some_and(|beside| end.cost > slack * beside.cost) {
+        if beside.is_some_and(|beside| end.cost > slack * beside.cost) {
             return Ok(Outcome::Useless);
         }
-        let gains_little = cost - end.cost <= LITTLE * aim.tolerance * cost;
+        let gains_little = cost - end.cost <= LITTLE * tolerance * cost;
         if gains_little || stays(problem, &values, &end.values) || !end.converged {
             return Ok(Outcome::Done(end));
         }
         let Some(there) = better(search, problem, (&values, cost), end.values)? else {
             return Ok(Outcome::Done(End { values, cost, converged: true }));
         };
-        let is_high = aim.beside.is_some_and(|beside| there.cost > MARGIN * beside.useful);
+        let is_high = beside.is_some_and(|beside| there.cost > MARGIN * beside.useful);
         stagnant = if is_high && there.cost > STAGNANT * cost { stagnant + 1 } else { 0 };
         if stagnant == PATIENCE {
             return Ok(Outcome::Useless);
@@ -211,9 +205,6 @@ fn place(
 ) -> Result<Option<Place>, Stopped> {
     let count = || search.count();
     let found = || -> Result<Option<Place>, BuildError> {
-        if !problem.has_later_hits() {
-            return Ok(None);
-        }
         let Some(here) = parts(problem, values, &count)? else { return Ok(None) };
         let cost = problem.cost_of_simulated(values, here.full.clone());
         if cost >= most || cost.is_nan() {

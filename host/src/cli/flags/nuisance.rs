@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 
 use super::scan::number;
-use crate::cli::error::Failure;
+use crate::cli::error::{Failure, without_effect};
 use crate::fit::{Doubts, FitOptions, MOST_GAINS, Nuisance, Signature};
 use crate::forward::Setup;
 use crate::measurement::{Measurement, csv};
 use crate::method::Body;
+
+/// Why nothing of the instrument is fitted where laws are ranked.
+pub(in crate::cli) const RANKED_FOR: &str = "laws are ranked for an instrument that is known";
 
 /// Numbers beside the law that are fitted too; those of the instrument have the standard deviation of their prior.
 #[derive(Debug, clap::Args)]
@@ -102,8 +105,8 @@ fn doubts(text: &str) -> Result<Doubts, String> {
 }
 
 impl NuisanceFlags {
-    /// The flags with whether they are given.
-    pub(in crate::cli) fn given(&self) -> [(&'static str, bool); 7] {
+    /// The flags of the instrument with whether they are given.
+    fn of_instrument(&self) -> [(&'static str, bool); 7] {
         [
             ("--slit-height", self.slit_height.is_some()),
             ("--signature", self.signature.is_some()),
@@ -115,14 +118,19 @@ impl NuisanceFlags {
         ]
     }
 
-    /// All of them with whether they are given.
-    pub(in crate::cli) fn all_given(&self) -> impl Iterator<Item = (&'static str, bool)> {
+    /// Refuses the flags of the instrument where laws are ranked.
+    pub(in crate::cli) fn need_none(&self) -> Result<(), Failure> {
+        without_effect(&self.of_instrument(), RANKED_FOR)
+    }
+
+    /// All flags with whether they are given.
+    pub(in crate::cli) fn given(&self) -> Vec<(&'static str, bool)> {
         let others = [
             ("--fit-ior", self.fit_ior),
             ("--fit-gain", self.fit_gain),
             ("--uncertainty", self.uncertainty.is_some()),
         ];
-        self.given().into_iter().chain(others)
+        self.of_instrument().into_iter().chain(others).collect()
     }
 
     /// Options of a fit with what is fitted too, checked against the scan and the instrument that is known.

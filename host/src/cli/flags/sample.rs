@@ -17,9 +17,6 @@ use crate::provenance::InputFile;
 use crate::reconstruct::{Light, Task};
 use crate::surface::Prepared;
 
-/// Why nothing of the instrument is fitted where laws are ranked.
-pub(in crate::cli) const RANKED_FOR: &str = "laws are ranked for an instrument that is known";
-
 /// All flags of a sample.
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct SampleFlags {
@@ -72,7 +69,7 @@ impl SampleFlags {
 
     /// Refuses to rank laws where something of the instrument is fitted.
     pub(in crate::cli) fn need_no_nuisance(&self) -> Result<(), Failure> {
-        without_effect(&self.nuisance.given(), RANKED_FOR)
+        self.nuisance.need_none()
     }
 
     /// Refuses all of them where there is no scan.
@@ -81,7 +78,7 @@ impl SampleFlags {
         let given: Vec<_> = self.setup.given().into_iter().chain(self.read.given()).collect();
         without_effect(&self.clean.given(), why)?;
         without_effect(&given, why)?;
-        without_effect(&self.nuisance.all_given().collect::<Vec<_>>(), why)?;
+        without_effect(&self.nuisance.given(), why)?;
         self.light.need_waves(false, why)?;
         self.map_flags.need_map(false)?;
         self.effort.need_rays(false)

@@ -55,39 +55,37 @@ pub(super) fn diagnose(
         return None;
     }
     let base = quick(method, task.measurement, &task.setup, &task.options, None, watch)?;
-    let mut best: Option<(f64, String)> = None;
+    // the error that the next alternative has to come below, and the cause that led there
+    let mut least = EXPLAINS * base.rmsd_percent;
+    let mut best = None;
     // of those without a further number first: where one explains most, little is left for the others
     let (others, simple): (Vec<_>, Vec<_>) =
         alternatives(task).into_iter().partition(|alternative| alternative.numbers > 0);
     for part in [simple, others] {
-        let least = best.as_ref().map_or(EXPLAINS, |(least, _)| least / base.rmsd_percent);
-        let found: Vec<Option<Quick>> = part
-            .par_iter()
-            .map(|alternative| {
-                let scan = alternative.scan.as_ref().unwrap_or(task.measurement);
-                let useful = least * SIMPLER.powi(alternative.numbers);
-                let beside = Rival { fit: &base, soon: least / EXPLAINS, useful };
-                let (setup, options) = (&alternative.setup, &alternative.options);
-                quick(method, scan, setup, options, Some(beside), watch)
-            })
-            .collect();
+        let share = least / base.rmsd_percent;
+        let fit = |alternative: &Alternative| {
+            let scan = alternative.scan.as_ref().unwrap_or(task.measurement);
+            let useful = share * SIMPLER.powi(alternative.numbers);
+            let beside = Rival { fit: &base, soon: share / EXPLAINS, useful };
+            let (setup, options) = (&alternative.setup, &alternative.options);
+            quick(method, scan, setup, options, Some(beside), watch)
+        };
+        let found: Vec<Option<Quick>> = part.par_iter().map(fit).collect();
         for (alternative, found) in part.iter().zip(found) {
             let Some(found) = found else { continue };
             let error = found.rmsd_percent / SIMPLER.powi(alternative.numbers);
-            let limit = best.as_ref().map_or(EXPLAINS * base.rmsd_percent, |(least, _)| *least);
-            if error < limit
-                && let Some(cause) = (alternative.says)(&found)
-            {
-                let [now, before] = [found.rmsd_percent, base.rmsd_percent];
-                let is_rough = now > FITS.max(FITS_NOISE * noise_percent);
-                let cause =
-                    if is_rough { cause.replace("it fits", "it fits better") } else { cause };
-                best =
-                    Some((error, format!("{cause} (error {now:.2} % instead of {before:.2} %)")));
+            if error.is_nan() || error >= least {
+                continue;
             }
+            let Some(cause) = (alternative.says)(&found) else { continue };
+            let [now, before] = [found.rmsd_percent, base.rmsd_percent];
+            let is_rough = now > FITS.max(FITS_NOISE * noise_percent);
+            let cause = if is_rough { cause.replace("it fits", "it fits better") } else { cause };
+            least = error;
+            best = Some(format!("{cause} (error {now:.2} % instead of {before:.2} %)"));
         }
     }
-    best.map(|(_, cause)| cause)
+    best
 }
 
 fn alternatives(task: &Task<'_>) -> Vec<Alternative> {

@@ -113,12 +113,8 @@ pub(super) fn judge(
 /// Readings that have lost their level, if the fit takes it for one.
 fn lost_level(task: &Task<'_>) -> Option<String> {
     let lost = signs::normalised(task.measurement)?;
-    let is_known = match lost {
-        Normalised::Each(_) => task.options.nuisance.free_levels,
-        Normalised::Together(_) => {
-            task.options.nuisance.free_levels || task.measurement.is_relative()
-        }
-    };
+    let is_together = matches!(lost, Normalised::Together(_)) && task.measurement.is_relative();
+    let is_known = task.options.nuisance.free_levels || is_together;
     (!is_known).then(|| lost.to_string())
 }
 
