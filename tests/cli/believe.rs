@@ -13,6 +13,15 @@ pub(crate) fn scan(folder: &Folder, name: &str, model: &str, flags: &str) {
     folder.run(&format!("scan {name}.json --step 1 {flags} -o {name}.csv")).ok();
 }
 
+/// The rows of a scan: sigma, theta, reading.
+fn rows(text: &str) -> Vec<[f64; 3]> {
+    let numbers = |line: &str| -> Option<[f64; 3]> {
+        let cells: Vec<f64> = line.split(',').filter_map(|c| c.parse().ok()).collect();
+        cells.get(..3)?.try_into().ok()
+    };
+    text.lines().filter_map(numbers).collect()
+}
+
 /// The same file with other angles or readings, and noise of 0.1 % of the largest.
 pub(crate) fn changed(
     folder: &Folder,
@@ -21,13 +30,7 @@ pub(crate) fn changed(
     change: impl Fn([f64; 3]) -> [f64; 3],
 ) {
     let text = folder.text(&format!("{from}.csv"));
-    let rows: Vec<[f64; 3]> = text
-        .lines()
-        .filter_map(|line| {
-            let cells: Vec<f64> = line.split(',').filter_map(|c| c.parse().ok()).collect();
-            cells.get(..3)?.try_into().ok()
-        })
-        .collect();
+    let rows = rows(&text);
     let largest = rows.iter().map(|r| r[2]).fold(0.0, f64::max);
     let mut out: String =
         text.lines().filter(|l| l.starts_with('#')).fold(String::new(), |s, l| s + l + "\n");
@@ -124,31 +127,16 @@ fn a_law_is_found_where_each_incidence_is_normalised_to_its_peak() {
     let folder = Folder::new();
     scan(&folder, "plate", "ggx --set alpha=0.2", "");
     changed(&folder, "plate", "sound", |row| row);
-    let mut peaks: Vec<(f64, f64)> = Vec::new();
-    let rows = || -> Vec<[f64; 3]> {
-        let numbers = |line: &str| -> Option<[f64; 3]> {
-            let cells: Vec<f64> = line.split(',').filter_map(|c| c.parse().ok()).collect();
-            cells.get(..3)?.try_into().ok()
-        };
-        folder.text("sound.csv").lines().filter_map(numbers).collect()
-    };
-    for [sigma, _, value] in rows() {
-        match peaks.iter_mut().find(|(s, _)| s.total_cmp(&sigma).is_eq()) {
-            Some((_, peak)) => *peak = peak.max(value),
-            None => peaks.push((sigma, value)),
+    let text = folder.text("sound.csv");
+    let head = text.lines().filter(|l| l.starts_with('#'));
+    let mut own: String = head.fold(String::new(), |s, l| s + l + "\n");
+    own += "sigma_deg,theta_deg,reading\n";
+    for incidence in rows(&text).chunk_by(|a, b| a[0].total_cmp(&b[0]).is_eq()) {
+        let peak = incidence.iter().map(|r| r[2]).fold(0.0, f64::max);
+        for [sigma, theta, value] in incidence {
+            let _ = writeln!(own, "{sigma},{theta},{}", value / peak);
         }
     }
-    let head: String = folder
-        .text("sound.csv")
-        .lines()
-        .filter(|l| !l.contains(','))
-        .fold(String::new(), |s, l| s + l + "\n");
-    let own =
-        rows().into_iter().fold(head + "sigma_deg,theta_deg,reading\n", |mut text, [s, t, v]| {
-            let (_, peak) = peaks.iter().find(|(sigma, _)| sigma.total_cmp(&s).is_eq()).unwrap();
-            let _ = writeln!(text, "{s},{t},{}", v / peak);
-            text
-        });
     folder.write("own.csv", own);
     let wrong = folder.run("fit own.csv --method ggx --accept --json").json();
     assert!(causes(&wrong).contains("--fit-gains=free"), "{}", causes(&wrong));
