@@ -1,33 +1,58 @@
-//! Gauss-Legendre rules and Hermite interpolation, in double precision and without tables.
+//! Gauss-Legendre rules and Hermite interpolation, in double precision.
 
 use crate::math::Real;
 
 /// Nodes and weights of the `N`-point Gauss-Legendre rule on [0, 1]; exact to degree `2 N - 1`.
 ///
-/// Nodes ascend. Found by Newton's method on the Legendre recurrence; error below 1e-15.
-pub fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
-    core::array::from_fn(|k| gauss_legendre_node(N, k))
+/// Nodes ascend, with an error below 1e-15. The rule is computed by the compiler: a call reads a table.
+#[inline]
+pub const fn gauss_legendre<const N: usize>() -> [(f64, f64); N] {
+    const { rule() }
+}
+
+#[allow(clippy::indexing_slicing, reason = "a constant: an index out of range would not compile")]
+const fn rule<const N: usize>() -> [(f64, f64); N] {
+    let mut nodes = [(0.0, 0.0); N];
+    let mut k = 0;
+    while k < N {
+        nodes[k] = gauss_legendre_node(N, k);
+        k += 1;
+    }
+    nodes
 }
 
 /// Node `k` of `count` of that rule and its weight, for a number of nodes that is found at run time.
-pub fn gauss_legendre_node(count: usize, k: usize) -> (f64, f64) {
+///
+/// By Newton's method on the Legendre recurrence, in a time in proportion to `count`.
+pub const fn gauss_legendre_node(count: usize, k: usize) -> (f64, f64) {
     let n = count as f64;
-    let angle = core::f64::consts::PI * (n - 0.25 - k as f64) / (n + 0.5);
-    let mut x = Real::sin_cos(angle).1;
+    let mut x = sine(core::f64::consts::PI * (0.5 - (n - 0.25 - k as f64) / (n + 0.5)));
     let mut derivative = 1.0;
-    for _ in 0..8 {
+    let mut step = 0;
+    while step < 8 {
         let (mut before, mut p) = (1.0, x);
-        for j in 2..=count {
-            let j = j as f64;
-            (before, p) = (p, ((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j);
-        }
-        if count == 1 {
-            before = 1.0;
+        let mut j = 2;
+        while j <= count {
+            let next = ((2.0 * j as f64 - 1.0) * x * p - (j as f64 - 1.0) * before) / j as f64;
+            (before, p) = (p, next);
+            j += 1;
         }
         derivative = n * (x * p - before) / (x * x - 1.0);
         x -= p / derivative;
+        step += 1;
     }
     (0.5 * (1.0 + x), 1.0 / ((1.0 - x * x) * derivative * derivative))
+}
+
+/// The sine of an angle up to a right one, by its series.
+const fn sine(angle: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (angle, angle, 1.0);
+    while k < 12.0 {
+        term *= -angle * angle / (2.0 * k * (2.0 * k + 1.0));
+        sum += term;
+        k += 1.0;
+    }
+    sum
 }
 
 /// The eight-point Gauss-Legendre rule on [0, 1]: [`gauss_legendre`] computed once and for all.

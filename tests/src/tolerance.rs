@@ -165,8 +165,6 @@ table! {
         "the error is estimated from the scatter of eight maps: Student's t of 7 degrees";
     FACETS_TRACED_MEAN = 0.01, "the same, weighted mean of all cones, relative",
         "the slopes of a map of 51 correlation lengths are Gaussian to a percent";
-    EXTREMES_SECONDS = 60.0, "time of a few thousand of the worst rays on the worst maps, seconds",
-        "a few seconds on a busy machine; a ray that does not end takes for ever";
     UPRIGHT_LOST = 1e-4, "share of rays lost on white noise of rms slope 10 to 100",
         "single precision places a hit on an upright wall to a few millionths of its height only";
     KIRCHHOFF_SERIES = 1e-6, "series of Gaussian surfaces against the reference file, relative",

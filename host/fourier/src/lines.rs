@@ -33,6 +33,9 @@ pub(crate) fn turn(k: usize, n: usize, length: f64) -> Complex<f64> {
 /// Lines that are gathered together, so that memory is read in whole cache lines.
 pub(crate) const PANEL: usize = 16;
 
+/// Lines that are read together, so that memory is written in whole cache lines.
+const BLOCK: usize = 8;
+
 /// Gathers the lines across those of `length` points in `from`, panel by panel, and hands each panel of up to [`PANEL`] lines to
 /// `finish`, with the work of its thread. They are independent: any number of threads gives the same.
 pub(crate) fn across<V: Copy + Send + Sync, W>(
@@ -45,10 +48,13 @@ pub(crate) fn across<V: Copy + Send + Sync, W>(
     let lines = from.len() / length;
     into.par_chunks_mut(PANEL * lines).enumerate().for_each_init(work, |work, (panel, into)| {
         let first = panel * PANEL;
-        let count = into.len() / lines;
-        for (j, line) in from.chunks_exact(length).enumerate() {
-            for (c, value) in line[first..first + count].iter().enumerate() {
-                into[c * lines + j] = *value;
+        // a few lines at a time: the columns of a panel lie so far apart that a cache holds one piece of each only for a while
+        for (block, rows) in from.chunks(BLOCK * length).enumerate() {
+            for (c, column) in into.chunks_exact_mut(lines).enumerate() {
+                let column = &mut column[block * BLOCK..];
+                for (value, row) in column.iter_mut().zip(rows.chunks_exact(length)) {
+                    *value = row[first + c];
+                }
             }
         }
         finish(into, work);

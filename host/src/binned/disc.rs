@@ -26,7 +26,7 @@ pub fn to_disc([a, b]: [f64; 2]) -> [f64; 2] {
 
 /// From the disc to the unit square, the inverse of [`to_disc`]; a point outside is taken to the edge.
 pub fn to_square([x, y]: [f64; 2]) -> [f64; 2] {
-    let radius = x.hypot(y).min(1.0);
+    let radius = (x * x + y * y).sqrt().min(1.0);
     let [a, b] = if radius <= 0.0 {
         [0.0; 2]
     } else if x.abs() > y.abs() {

@@ -2,8 +2,11 @@
 
 use super::{Measurement, Plane, Reading};
 
-/// Readings in a row that are the same to the last digit and the largest of their plane: more than chance.
+/// Readings in a row that are the same to the last digit and the largest of their plane: more than chance, and where readings are
+/// written with so many digits.
 const SATURATED: usize = 4;
+const SATURATED_FINE: usize = 3;
+const FINE_DIGITS: usize = 5;
 /// Angles of observation that are all below this, degrees, while there are many: radians?
 const RADIANS: f64 = 1.58;
 /// Readings that a plane needs before its shape says anything.
@@ -85,13 +88,23 @@ fn saturated(scan: &Measurement) -> Option<String> {
         let longest = runs.filter(|run| at_top(run[0].value)).map(<[_]>::len).max()?;
         // a flat plane is no saturated lobe
         let is_lobe = plane.readings.len() >= MANY && 2 * longest < plane.readings.len();
-        (longest >= SATURATED && is_lobe && top > 0.0).then_some((plane.sigma_deg, top, longest))
+        let chance = if is_fine(plane.readings) { SATURATED_FINE } else { SATURATED };
+        (longest >= chance && is_lobe && top > 0.0).then_some((plane.sigma_deg, top, longest))
     };
     let (sigma, top, longest) = scan.by_plane().find_map(run)?;
     Some(format!(
         "{longest} readings in a row at sigma {sigma} deg are exactly {top}, the largest there: a saturated detector? Leave them \
          out with --theta-range"
     ))
+}
+
+/// Whether most readings are written with [`FINE_DIGITS`] or more.
+fn is_fine(readings: &[Reading]) -> bool {
+    let digits = |r: &Reading| {
+        let text = format!("{:e}", r.value.abs());
+        text.split('e').next().map_or(0, |mantissa| mantissa.replace('.', "").len())
+    };
+    2 * readings.iter().filter(|r| digits(r) >= FINE_DIGITS).count() > readings.len()
 }
 
 fn dropped_out(scan: &Measurement) -> Option<String> {
@@ -214,6 +227,10 @@ mod tests {
         assert_eq!(normalised(&one_lobe), Some(Normalised::Together(100.0)));
         assert_eq!(normalised(&lobe), None);
         one(said(|s, t| lobe(s, t).min(0.01)), "saturated");
+        // three in a row: of many digits no chance, of three digits one
+        let clipped = |s: f64, t: f64| lobe(s, t).min(lobe(0.0, 2.0));
+        one(said(clipped), "saturated");
+        assert!(said(|s, t| (1e5 * clipped(s, t)).round() / 1e5).is_empty());
         one(said(|s, t| lobe(-s, t)), "--theta-sign");
         one(said(|s, t| if (t - s - 10.0).abs() < 5.0 { 0.0 } else { lobe(s, t) }), "--drop zeros");
         let mut radians = Vec::new();

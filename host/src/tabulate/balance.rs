@@ -15,7 +15,7 @@ use crate::watch::Watch;
 const MOST: f64 = 2.0;
 const DIM: f64 = 1e-3;
 /// Places from one gain to the next where the flux is looked at.
-const BETWEEN: u32 = 2;
+const BETWEEN: usize = 2;
 /// Rounds of lowering.
 const ROUNDS: usize = 12;
 /// What is left below 1 for the rounding of storage and sums.
@@ -95,13 +95,13 @@ pub(super) fn to_model(grid: &mut LobeGrid, model: &[f64]) {
     }
 }
 
-/// Cosines of the gains and between them.
+/// Cosines of the gains and between them: every [`BETWEEN`]th is that of a gain.
 fn dense(grid: &LobeGrid) -> Vec<f64> {
     let nodes = grid.cosines();
     let between = |ends: &[f64]| {
         (0..BETWEEN)
             .map(|k| {
-                let share = f64::from(k) / f64::from(BETWEEN);
+                let share = k as f64 / BETWEEN as f64;
                 ends[0] + share * (ends[1] - ends[0])
             })
             .collect::<Vec<f64>>()
@@ -119,6 +119,63 @@ fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
     grid.and_then(of).unwrap_or_else(|| vec![0.0; cosines.len()])
 }
 
+/// A lobe that is lowered, with its fluxes at cosines. The light at an incidence is in proportion to the gain there, so that
+/// new gains need no new sums over facets.
+struct Lowered<'a> {
+    grid: &'a mut LobeGrid,
+    fluxes: Vec<f64>,
+    /// By what the gains were lowered.
+    trim: Vec<f64>,
+}
+
+impl<'a> Lowered<'a> {
+    fn new<S: Storage>(grid: &'a mut LobeGrid, cosines: &[f64]) -> Self {
+        let fluxes = fluxes::<S>(Some(grid), cosines);
+        let trim = vec![1.0; grid.trim.len()];
+        Self { grid, fluxes, trim }
+    }
+
+    /// The gain below a cosine, and how far towards the next it lies.
+    fn place(&self, cos: f64) -> (usize, f64) {
+        let sin = ((1.0 - cos) * (1.0 + cos)).max(0.0).sqrt();
+        let cells = self.trim.len() - 1;
+        let y = incidence_place(sin, cos, f64::from(self.grid.header.grazing)) * cells as f64;
+        let low = (y.floor() as usize).min(cells - 1);
+        (low, y - low as f64)
+    }
+
+    /// The flux at each cosine with the gains as they are now.
+    fn now(&self, cosines: &[f64]) -> Vec<f64> {
+        let gains = self.grid.gains();
+        let mixed = |values: &dyn Fn(usize) -> f64, (low, share): (usize, f64)| {
+            values(low) * (1.0 - share) + values(low + 1) * share
+        };
+        let of = |(cos, flux): (&f64, &f64)| {
+            let place = self.place(*cos);
+            let before = mixed(&|n| gains[n], place);
+            let after = mixed(&|n| gains[n] * self.trim[n], place);
+            if before > 0.0 { flux * after / before } else { *flux }
+        };
+        cosines.iter().zip(&self.fluxes).map(of).collect()
+    }
+
+    /// Lowers each gain by the least of the factors about it.
+    fn lower(&mut self, cosines: &[f64], needed: &[f64]) {
+        let mut factors = vec![1.0_f64; self.trim.len()];
+        for (cos, needed) in cosines.iter().zip(needed) {
+            let (low, share) = self.place(*cos);
+            for n in [low + usize::from(share >= 1.0), low + usize::from(share > 0.0)] {
+                factors[n] = factors[n].min(*needed);
+            }
+        }
+        self.by(&factors);
+    }
+
+    fn by(&mut self, factors: &[f64]) {
+        self.trim.iter_mut().zip(factors).for_each(|(trim, factor)| *trim *= factor);
+    }
+}
+
 /// Lowers both lobes of a side where together they give more than they receive, each by the same factor
 /// `F = (1 - coherent) / (R + T)`.
 ///
@@ -127,51 +184,48 @@ fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
 /// step the greater need of one incidence would lower those beside it: where `R + T` runs away as `1 / cos`, as that of waves does at
 /// grazing incidence, the table would end far below 1.
 pub(super) fn lower<'a, S: Storage>(
-    mut reflection: Option<&'a mut LobeGrid>,
-    mut transmission: Option<&'a mut LobeGrid>,
+    reflection: Option<&'a mut LobeGrid>,
+    transmission: Option<&'a mut LobeGrid>,
     coherent: &dyn Fn(f64) -> [f64; 4],
 ) {
-    let factors = |lobes: [Option<&LobeGrid>; 2], cosines: &[f64]| -> Vec<f64> {
-        let [r, t] = lobes.map(|grid| fluxes::<S>(grid, cosines));
-        let all = r.iter().zip(&t).map(|(r, t)| r + t);
-        let factor = |(cos, all): (&f64, f64)| {
-            let [cr, ct, ..] = coherent(*cos);
-            let room = (1.0 - MARGIN - cr - ct).max(0.0);
+    let grids: Vec<&mut LobeGrid> = [reflection, transmission].into_iter().flatten().collect();
+    let own: Vec<Vec<f64>> = grids.iter().map(|grid| dense(grid)).collect();
+    let cosines = own.concat();
+    let received = |cos: &f64| {
+        let [cr, ct, ..] = coherent(*cos);
+        (1.0 - MARGIN - cr - ct).max(0.0)
+    };
+    let room: Vec<f64> = cosines.iter().map(received).collect();
+    let mut lobes: Vec<Lowered<'_>> =
+        grids.into_iter().map(|grid| Lowered::new::<S>(grid, &cosines)).collect();
+    let factors = |lobes: &[Lowered<'_>]| -> Vec<f64> {
+        let mut all = vec![0.0; cosines.len()];
+        for lobe in lobes {
+            all.iter_mut().zip(lobe.now(&cosines)).for_each(|(all, flux)| *all += flux);
+        }
+        let factor = |(all, room): (&f64, &f64)| {
             if all <= room { 1.0 } else { room / all * (1.0 - 1e-6) }
         };
-        cosines.iter().zip(all).map(factor).collect()
+        all.iter().zip(&room).map(factor).collect()
     };
-    let own = [&reflection, &transmission].map(|grid| {
-        let lobes = [reflection.as_deref(), transmission.as_deref()];
-        grid.as_ref().map(|grid| factors(lobes, &grid.cosines()))
-    });
-    for (grid, own) in [&mut reflection, &mut transmission].into_iter().zip(own) {
-        if let (Some(grid), Some(own)) = (grid, own) {
-            grid.trim.iter_mut().zip(own).for_each(|(trim, factor)| *trim *= factor);
-        }
-    }
-    let mut cosines: Vec<f64> = Vec::new();
-    for grid in [&reflection, &transmission].into_iter().flatten() {
-        cosines.extend(dense(grid));
+    let needed = factors(&lobes);
+    let mut rest = needed.as_slice();
+    for (lobe, own) in lobes.iter_mut().zip(&own) {
+        let (of_own, others) = rest.split_at(own.len());
+        lobe.by(&of_own.iter().copied().step_by(BETWEEN).collect::<Vec<f64>>());
+        rest = others;
     }
     for _ in 0..ROUNDS {
-        let needed = factors([reflection.as_deref(), transmission.as_deref()], &cosines);
+        let needed = factors(&lobes);
         if needed.iter().all(|factor| *factor >= 1.0) {
-            return;
+            break;
         }
-        for grid in [&mut reflection, &mut transmission].into_iter().flatten() {
-            let k = f64::from(grid.header.grazing);
-            let last = grid.trim.len() - 1;
-            let mut lowered = vec![1.0_f64; last + 1];
-            for (cos, factor) in cosines.iter().zip(&needed) {
-                let y = incidence_place(((1.0 - cos) * (1.0 + cos)).sqrt(), *cos, k) * last as f64;
-                for j in [y.floor(), y.ceil()] {
-                    let j = (j as usize).min(last);
-                    lowered[j] = lowered[j].min(*factor);
-                }
-            }
-            grid.trim.iter_mut().zip(lowered).for_each(|(trim, factor)| *trim *= factor);
+        for lobe in &mut lobes {
+            lobe.lower(&cosines, &needed);
         }
+    }
+    for Lowered { grid, trim, .. } in lobes {
+        grid.trim.iter_mut().zip(trim).for_each(|(own, factor)| *own *= factor);
     }
 }
 

@@ -46,7 +46,7 @@ impl Beam {
         if self.form == Form::Direct {
             return self.moved(s, p);
         }
-        let cos = 1.0 / s.hypot(1.0);
+        let cos = 1.0 / (1.0 + s * s).sqrt();
         let sin = s * cos;
         let m = Direction::from_unit(sin * p, sin * (1.0 - p * p).max(0.0).sqrt(), cos);
         let along = self.wi.dot(m);

@@ -75,15 +75,28 @@ impl LobeGrid {
 
     /// Stored numbers and the gains they are worth.
     pub(super) fn stored<S: Storage>(&self) -> (Vec<f32>, Vec<S>) {
-        let each = usize::from(self.header.shape.azimuths) * usize::from(self.header.shape.radii);
-        let (mut units, mut values) = (Vec::new(), Vec::with_capacity(self.v.len()));
-        for plane in self.v.chunks(each) {
-            let most = plane.iter().copied().fold(0.0, f64::max);
-            let unit = most / f64::from(S::FULL);
-            units.push(unit * unit);
+        let full = f64::from(S::FULL);
+        let mut values = Vec::with_capacity(self.v.len());
+        for (plane, most) in self.planes().zip(self.largest()) {
+            let unit = most / full;
             let code = |v: &f64| if unit > 0.0 { (v / unit) as f32 } else { 0.0 };
             values.extend(plane.iter().map(|v| S::nearest(code(v).min(S::FULL))));
         }
+        (self.gains().iter().map(|gain| (gain / (full * full)) as f32).collect(), values)
+    }
+
+    fn planes(&self) -> std::slice::Chunks<'_, f64> {
+        let shape = self.header.shape;
+        self.v.chunks(usize::from(shape.azimuths) * usize::from(shape.radii))
+    }
+
+    fn largest(&self) -> impl Iterator<Item = f64> {
+        self.planes().map(|plane| plane.iter().copied().fold(0.0, f64::max))
+    }
+
+    /// What the largest value of an incidence is worth, at each gain.
+    pub(super) fn gains(&self) -> Vec<f64> {
+        let units: Vec<f64> = self.largest().map(|most| most * most).collect();
         // a dark incidence goes on as the nearest that is lit: it has no say in what is between
         let lit: Vec<usize> = (0..units.len()).filter(|j| units[*j] > 0.0).collect();
         let unit = |j: usize| lit.iter().min_by_key(|k| k.abs_diff(j)).map_or(0.0, |k| units[*k]);
@@ -91,9 +104,9 @@ impl LobeGrid {
         let gain = |(n, trim): (usize, &f64)| {
             let (low, share) = (n / steps, (n % steps) as f64 / steps as f64);
             let high = (low + 1).min(units.len() - 1);
-            ((unit(low) * (1.0 - share) + unit(high) * share) * trim) as f32
+            (unit(low) * (1.0 - share) + unit(high) * share) * trim
         };
-        (self.trim.iter().enumerate().map(gain).collect(), values)
+        self.trim.iter().enumerate().map(gain).collect()
     }
 
     /// Runs an expression with the lobe alone as a table, stored as it would be.
@@ -140,17 +153,20 @@ impl LobeGrid {
     pub(super) fn over_facets(&self, beam: &Beam, mut visit: impl FnMut(&Spot)) {
         let s0 = f64::from(self.header.scale);
         let rings = self.rings();
+        let step = PI / f64::from(AROUND);
+        let around: [(f64, f64); AROUND as usize] =
+            std::array::from_fn(|k| (step * k as f64).sin_cos());
         for ring in 0..rings {
             let r = (f64::from(ring) + 0.5) / f64::from(rings);
             let s = slope(r, s0);
-            let cos = 1.0 / s.hypot(1.0);
+            let cos = 1.0 / (1.0 + s * s).sqrt();
             // ds = s0 / (1 - r)^2 dr, both halves of the circle
             let ds = s0 / ((1.0 - r) * (1.0 - r)) / f64::from(rings);
-            let weight = s * ds * cos * cos * cos * (2.0 * PI / f64::from(AROUND));
+            let weight = s * ds * cos * cos * cos * 2.0 * step;
             // azimuths of their own on each ring: a horizon that crosses the rings is met evenly
-            let offset = (f64::from(ring) * GOLDEN).fract();
-            for k in 0..AROUND {
-                let p = (PI * (f64::from(k) + offset) / f64::from(AROUND)).cos();
+            let (sin_offset, cos_offset) = (step * (f64::from(ring) * GOLDEN).fract()).sin_cos();
+            for (sin, cos) in around {
+                let p = cos * cos_offset - sin * sin_offset;
                 if let Some(turned) = beam.turn(s, p) {
                     visit(&Spot { r, s, p, weight, turned });
                 }

@@ -1,12 +1,10 @@
-//! Maps and rays at the edge of what numbers can hold: an answer each, in bounded time, of bounded flux.
-
-use std::time::Instant;
+//! Maps and rays at the edge of what numbers can hold: an answer each, and bounded flux. A ray that does not end keeps its test
+//! from ending.
 
 use asperity::raytrace::{Fate, Field, Ray, Triangle};
 use asperity::surface::HeightMap;
 use asperity_core::bsdf::Scatter;
 use asperity_core::direction::Direction;
-use asperity_tests::tolerance;
 
 use super::maps::{EDGES, boundary, stream};
 
@@ -75,11 +73,7 @@ fn places(field: &Field) -> Vec<[f32; 2]> {
 
 /// Follows a ray, and looks whether its hit is a point of the map.
 fn follow(field: &Field, ray: &Ray, name: &str) -> Fate {
-    let begin = Instant::now();
     let fate = field.follow(ray);
-    if begin.elapsed().as_secs_f64() > 0.05 {
-        println!("slow: {name} {:?} {ray:?} {fate:?} {:?}", field.edges(), begin.elapsed());
-    }
     if let Fate::Hits(hit) = fate {
         let (nx, ny) = field.size();
         let [x, y] = hit.triangle.cell;
@@ -114,7 +108,6 @@ fn an_upright_ray_in_a_mirror_wall_meets_the_surface() {
 
 #[test]
 fn any_ray_on_any_map_gets_an_answer() {
-    let start = Instant::now();
     let mut answers = [0; 3];
     for (name, map) in maps() {
         let level = if tall(&map) { 60.0 } else { 89.99 };
@@ -145,15 +138,13 @@ fn any_ray_on_any_map_gets_an_answer() {
                     }
                 }
             }
-            println!("{name}: hits, escapes, lost {answers:?} in {:?}", start.elapsed());
+            println!("{name}: hits, escapes, lost {answers:?}");
         }
     }
-    assert!(start.elapsed().as_secs_f64() < tolerance::EXTREMES_SECONDS.allowed);
 }
 
 #[test]
 fn rays_that_are_level_or_no_rays_end() {
-    let start = Instant::now();
     let nan = f32::NAN;
     let infinite = f32::INFINITY;
     let mut answers = [0; 3];
@@ -188,16 +179,13 @@ fn rays_that_are_level_or_no_rays_end() {
                 Fate::Lost => 2,
             };
             answers[answer] += 1;
-            let spent = start.elapsed().as_secs_f64();
-            assert!(spent < tolerance::EXTREMES_SECONDS.allowed, "{name} {ray:?}");
         }
     }
-    println!("hits, escapes, lost: {answers:?} in {:?}", start.elapsed());
+    println!("hits, escapes, lost: {answers:?}");
 }
 
 #[test]
 fn no_flux_comes_from_nowhere_on_any_map() {
-    let start = Instant::now();
     let mut random = stream(4);
     for (name, map) in maps() {
         for edges in EDGES {
@@ -219,7 +207,7 @@ fn no_flux_comes_from_nowhere_on_any_map() {
                     }
                 }
             }
-            println!("{name} {}: {lost} of {rays} lost, {:?}", edges.name(), start.elapsed());
+            println!("{name} {}: {lost} of {rays} lost", edges.name());
         }
     }
     // what is no direction is no ray
@@ -228,5 +216,4 @@ fn no_flux_comes_from_nowhere_on_any_map() {
         let wi = Direction::from_unit(x, y, z);
         assert!(boundary.sample(wi, &mut || random.next()).is_none(), "{wi:?}");
     }
-    assert!(start.elapsed().as_secs_f64() < tolerance::EXTREMES_SECONDS.allowed);
 }

@@ -237,11 +237,12 @@ fn beyond_the_critical_angle_it_transmits_what_the_orders_of_maps_do() {
         let kept = WaveBoundary::of_map(&map, EDGES, ior(ETA), &options).unwrap();
         let kept = Boundary::Wave(Box::new(kept));
         let found = balances(&kept, &places, rays, Watch::nobody()).unwrap();
+        let mean_law = Boundary::Wave(Box::new(wave(&map)));
         for (k, (_, deg)) in places.into_iter().enumerate() {
             let flux = count_flux(&hybrid, beam(true, deg), Rays { seed, ..rays });
             of_hybrid[k].push(flux.transmitted);
             of_orders[k].push(found[k].transmitted);
-            let law = balance(&Boundary::Wave(Box::new(wave(&map))), places[k].0, deg, rays);
+            let law = balance(&mean_law, places[k].0, deg, rays);
             of_law[k][0] += law.reflected / SEEDS as f64;
             of_law[k][1] += law.transmitted / SEEDS as f64;
         }

@@ -48,7 +48,7 @@ impl<'a> Aim<'a> {
         let [x, y, z] = wo.xyz();
         let [qx, qy] = optics.momentum([x, y]);
         let n = optics.k * optics.n_o;
-        self.density.drawn(self.q_z, qx.hypot(qy)) * n * n * z.abs()
+        self.density.drawn(self.q_z, (qx * qx + qy * qy).sqrt()) * n * n * z.abs()
     }
 
     /// A `|q_xy|` drawn in proportion to the density about the specular direction, 1/um.

@@ -216,7 +216,7 @@ impl WaveBoundary {
         if q_z <= 0.0 {
             return 0.0;
         }
-        let d = self.density.value(qx.hypot(qy), q_z * self.scale.abs());
+        let d = self.density.value((qx * qx + qy * qy).sqrt(), q_z * self.scale.abs());
         let n = optics.k * optics.n_o;
         n * n * d * factor * self.unshadowed(wi, wo, optics.wavelength_um())
     }
@@ -232,7 +232,7 @@ impl WaveBoundary {
         let q_z = optics.k * optics.height(z.abs());
         if q_z > 0.0 {
             let width = sines * optics.k * optics.n_o;
-            self.density.speckle(qx.hypot(qy), q_z * self.scale.abs(), width)
+            self.density.speckle((qx * qx + qy * qy).sqrt(), q_z * self.scale.abs(), width)
         } else {
             0.0
         }
