@@ -68,7 +68,12 @@ impl<T: Precision> Fourier<T> {
     /// For fields of `nx` times `ny` points.
     pub fn new((nx, ny): (usize, usize), ends: impl Into<Ends>) -> Self {
         let ends = ends.into();
-        Self { x: Line::new(nx, ends), y: Line::new(ny, ends), ends }
+        // of a periodic field the lines along x take the share of both, while they are in the nearest cache
+        let shares = match ends {
+            Ends::Periodic => [1.0 / (nx * ny) as f64, 1.0],
+            Ends::Mirrored => [1.0 / nx as f64, 1.0 / ny as f64],
+        };
+        Self { x: Line::new(nx, ends, shares[0]), y: Line::new(ny, ends, shares[1]), ends }
     }
 
     /// Room for the coefficients, to be used for one field after the other.
@@ -111,7 +116,9 @@ struct Line<T: Precision> {
     n: usize,
     ends: Ends,
     plan: Arc<dyn Fft<T>>,
-    /// `exp(-i pi k / 2n) / 2n`, for mirrored lines.
+    /// What a coefficient of a periodic line is multiplied by; `None` for one.
+    share: Option<T>,
+    /// `exp(-i pi k / 2n)` times half of that, for mirrored lines.
     turns: Vec<Complex<T>>,
 }
 
@@ -121,14 +128,15 @@ struct Work<T> {
 }
 
 impl<T: Precision> Line<T> {
-    fn new(n: usize, ends: Ends) -> Self {
-        let of = |x: f64| T::from_f64(x / n as f64).unwrap_or_else(T::zero);
+    fn new(n: usize, ends: Ends, share: f64) -> Self {
+        let of = |x: f64| T::from_f64(x).unwrap_or_else(T::zero);
         let half = |k: usize| {
             let z = turn(k, n, 0.5);
-            Complex::new(of(z.re), of(z.im))
+            Complex::new(of(share * z.re), of(share * z.im))
         };
         let turns = if ends == Ends::Mirrored { (0..n).map(half).collect() } else { Vec::new() };
-        Self { n, ends, plan: T::forward(n), turns }
+        let share = (share < 1.0).then(|| of(share));
+        Self { n, ends, plan: T::forward(n), share, turns }
     }
 
     fn work(&self, lines: usize) -> Work<T> {
@@ -155,9 +163,10 @@ impl<T: Precision> Line<T> {
         for line in lines.chunks_exact_mut(n) {
             match self.ends {
                 Ends::Periodic => {
-                    let share = T::one() / T::from_usize(n).unwrap_or_else(T::one);
-                    for value in line {
-                        *value = *value * share;
+                    if let Some(share) = self.share {
+                        for value in line {
+                            *value = *value * share;
+                        }
                     }
                 }
                 Ends::Mirrored => {
