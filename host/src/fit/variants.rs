@@ -102,6 +102,7 @@ impl Problem<'_> {
 
     /// The same with an instrument that shows other zeros: the light is where it shows less.
     pub(super) fn turned(mut self, theta_deg: f64, sigma_deg: f64) -> Self {
+        self.later = None;
         for plane in &mut self.angles.incidences {
             plane.sigma_deg -= sigma_deg;
             plane.theta_deg.iter_mut().for_each(|t| *t = (*t - theta_deg).clamp(-89.999, 89.999));
@@ -111,15 +112,15 @@ impl Problem<'_> {
 
     /// The same with a wider aperture.
     pub(super) fn opened(mut self, factor: f64) -> Self {
+        self.later = None;
         self.setup = with_aperture(self.setup, factor);
         self.opening *= factor;
         self
     }
 
     /// The same with another index, where it is not fitted.
-    pub(super) fn with_ior(mut self, ior: f64) -> Self {
-        self.ior = Some(ior);
-        self
+    pub(super) fn with_ior(self, ior: f64) -> Self {
+        Self { ior: Some(ior), later: None, ..self }
     }
 
     /// The same with light of later hits as it is known near some values.
