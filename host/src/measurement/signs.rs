@@ -88,8 +88,9 @@ fn saturated(scan: &Measurement) -> Option<String> {
         let longest = runs.filter(|run| at_top(run[0].value)).map(<[_]>::len).max()?;
         // a flat plane is no saturated lobe
         let is_lobe = plane.readings.len() >= MANY && 2 * longest < plane.readings.len();
-        let chance = if is_fine(plane.readings) { SATURATED_FINE } else { SATURATED };
-        (longest >= chance && is_lobe && top > 0.0).then_some((plane.sigma_deg, top, longest))
+        let is_clipped =
+            longest >= SATURATED || longest >= SATURATED_FINE && is_fine(plane.readings);
+        (is_clipped && is_lobe && top > 0.0).then_some((plane.sigma_deg, top, longest))
     };
     let (sigma, top, longest) = scan.by_plane().find_map(run)?;
     Some(format!(

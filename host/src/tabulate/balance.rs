@@ -119,7 +119,7 @@ fn fluxes<S: Storage>(grid: Option<&LobeGrid>, cosines: &[f64]) -> Vec<f64> {
     grid.and_then(of).unwrap_or_else(|| vec![0.0; cosines.len()])
 }
 
-/// A lobe that is lowered, with its fluxes at cosines. The light at an incidence is in proportion to the gain there, so that
+/// A lobe while its gains are lowered, with its flux at each cosine of incidence. The flux is proportional to the gain there, so
 /// new gains need no new sums over facets.
 struct Lowered<'a> {
     grid: &'a mut LobeGrid,

@@ -94,7 +94,7 @@ impl LobeGrid {
         self.planes().map(|plane| plane.iter().copied().fold(0.0, f64::max))
     }
 
-    /// What the largest value of an incidence is worth, at each gain.
+    /// The gains, one per step of incidence, if the largest value of each incidence is stored as 1.
     pub(super) fn gains(&self) -> Vec<f64> {
         let units: Vec<f64> = self.largest().map(|most| most * most).collect();
         // a dark incidence goes on as the nearest that is lit: it has no say in what is between
